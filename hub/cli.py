@@ -41,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # NumPy's own threads, for products of large matrices, cost each process time at its start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # messages hold text of any kind
+        sys.stdout.reconfigure(errors="backslashreplace")  # messages hold any text
     options = _parser().parse_args(arguments)
     if options.command != "run":  # the daemon forks before it has a thread
         start_logging("hub", logging.WARNING)
@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         _leave()
     except BrokenPipeError:
-        sys.stderr.close()  # whoever read our output has seen enough
+        sys.stderr.close()  # the reader of the output has ended
         return ExitCode.OK
     except HubError as error:
         sys.stderr.write(f"rune-hub: {plain(str(error), lines=True)}\n")
@@ -63,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _leave() -> NoReturn:
-    """End at once: Ctrl-C can strike where sockets are half made, and closing them would wait."""
+    """End at once: Ctrl-C can interrupt the making of sockets, and closing them would wait."""
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError, AttributeError):
             stream.flush()
@@ -76,30 +76,30 @@ def _run_command(options: argparse.Namespace) -> int:
     if options.command == "run":
         return _run_daemon(options)
     if options.command == "keys":
-        return _tend_keys(options)
+        return _run_key_command(options)
     if options.command == "mission" and options.task in ("list", "show", "export"):
-        return _look_at_missions(options)
+        return _run_mission_command(options)
     if options.command in ("doctor", "service"):
-        return _look_at_machine(options)
+        return _run_machine_command(options)
     from hub.inspection import message_commands
 
     client = message_commands.connect(options.hub, options.command, options.keys)
     try:
-        return _look(client, options)
+        return _run_inspection(client, options)
     except KeyboardInterrupt:
         _leave()
     finally:
         client.close()
 
 
-def _look(client: Client, options: argparse.Namespace) -> int:
-    """Carry out a command that looks into a running hub."""
+def _run_inspection(client: Client, options: argparse.Namespace) -> int:
+    """Carry out a command that inspects a running hub."""
     from hub.inspection import message_commands
 
     if options.command in ("status", "log", "close", "log-level"):
-        return _look_at_central(client, options)
+        return _run_central_command(client, options)
     if options.command == "control":
-        return _look_at_control(client, options)
+        return _run_control_command(client, options)
     if options.command == "halt":
         from hub.inspection import halt_command
 
@@ -107,7 +107,7 @@ def _look(client: Client, options: argparse.Namespace) -> int:
     if options.command == "mission":
         return _order_mission(client, options)
     if options.command in _OF_MODULES:
-        return _look_at_modules(client, options)
+        return _run_module_command(client, options)
     if options.command == "list":
         return message_commands.list_all(client, as_json=options.json)
     if options.command == "echo":
@@ -131,8 +131,8 @@ def _look(client: Client, options: argparse.Namespace) -> int:
     )
 
 
-def _look_at_central(client: Client, options: argparse.Namespace) -> int:
-    """Carry out a command that is about central itself."""
+def _run_central_command(client: Client, options: argparse.Namespace) -> int:
+    """Carry out a command about central itself."""
     from hub.inspection import central_commands
 
     if options.command == "status":
@@ -146,8 +146,8 @@ def _look_at_central(client: Client, options: argparse.Namespace) -> int:
     return central_commands.log_level(client, options.level)
 
 
-def _look_at_control(client: Client, options: argparse.Namespace) -> int:
-    """Carry out a command about who commands the robot."""
+def _run_control_command(client: Client, options: argparse.Namespace) -> int:
+    """Carry out a command about the control of the robot."""
     from hub.inspection import control_commands
 
     if options.task == "release":
@@ -155,8 +155,8 @@ def _look_at_control(client: Client, options: argparse.Namespace) -> int:
     return control_commands.show(client, as_json=options.json)
 
 
-def _look_at_missions(options: argparse.Namespace) -> int:
-    """Carry out a command about what missions have kept; no hub needs to run."""
+def _run_mission_command(options: argparse.Namespace) -> int:
+    """Carry out a command about the records of missions; no hub needs to run."""
     from hub.inspection import mission_commands
 
     if options.task == "list":
@@ -177,7 +177,7 @@ def _order_mission(client: Client, options: argparse.Namespace) -> int:
     return mission_commands.order(client, MissionAction[options.task.upper()], name)
 
 
-def _look_at_modules(client: Client, options: argparse.Namespace) -> int:
+def _run_module_command(client: Client, options: argparse.Namespace) -> int:
     """Carry out a command for the daemon that runs the modules."""
     from hub.inspection import module_commands
 
@@ -194,8 +194,8 @@ def _look_at_modules(client: Client, options: argparse.Namespace) -> int:
     return module_commands.order(client, options.module, options.command)
 
 
-def _look_at_machine(options: argparse.Namespace) -> int:
-    """Carry out a command that is about this machine; no hub needs to run."""
+def _run_machine_command(options: argparse.Namespace) -> int:
+    """Carry out a command about this machine; no hub needs to run."""
     from hub.robomon.module_table import load_robot_table
 
     if options.command == "doctor":
@@ -207,7 +207,7 @@ def _look_at_machine(options: argparse.Namespace) -> int:
     return systemd_unit.write_unit(load_robot_table(options.robot), options.robot, options.user)
 
 
-def _tend_keys(options: argparse.Namespace) -> int:
+def _run_key_command(options: argparse.Namespace) -> int:
     from hub.inspection import key_commands
 
     keyring = key_commands.keyring(options.folder)
@@ -221,7 +221,7 @@ def _tend_keys(options: argparse.Namespace) -> int:
 def _run_daemon(options: argparse.Namespace) -> int:
     import dataclasses
 
-    gc.disable()  # nothing that is imported becomes garbage
+    gc.disable()  # imported objects never become garbage
     try:
         from hub.robomon import daemon
         from hub.robomon.module_table import load_robot_table

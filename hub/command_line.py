@@ -1,4 +1,4 @@
-"""What both commands share: reading arguments, exit codes, the version, completion in shells."""
+"""Common parts of both commands: arguments, exit codes, the version, completion in shells."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _UNKNOWN = re.compile(r"invalid choice: '(?P<word>[^']{1,64})' \(choose from (?P
 
 
 class ExitCode(enum.IntEnum):
-    """How a command ends.
+    """The exit code of a command.
 
     Attributes:
-        OK: It did what was asked.
-        FAULT: It failed, or the hub refused what was asked.
+        OK: It succeeded.
+        FAULT: It failed, or the hub refused it.
         USAGE: The arguments, a layout or a robot file are wrong.
         NO_HUB: No hub answers.
     """
@@ -36,10 +36,10 @@ class ExitCode(enum.IntEnum):
 
 
 class CommandParser(argparse.ArgumentParser):
-    """Names the nearest known word or option, and shows its help where a command is missing.
+    """Suggests the nearest known word or option, and shows the help when a command is missing.
 
     Attributes:
-        advice: What to do after an error; empty: to read the help.
+        advice: Remedy after an error; empty: the help.
     """
 
     advice = ""
@@ -47,7 +47,7 @@ class CommandParser(argparse.ArgumentParser):
     def parse_known_args(  # type: ignore[override]
         self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
     ) -> tuple[argparse.Namespace, list[str]]:
-        """As `argparse` does it, but nothing stays unknown: only this parser knows its options."""
+        """Like `argparse`, but unknown arguments are errors: only this parser has its options."""
         words = list(sys.argv[1:] if args is None else args)
         if self._subparsers and words and self._is_unknown(words[0]):
             self.error(self._usage_error(words, or_else="; options follow the command"))
@@ -57,7 +57,7 @@ class CommandParser(argparse.ArgumentParser):
         return found, unknown
 
     def _is_unknown(self, word: str) -> bool:
-        """Whether it looks like an option, and is none of this parser's."""
+        """Whether it has the form of an option, and is none of this parser's."""
         name = word.partition("=")[0]
         known = any(option.startswith(name) for option in self._option_string_actions)
         return name.startswith("-") and not known
@@ -72,7 +72,7 @@ class CommandParser(argparse.ArgumentParser):
         return f"{option!r} is no option here{hint}"
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong with the arguments in one sentence, and end with code 2."""
+        """Print the mistake in the arguments in one sentence, and end with code 2."""
         if message.startswith("the following arguments are required: COMMAND"):
             self.print_help(sys.stderr)
             self.exit(ExitCode.USAGE)
@@ -85,11 +85,11 @@ class CommandParser(argparse.ArgumentParser):
 
 
 Commands: TypeAlias = "argparse._SubParsersAction[CommandParser]"  # noqa: SLF001 - it has no public name
-"""What takes further commands."""
+"""The place of further commands."""
 
 
 class ShowVersion(argparse.Action):
-    """Looks the version up when it is asked for: to import what finds it costs 30 ms."""
+    """Finds the version only on request: its import costs 30 ms."""
 
     def __init__(self, option_strings: Sequence[str], dest: str) -> None:
         text = "show the version and exit"
@@ -106,13 +106,13 @@ class ShowVersion(argparse.Action):
 def number_type(
     kind: Callable[[str], N], least: float, most: float, allowed: str
 ) -> Callable[[str], N]:
-    """What reads an argument that is a number.
+    """A reader of a number argument.
 
     Args:
         kind: Converts the text: int or float.
         least: Smallest value allowed.
         most: Largest value allowed.
-        allowed: What an argument has to be, for people.
+        allowed: The allowed arguments, in words.
     """
 
     def read(text: str) -> N:
@@ -127,7 +127,7 @@ def number_type(
 
 
 def login_name() -> str:
-    """Who is logged in here; empty if the system does not say."""
+    """The login's name; empty: the system has none."""
     try:
         return getpass.getuser()
     except (OSError, KeyError, ImportError):
@@ -135,7 +135,7 @@ def login_name() -> str:
 
 
 def add_completion(commands: Commands) -> None:
-    """Add the command that prints what completes this command's words in a shell."""
+    """Add the command that prints the script for completion in a shell."""
     completion = commands.add_parser(
         "completion",
         help="print what completes this command's words in your shell",

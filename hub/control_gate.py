@@ -37,7 +37,7 @@ def follow_control(client: Client, learn: Callable[[ControlState], None]) -> Non
     daemon = 0
     waiting: tuple[int, ControlState] | None = None
 
-    def look() -> None:
+    def apply() -> None:
         nonlocal waiting
         if waiting is not None and waiting[0] == daemon != 0:
             state, waiting = waiting[1], None
@@ -46,15 +46,15 @@ def follow_control(client: Client, learn: Callable[[ControlState], None]) -> Non
     def connected(number: int) -> None:
         nonlocal daemon
         daemon = number
-        look()
+        apply()
 
-    def came(state: ControlState, reception: MessageInfo) -> None:
+    def on_state(state: ControlState, reception: MessageInfo) -> None:
         nonlocal waiting
         waiting = reception.publisher, state
-        look()
+        apply()
 
     client.directory.follow(ROBOMON, connected)
-    client.subscribe(CONTROL_STATE, came, last=True)
+    client.subscribe(CONTROL_STATE, on_state, last=True)
 
 
 class ControlGate:

@@ -1,4 +1,4 @@
-"""What the holders of keys have used of their quotas.
+"""The accounts of keys: the used part of their quotas.
 
 All connections with one key share one account. Pure: the time comes with each call.
 """
@@ -28,25 +28,25 @@ PRICES: Mapping[type, float] = MappingProxyType(
 )
 """The price of a control message that is expensive for central; all others cost 1."""
 STOPS_PER_S, STOPS_AT_ONCE = 20.0, 40.0
-"""Stops of one key that are handed on; a client that sends more has stopped the robot already."""
+"""Stops of one key that pass [1/s, burst]; with more, the robot is stopped already."""
 _EXCESS = 2000.0
-"""A connection is ended when this much was refused, less its rate since then."""
+"""Amount of refused requests, less the rate since then, that ends a connection."""
 _MAX_EXCESSIVE = 256
 _BARRED_S = 10.0
-"""A key whose connection was ended makes no new one for this long [s]."""
+"""Time without new connections for a key after such an end [s]."""
 
 
 class QuotaVerdict(enum.Enum):
-    """What becomes of a control message."""
+    """The decision on a control message."""
 
     SERVED = "served"
     REFUSED = "refused"
     ENDED = "ended"
-    """It is refused, and its connection is ended: too much was refused before."""
+    """It is refused, and its connection ends: too much was refused before."""
 
 
 class Account:
-    """What the clients of one key have used."""
+    """The used quota of one key's clients."""
 
     def __init__(self, principal: Principal, quota: Quota) -> None:
         self._principal = principal
@@ -72,11 +72,11 @@ class Account:
         )
 
     def ask(self, identity: bytes, kind: type | None, size: int, now: float) -> QuotaVerdict:
-        """A control message came.
+        """Charge a control message.
 
         Args:
             identity: Of its connection.
-            kind: Its kind; None if it is no control message.
+            kind: Its kind; None: it is no control message.
             size: Of all its parts [bytes].
             now: The time [s].
         """
@@ -88,7 +88,7 @@ class Account:
             if len(self._excess) >= _MAX_EXCESSIVE:
                 self._excess.clear()
             excess = self._excess[identity] = Bucket(self._quota.requests_per_s, _EXCESS)
-        # A frame that is long is refused at its length: few of them fill the line.
+        # A long frame is refused by its length: a few of them fill the line.
         if excess.take(max(price, size / 4096), now):
             return QuotaVerdict.REFUSED
         del self._excess[identity]
@@ -96,19 +96,19 @@ class Account:
         return QuotaVerdict.ENDED
 
     def may_command(self, now: float) -> bool:
-        """Whether one more command is handed on now."""
+        """Charge a command; whether it may pass."""
         return self._commands.take(1.0, now)
 
     def may_stop(self, now: float) -> bool:
-        """Whether one more stop is handed on now, which no command keeps out."""
+        """Charge a stop, apart from commands; whether it may pass."""
         return self._stops.take(1.0, now)
 
     def may_answer(self, now: float) -> bool:
-        """Whether a refusal is answered; one a second is."""
+        """Whether a refusal gets an answer: at most one a second."""
         return self._answers.take(1.0, now)
 
     def may_connect(self, place: str, now: float) -> bool:
-        """Whether one more connection to a place is taken now."""
+        """Charge a connection to a place; whether it may stay."""
         handshakes = self._handshakes.get(place)
         if handshakes is None:
             quota = self._quota
@@ -124,9 +124,9 @@ class Accounts:
         self._accounts: dict[Principal, Account] = {}
 
     def of(self, principal: Principal) -> Account:
-        """The account of this key; it begins with the first use."""
+        """The account of this key, made at first use."""
         account = self._accounts.get(principal)
-        if account is None:  # another thread may ask at the same time
+        if account is None:  # another thread may call this at the same time
             account = self._accounts.setdefault(
                 principal, Account(principal, QUOTAS[principal.role])
             )

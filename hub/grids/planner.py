@@ -44,8 +44,8 @@ def plan(
         unknown_cost: Additional cost of unknown ground; inf: it is not crossed. The default is the
             cost of a tight place: a door that noise makes narrow is better than a path round the
             map.
-        squeeze: If no path over known ground leads to the goal, places that keep only this share of
-            the radius free may be crossed at ten times the cost.
+        squeeze: Without a path over known ground to the goal, the path may cross places with only
+            this share of the radius free. They cost ten times as much.
         tolerance: If none does either, the path ends at the nearest reachable place, at most this
             far from the goal [m].
 

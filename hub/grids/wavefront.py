@@ -1,6 +1,6 @@
 """The cost of the cheapest path from one cell to all others.
 
-Dijkstra's algorithm, many cells at once. No step costs less than 1, so all cells with a cost below
+Dijkstra's algorithm, many cells at once. No step costs less than 1. So all cells with a cost below
 the least one plus 1 are final and are expanded together (the bound of D. Crauser et al., A
 Parallelization of Dijkstra's Shortest Path Algorithm, 1998). The result is exact.
 """

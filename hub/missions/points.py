@@ -54,9 +54,8 @@ class PointBook:
         """The point as it would be stored; nothing changes yet.
 
         Args:
-            point: New if its number is 0, else another version of one that is there; a note that
-                is too long is cut, a picture that is too large left out, and an uncertainty or a
-                distance that cannot be is NaN.
+            point: New if its number is 0, else another version of one that is there; a long note is
+                cut, a large picture is left out, and an impossible uncertainty or distance is NaN.
             by: Who marked it, where the point does not say.
             now: When it was marked [s since the epoch], where the point does not say.
 

@@ -1,4 +1,4 @@
-"""Pictures of another shape than the camera's: the middle of what it sees, pixels always square."""
+"""Pictures of another shape than the camera's: the middle of its view, with square pixels."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ Size = tuple[int, int]
 
 
 def size_within(width_px: int, height_px: int, whole: Size) -> Size:
-    """The size of the answer to a request: what was asked for, at most the camera's own."""
+    """The size of the answer to a request: the requested one, at most the camera's own."""
     return max(1, min(width_px, whole[0])), max(1, min(height_px, whole[1]))
 
 
 def cropped_fov(horizontal_fov: float, size: Size, whole: Size) -> float:
     """Field of view from left to right of a picture [rad].
 
-    A picture that is narrower than the camera's shows all of its height and the middle of its
-    width; one that is wider shows all of its width.
+    A narrower picture than the camera's shows the whole height and the middle of the width; a
+    wider one shows the whole width.
 
     Args:
         horizontal_fov: The camera's own [rad].
@@ -31,7 +31,7 @@ def cropped_fov(horizontal_fov: float, size: Size, whole: Size) -> float:
 
 
 def scaled_size(size: Size, whole: Size) -> Size:
-    """The least size of the camera's whole picture that can be cut to `size`."""
+    """The least size of the camera's whole picture from which `size` can be cut."""
     scale = max(size[0] / whole[0], size[1] / whole[1])
     return max(size[0], round(whole[0] * scale)), max(size[1], round(whole[1] * scale))
 

@@ -1,4 +1,4 @@
-"""The hardware part of a robot file: which kind of robot, its limits, where its hub listens."""
+"""The hardware part of a robot file: the kind of robot, its limits, its hub's address."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from hub.toml_reader import choice, degrees, key, number, plain_name, text, trut
 
 SHIPPED = Path(__file__).parent / "files"
 ROBOTS_OWN = "robot"
-"""The source of pictures that is the robot's own camera."""
+"""The source of pictures for the robot's own camera."""
 NOTHING_NEW_S = 240.0
 NOTHING_NEW_SHARE = 0.02
-"""Exploring ends when the ground in reach grew by less than this share for this time [s]."""
+"""Exploring ends if the ground in reach grew by less than this share in this time [s]."""
 LONGEST_EXPLORING_S = 600.0
-"""Exploring ends in time for the robot to be back at its start then [s]."""
+"""Time after which an exploring robot is back at its start [s]."""
 
 
 class MissionBegin(enum.Enum):
-    """What begins a mission, besides a mark and the operator's word.
+    """The event that starts a mission, besides a mark and the operator's order.
 
     Attributes:
         WITH_CONTROL: An operator who takes control of the robot.
@@ -42,15 +42,15 @@ class MissionBegin(enum.Enum):
 
 
 _USUAL_RADIUS = 0.205
-"""Of a robot whose file says nothing of its body: a Magellan Pro's [m]."""
+"""Radius of a robot without a body in its file: a Magellan Pro's [m]."""
 _SAME_LENGTH = 1e-3
-"""Lengths that differ by less are the same [m]."""
+"""Lengths with a smaller difference are equal [m]."""
 _LEAST_AREA = 1e-4
-"""A surface that is smaller is none [m^2]."""
+"""Smallest surface of a body [m^2]."""
 
 
 def _corners(value: object) -> tuple[tuple[float, float], ...]:
-    """The corners of a body, put in counter-clockwise order."""
+    """The corners of a body, in counter-clockwise order."""
     corners: tuple[tuple[float, float], ...]
     corners = toml.several(toml.numbers(2, -5.0, 5.0), MOST_CORNERS)(value)
     following = (*corners[1:], corners[0])
@@ -72,13 +72,13 @@ def _source(value: object) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotDescription:
-    """What a robot file says of the robot itself; the `key` of each field says how.
+    """The robot in a robot file; each field has its `key` in the file.
 
     Attributes:
         path: The file.
-        settings: Values that stand in place of the file's, each as "TABLE.KEY=VALUE".
-        camera_fov: Field of view from left to right of a camera that is not the robot's own [rad].
-        modules: The tables under [modules], not yet checked.
+        settings: Values that replace the file's, each as "TABLE.KEY=VALUE".
+        camera_fov: Field of view from left to right of another camera than the robot's own [rad].
+        modules: The unchecked tables under [modules].
     """
 
     path: Path
@@ -238,7 +238,7 @@ class RobotDescription:
 
     @property
     def body(self) -> RobotBody:
-        """What the hub tells about the robot."""
+        """The robot's body, as the hub publishes it."""
         return RobotBody(
             name=self.name,
             kind=self.kind,
@@ -253,7 +253,7 @@ class RobotDescription:
 
 
 def find_robot_file(name_or_path: str) -> Path:
-    """The robot file of that path, or the shipped one of that name.
+    """The robot file at a path, or the shipped one of a name.
 
     Raises:
         RobotFileError: There is neither.
@@ -272,11 +272,11 @@ def find_robot_file(name_or_path: str) -> Path:
 def read_description(
     path: Path, settings: Sequence[str] = ()
 ) -> tuple[RobotDescription, toml.Problems]:
-    """What the file says of the robot, and all that is wrong with it.
+    """The robot in a file, and all mistakes of the file.
 
     Args:
         path: The robot file.
-        settings: Values in place of the file's, each as "TABLE.KEY=VALUE".
+        settings: Values that replace the file's, each as "TABLE.KEY=VALUE".
 
     Raises:
         RobotFileError: The file cannot be read or is not TOML.
@@ -306,18 +306,18 @@ def read_description(
 
 
 def settings(module: str) -> str:
-    """What the robot file can set for a module, in words; empty: nothing."""
-    told = [
+    """The robot file's settings for a module, in words; empty: none."""
+    words = [
         f"{name} ({toml.shown(each)}): {each.meaning}"
         for name, each in toml.tables_of(RobotDescription).get(module, {}).items()
     ]
-    return f"its table [{module}] has: {'; '.join(told)}" if told else ""
+    return f"its table [{module}] has: {'; '.join(words)}" if words else ""
 
 
 def _enclosing(
     radius: float, corners: tuple[tuple[float, float], ...], problems: toml.Problems
 ) -> float:
-    """The radius of the circle in which all of the body lies [m]."""
+    """The radius of the circle that encloses the body [m]."""
     farthest = max((math.hypot(x, y) for x, y in corners), default=0.0)
     if math.isnan(radius):
         return farthest or _USUAL_RADIUS
@@ -331,5 +331,5 @@ def _enclosing(
 
 
 def _located(named: str, folder: Path) -> str:
-    """A path that a robot file names: relative ones begin beside it; empty where it names none."""
+    """A path in a robot file: relative to its folder; empty: none."""
     return str(folder / os.path.expanduser(named)) if named else ""  # noqa: PTH111 - never raises

@@ -1,4 +1,4 @@
-"""What a robot's hardware must offer to the modules; each robot file implements it."""
+"""The interfaces of a robot's hardware for the modules; each robot implements them."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ class DriveBase(Protocol):
     """Wheels, range sensors, bumpers and battery; owned by the driver module."""
 
     def set_velocity(self, linear: float, angular: float) -> None:
-        """Tell the wheels: forward [m/s], counter-clockwise [rad/s]; limits are applied."""
+        """Set the velocity: forward [m/s], counter-clockwise [rad/s]; limits apply."""
 
     def advance(self, seconds: float) -> None:
-        """Let time pass; real hardware has nothing to do here."""
+        """Advance a simulation; real hardware does nothing here."""
 
     def drive_state(self, stamp: float) -> DriveState:
-        """What the sensors say now; `stamp` [s since the epoch] is copied into it."""
+        """The present measurements; `stamp` [s since the epoch] is copied into them."""
 
     def ground_truth(self) -> GroundTruth | None:
-        """Where it really is; None where nobody knows."""
+        """Its true pose; None: unknown."""
 
 
 @runtime_checkable
 class BaseLeftAlone(Protocol):
-    """A `DriveBase` that can do more than stand when it has no operator."""
+    """A `DriveBase` with more actions than standing when it has no operator."""
 
     def left_alone(self, action: LeftAlone | None) -> None:
-        """From now on, do this by itself; None: somebody operates it again.
+        """Do this from now on; None: it has an operator again.
 
-        The driver calls this once, each time that it changes; it goes on setting velocities.
+        The driver calls this at each change; it goes on setting velocities.
         """
 
 
@@ -46,7 +46,7 @@ class Picture:
 
     Attributes:
         pixels: Red, green, blue, shape (height, width, 3).
-        measured: When it was taken, on the monotonic clock [s].
+        measured: Time of the picture, on the monotonic clock [s].
         horizontal_fov: Field of view from left to right of this picture [rad].
     """
 
@@ -59,33 +59,33 @@ class Camera(Protocol):
     """A camera, perhaps on a pan/tilt/zoom head; owned by the vision module."""
 
     def advance(self, seconds: float) -> None:
-        """Let time pass; real hardware has nothing to do here."""
+        """Advance a simulation; real hardware does nothing here."""
 
     def move(self, command: CameraCommand) -> None:
-        """Start moving; limits are applied, the head takes its time; nothing without a head."""
+        """Start to move within the limits; a camera without a head does nothing."""
 
     def set_headlight(self, brightness: float) -> None:
-        """Light the headlight, 0 (off) to 1; nothing happens where there is none."""
+        """Set the headlight, 0 (off) to 1; without one, do nothing."""
 
     def camera_state(self, stamp: float) -> CameraState:
-        """Where it looks now; `stamp` [s since the epoch] is copied into it."""
+        """Its present direction; `stamp` [s since the epoch] is copied into it."""
 
     def place(self, x: float, y: float, theta: float, measured: float) -> None:
-        """Where the robot was [m, m, rad], and when [s]; only a simulated camera needs to know."""
+        """Set the robot's pose [m, m, rad] and its time [s]; only a simulated camera uses it."""
 
     def take(self, width_px: int, height_px: int, now: float) -> Picture:
         """A picture of this size, at most as large as the camera's own.
 
-        Pixels are square. Of another shape than the camera's, it shows the middle.
+        Pixels are square. A picture of another shape than the camera's shows the middle.
 
         Args:
-            width_px: Width wanted.
-            height_px: Height wanted.
+            width_px: Requested width.
+            height_px: Requested height.
             now: Monotonic time [s].
 
         Raises:
-            CameraError: There is none; the text says why, and what to do.
+            CameraError: There is none; the text gives the reason and the remedy.
         """
 
     def close(self) -> None:
-        """Give the camera back."""
+        """Release the camera."""

@@ -34,7 +34,7 @@ STEP = 0.01
 STEPS_PER_SCAN = 10
 """All range sensors measure together at 10 Hz; the real ring of sonars takes half a second."""
 LONGEST_ADVANCE = 5.0
-"""More time than this in one call [s] is dropped, as after the process was suspended."""
+"""Longest advance of one call [s]; more is dropped, for example after a suspended process."""
 MOUNT_FORWARD = 0.05
 """Camera ahead of the robot's centre [m]."""
 MOUNT_HEIGHT = 0.37
@@ -43,19 +43,18 @@ SENSOR_WIDTH_PX = 320
 SENSOR_HEIGHT_PX = 240
 _SENSOR = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
 _PLACES_STOPPED = 0.1
-"""Time without news of the robot's place after which it counts as standing [s]."""
+"""Time without a new pose after which the robot counts as standing [s]."""
 
 _ROUNDING = 1e-9
 _FARTHEST_PLACE = 1000.0
-"""No arena reaches this far [m]; the ray caster's single precision does."""
+"""Largest coordinate [m]: beyond every arena, and within the ray caster's single precision."""
 
 
 class SimulatedMagellan:
     """Wheels, range sensors, bumpers and battery in an arena; implements `DriveBase`.
 
     The same seed and the same calls give the same values to the last bit. Reading a state changes
-    nothing and draws no random number. Sensors are scanned at 10 Hz of simulated time; between two
-    scans the last ranges are reported.
+    nothing. Sensors scan at 10 Hz of simulated time; between two scans they report the last ranges.
     """
 
     def __init__(
@@ -78,21 +77,21 @@ class SimulatedMagellan:
         self._angular = 0.0
         self._steps = 0
         self._time_left = 0.0
-        # Settles what the body touches at the start.
+        # Compute the contacts of the body at the start.
         self._pose = self._body.move(arena.start, arena.start)
-        # Its world begins anew with it, and it always starts at the same place of its arena.
+        # Its world restarts with it, and it always starts at the same place of its arena.
         self._origin = zlib.crc32(repr((arena.name, arena.start)).encode()) | 1
         self._scan()
 
     def set_velocity(self, linear: float, angular: float) -> None:
-        """Tell the wheels: forward [m/s], counter-clockwise [rad/s]; NaN counts as 0."""
+        """Set the velocity: forward [m/s], counter-clockwise [rad/s]; NaN counts as 0."""
         self._commanded = (
             limited(linear, self._linear_limit),
             limited(angular, self._angular_limit),
         )
 
     def advance(self, seconds: float) -> None:
-        """Let simulated time pass in whole steps; what is left over counts in the next call."""
+        """Advance the simulated time in whole steps; the rest counts in the next call."""
         if not seconds > 0.0:
             return
         self._time_left += min(seconds, LONGEST_ADVANCE)
@@ -101,7 +100,7 @@ class SimulatedMagellan:
             self._step()
 
     def drive_state(self, stamp: float) -> DriveState:
-        """What encoders, range sensors, bumpers and battery say now."""
+        """The present measurements of encoders, range sensors, bumpers and battery."""
         pose = self._odometry.pose
         return DriveState(
             stamp=stamp,
@@ -121,7 +120,7 @@ class SimulatedMagellan:
         )
 
     def ground_truth(self) -> GroundTruth:
-        """Where it really is, in the arena's frame."""
+        """Its true pose in the arena's frame."""
         return GroundTruth(
             time=self._steps * STEP,
             x=self._pose.x,
@@ -151,7 +150,7 @@ class SimulatedMagellan:
             self._scan()
 
     def _held_back(self, linear: float, x: float, y: float, heading: float) -> float:
-        """Forward velocity that an obstacle leaves: wheels hold on to the floor, motors stall."""
+        """Forward velocity against an obstacle: wheels grip the floor, motors stall."""
         forward = (self._pose.x - x) * math.cos(heading) + (self._pose.y - y) * math.sin(heading)
         return max(min(forward / STEP, max(linear, 0.0)), min(linear, 0.0))
 
@@ -177,8 +176,8 @@ class SimulatedCamera:
         """Stand at the start of the arena.
 
         Args:
-            arena: Where it is.
-            light: How bright it is there, 0 (dark) to 1; None: as the arena's file says.
+            arena: Its arena.
+            light: Brightness of the arena, 0 (dark) to 1; None: the arena file's.
             headlight: Whether there is one beside the camera.
             seed: Of the noise in the dark.
         """
@@ -191,11 +190,11 @@ class SimulatedCamera:
         self._noise = SensorNoise(SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX * 3, seed)
 
     def advance(self, seconds: float) -> None:
-        """Let the head move for some time [s]."""
+        """Move the head for some time [s]."""
         self._head.advance(seconds)
 
     def move(self, command: CameraCommand) -> None:
-        """Send the head somewhere; NaN leaves an amount, what is too far goes to the limit."""
+        """Set the head's target; NaN leaves an amount unchanged, and limits apply."""
         if command.motion is CameraMotion.HOME:
             self._head.go_to(0.0, 0.0, 0.0)
         elif command.motion is CameraMotion.ABSOLUTE:
@@ -204,13 +203,13 @@ class SimulatedCamera:
             self._head.go_by(command.pan, command.tilt, command.zoom)
 
     def set_headlight(self, brightness: float) -> None:
-        """Light the headlight, 0 (off) to 1; NaN counts as 0."""
+        """Set the headlight, 0 (off) to 1; NaN counts as 0."""
         if self._has_headlight:
             lit = max(0.0, limited(brightness, 1.0))
             self._lighting = Lighting(ambient=self._lighting.ambient, headlight=lit)
 
     def camera_state(self, stamp: float) -> CameraState:
-        """Where the camera looks now."""
+        """The camera's present direction."""
         return CameraState(
             stamp=stamp,
             pan=self._head.pan,
@@ -227,19 +226,19 @@ class SimulatedCamera:
         )
 
     def place(self, x: float, y: float, theta: float, measured: float = -math.inf) -> None:
-        """Where the robot was in the arena's frame [m, m, rad]; ignored when not finite."""
+        """Set the robot's pose in the arena's frame [m, m, rad]; ignored when not finite."""
         if math.isfinite(x) and math.isfinite(y) and math.isfinite(theta):
             self._robot = (limited(x, _FARTHEST_PLACE), limited(y, _FARTHEST_PLACE), theta)
             self._placed = measured
 
     def take(self, width_px: int, height_px: int, now: float) -> Picture:
-        """A picture of where the robot was last said to be, taken then."""
+        """A picture from the robot's last pose, with its time."""
         age = now - self._placed
         pixels = self.capture(width_px, height_px)
         size = pixels.shape[1], pixels.shape[0]
         return Picture(
             pixels=pixels,
-            # Where nobody has told the place for long, it is because nothing moves.
+            # Without a new pose for long, nothing moves.
             measured=self._placed if 0.0 <= age < _PLACES_STOPPED else now,
             horizontal_fov=cropped_fov(horizontal_fov(self._head.zoom), size, _SENSOR),
         )
@@ -261,4 +260,4 @@ class SimulatedCamera:
         return pixels if self._lighting.ambient == 1.0 else self._noise.added(pixels)
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: nothing is open."""

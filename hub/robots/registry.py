@@ -1,4 +1,4 @@
-"""The kinds of robots: what a robot file may name, and how its hardware is opened."""
+"""The kinds of robots, and the functions that open their hardware."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from hub.robots.interfaces import Camera, DriveBase
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotKind:
-    """How the hardware of one kind of robot is opened; each module opens what it owns.
+    """The functions that open the hardware of one kind of robot; each module opens its own part.
 
     Attributes:
         open_base: Opens wheels, range sensors, bumpers, battery.
         open_camera: Opens its own camera; None: it has none. Use the function `open_camera`.
-        pan_tilt_zoom: Whether its own camera stands on a head that moves.
-        imports: Python modules that the two functions import when they are called. The daemon
-            imports them once, for all modules of the robot; they start no threads.
+        pan_tilt_zoom: Whether its own camera has a head that moves.
+        imports: Python modules that the two functions import. The daemon imports them once, for
+            all modules of the robot; they start no threads.
     """
 
     open_base: Callable[[RobotDescription], DriveBase]
@@ -63,7 +63,7 @@ KINDS = {
 
 
 def kind_of(robot: RobotDescription) -> RobotKind:
-    """The kind that a robot file names: a built-in one, or "file:NAME" of a Python file beside it.
+    """The kind in a robot file: a built-in one, or "file:NAME" of a Python file beside it.
 
     Raises:
         UnknownKindError: There is none of that name, or the Python file cannot be imported.
@@ -83,7 +83,7 @@ def kind_of(robot: RobotDescription) -> RobotKind:
         sys.path.insert(0, folder)
     try:
         kind = getattr(importlib.import_module(module), name)
-    except Exception as error:  # whatever somebody's file raises
+    except Exception as error:  # a robot's own file may raise anything
         text = f"kind {robot.kind!r} cannot be imported: {type(error).__name__}: {error}"
         raise UnknownKindError(text) from error
     if not isinstance(kind, RobotKind):
@@ -93,10 +93,10 @@ def kind_of(robot: RobotDescription) -> RobotKind:
 
 
 def open_camera(robot: RobotDescription) -> Camera:
-    """The camera that a robot file names: the robot's own, or another.
+    """The camera in a robot file: the robot's own, or another.
 
     Raises:
-        CameraError: The robot has none, or the file names an address of a kind that is not read.
+        CameraError: The robot has none, or the file names an address of an unknown kind.
         UnknownKindError: The robot is of no known kind.
     """
     if robot.camera_source == ROBOTS_OWN:
@@ -116,5 +116,5 @@ def open_camera(robot: RobotDescription) -> Camera:
 
 
 def camera_moves(robot: RobotDescription) -> bool:
-    """Whether the camera that a robot file names stands on a pan/tilt/zoom head."""
+    """Whether the camera in a robot file has a pan/tilt/zoom head."""
     return robot.camera_source == ROBOTS_OWN and kind_of(robot).pan_tilt_zoom

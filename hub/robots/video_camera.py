@@ -1,4 +1,4 @@
-"""A camera that stands still on its robot: a device, a stream from the network, or a file."""
+"""A camera that is fixed on its robot: a device, a stream from the network, or a file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hub.robots.video_source import video_source
 
 
 class VideoCamera:
-    """Pictures of a source that is named in the robot file; implements `Camera`."""
+    """Pictures of a source in the robot file; implements `Camera`."""
 
     def __init__(
         self,
@@ -25,7 +25,7 @@ class VideoCamera:
         height: float,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Begin to read; this never waits, and a source that is not there yet may come later.
+        """Start to read, without waiting; an absent source may appear later.
 
         Args:
             source: Device, path, or address.
@@ -35,7 +35,7 @@ class VideoCamera:
             clock: Monotonic time [s].
 
         Raises:
-            CameraError: The source is an address of a kind that is not read.
+            CameraError: The source is an address of an unknown kind.
         """
         self._horizontal_fov = horizontal_fov
         self._forward = forward
@@ -43,16 +43,16 @@ class VideoCamera:
         self._reader = VideoReader(video_source(source), clock=clock)
 
     def advance(self, seconds: float) -> None:
-        """Nothing moves."""
+        """Do nothing."""
 
     def move(self, command: CameraCommand) -> None:
-        """It has no head."""
+        """Do nothing: it has no head."""
 
     def set_headlight(self, brightness: float) -> None:
-        """It has none."""
+        """Do nothing: it has none."""
 
     def camera_state(self, stamp: float) -> CameraState:
-        """It looks straight ahead."""
+        """Its direction: straight ahead."""
         return CameraState(
             stamp=stamp,
             pan=0.0,
@@ -69,7 +69,7 @@ class VideoCamera:
         )
 
     def place(self, x: float, y: float, theta: float, measured: float) -> None:
-        """It is where it is."""
+        """Do nothing."""
 
     def take(self, width_px: int, height_px: int, _now: float) -> Picture:
         """The newest picture.

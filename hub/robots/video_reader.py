@@ -1,4 +1,4 @@
-"""Reads pictures in a thread of its own and keeps the newest; the only file that decodes videos."""
+"""Reads pictures in a thread of its own, and keeps the newest; only this file decodes videos."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ _OPEN_S = 5.0
 _READ_S = 3.0
 """Time without data after which a stream counts as lost [s]."""
 _STALE_S = 2.0
-"""A live picture that is older than this is not given [s]."""
+"""Largest age of a live picture [s]."""
 _PAUSES = (0.5, 1.0, 2.0, 5.0)
-"""Between tries to open a source again [s]."""
+"""Pauses between two attempts to open a source [s]."""
 _CLOSE_S = 0.5
 _MOST_DAMAGED = 100
-"""Largest number of damaged pieces in a row, as after lost packets; more end the reading."""
+"""Most damaged pieces in a row, for example after lost packets; more end the reading."""
 _DEFAULT_PERIOD = 0.04
 _MOST_PIXELS = 1 << 24
-"""A larger picture is damaged, or meant to fill the memory."""
+"""Largest picture; a larger one is damaged, or an attack on the memory."""
 _OPTIONS = {
     SourceKind.DEVICE: {},
     SourceKind.FILE: {},
@@ -41,7 +41,7 @@ _OPTIONS = {
         "rtsp_transport": "tcp",
         "fflags": "nobuffer",
         "flags": "low_delay",
-        # What comes from the network must not have us open files.
+        # Data from the network must not open files.
         "protocol_whitelist": "http,https,httpproxy,tcp,tls,rtsp,rtp,srtp,udp,crypto",
     },
 }
@@ -50,11 +50,11 @@ _INSTALL = "need PyAV; install it with: pip install 'robot-user-nexus[camera]'"
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shot:
-    """A picture as it came.
+    """A decoded picture.
 
     Attributes:
         frame: The decoded picture.
-        measured: When it was taken, on the monotonic clock [s].
+        measured: Time of the picture, on the monotonic clock [s].
     """
 
     frame: av.VideoFrame
@@ -66,7 +66,7 @@ class Shot:
         return self.frame.width, self.frame.height
 
     def pixels(self, width_px: int, height_px: int) -> npt.NDArray[np.uint8]:
-        """Red, green, blue of the middle, shape (height, width, 3), never larger than it came.
+        """Red, green, blue of the middle, shape (height, width, 3), at most its own size.
 
         Raises:
             CameraError: Its colours cannot be read.
@@ -74,7 +74,7 @@ class Shot:
         width, height = size_within(width_px, height_px, self.size)
         whole = scaled_size((width, height), self.size)
         try:
-            # Area averages: what is left out would flicker.
+            # Area averages: skipped pixels would flicker.
             scaled = self.frame.to_ndarray(
                 format="rgb24", width=whole[0], height=whole[1], interpolation="AREA"
             )
@@ -86,7 +86,7 @@ class Shot:
 
 
 class VideoReader:
-    """Follows one source from the start to `close`, however often it is lost and comes back."""
+    """Follows one source from the start to `close`, through losses and returns."""
 
     def __init__(
         self,
@@ -95,18 +95,18 @@ class VideoReader:
         clock: Callable[[], float] = time.monotonic,
         pauses: tuple[float, ...] = _PAUSES,
     ) -> None:
-        """Begin; this never waits.
+        """Start, without waiting.
 
         Args:
-            source: What to read.
+            source: The source.
             clock: Monotonic time [s].
-            pauses: Between tries to open it [s]; the last one is repeated.
+            pauses: Pauses between attempts to open it [s]; the last one repeats.
         """
         self._source = source
         self._clock = clock
         self._pauses = pauses
         self._shot: Shot | None = None
-        self._trouble = f"no picture has come from {source.shown} yet; ask again in a moment"
+        self._fault_text = f"no picture has come from {source.shown} yet; ask again in a moment"
         self._ended = threading.Event()
         self._pace: Pace | None = None
         self._thread = threading.Thread(target=self._run, name="video-reader", daemon=True)
@@ -116,11 +116,11 @@ class VideoReader:
         """The newest picture.
 
         Raises:
-            CameraError: There is none, or it is too old; the text says why, and what to do.
+            CameraError: There is none, or it is too old; the text gives the reason and the remedy.
         """
         shot = self._shot
         if shot is None:
-            raise CameraError(self._trouble)
+            raise CameraError(self._fault_text)
         age = self._clock() - shot.measured
         if self._source.live and age > _STALE_S:
             text = (
@@ -130,7 +130,7 @@ class VideoReader:
         return shot
 
     def close(self) -> None:
-        """End the thread; one that is stuck in a device is left behind."""
+        """End the thread, unless it is stuck in a device."""
         self._ended.set()
         self._thread.join(_CLOSE_S)
 
@@ -143,30 +143,30 @@ class VideoReader:
                 self._lost(f"pictures from {self._source.shown} {_INSTALL}")
                 return
             except CameraError as error:
-                trouble = str(error)
+                fault_text = str(error)
             except Exception as fault:  # the decoder's errors have no common kind
                 _logger.debug("reading failed", exc_info=True)
-                trouble = why_not(self._source, fault)
+                fault_text = why_not(self._source, fault)
             else:
-                trouble = f"the pictures from {self._source.shown} have ended; it is tried again"
+                fault_text = f"the pictures from {self._source.shown} have ended; it is tried again"
             if self._shot is None:
                 failed += 1
             else:
                 failed = 1
             if self._ended.is_set():
                 return
-            self._lost(trouble)
+            self._lost(fault_text)
             self._ended.wait(self._pauses[min(failed, len(self._pauses)) - 1])
 
-    def _lost(self, trouble: str) -> None:
-        """Give no pictures until new ones come."""
+    def _lost(self, fault_text: str) -> None:
+        """Drop the newest picture; new ones replace it."""
         self._shot = None
-        if trouble != self._trouble:
-            _logger.warning("%s", trouble)
-        self._trouble = trouble
+        if fault_text != self._fault_text:
+            _logger.warning("%s", fault_text)
+        self._fault_text = fault_text
 
     def _read(self) -> None:
-        """Read until the source ends; a file then starts again."""
+        """Read to the source's end; a file then starts again."""
         while not self._ended.is_set():
             count = self._read_once()
             if self._source.live:
@@ -176,7 +176,7 @@ class VideoReader:
                 raise CameraError(text)
 
     def _read_once(self) -> int:
-        """Read from start to end; the number of pictures."""
+        """Read from start to end; returns the number of pictures."""
         import av
 
         count = 0
@@ -219,7 +219,7 @@ class VideoReader:
                 yield frame
 
     def _keep(self, frame: av.VideoFrame) -> None:
-        """Make a picture the newest one, when it is time."""
+        """Make a picture the newest one, at its time."""
         if not self._source.live and self._pace is not None:
             self._ended.wait(self._pace.delay(frame.time, self._clock()))
         now = self._clock()
@@ -230,9 +230,9 @@ class VideoReader:
 
 
 def taken(time_in_stream: float | None, now: float) -> float:
-    """When a camera took a picture, on the monotonic clock [s].
+    """The time of a picture, on the monotonic clock [s].
 
-    Video4Linux stamps pictures with that clock; where a driver does otherwise, now counts.
+    Video4Linux stamps pictures with that clock; for a driver with another clock, now counts.
     """
     if time_in_stream is not None and 0.0 <= now - time_in_stream <= _STALE_S:
         return time_in_stream

@@ -1,4 +1,4 @@
-"""Where pictures of a real camera come from, and in words why none come; pure."""
+"""Sources of a real camera's pictures, and sentences on their faults; pure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hub.errors import CameraError
 _SCHEMES = ("rtsp", "rtsps", "http", "https")
 _FIX = "correct 'source' under [camera] in the robot file"
 _PLUG_IN = f"is not there; plug it in, or {_FIX}"
-_DEVICE_TROUBLE = {
+_DEVICE_FAULTS = {
     errno.ENOENT: _PLUG_IN,
     errno.ENODEV: _PLUG_IN,
     errno.ENXIO: _PLUG_IN,
@@ -22,13 +22,13 @@ _DEVICE_TROUBLE = {
     errno.EBUSY: "is used by another program; end that program",
 }
 _LONGEST_STEP = 1.0
-"""A longer gap between two pictures of a file is not waited for [s]."""
+"""Longest gap between two pictures of a file that is played [s]."""
 _LATE = 0.25
-"""Later than this [s], pictures are not hurried through to catch up."""
+"""Delay from which late pictures are played at normal speed, without catching up [s]."""
 
 
 class SourceKind(enum.Enum):
-    """What kind of thing pictures come from."""
+    """The kind of a source."""
 
     DEVICE = enum.auto()
     FILE = enum.auto()
@@ -40,9 +40,9 @@ class VideoSource:
     """A camera, a file, or a stream from the network.
 
     Attributes:
-        kind: Which of these.
-        address: How it is opened.
-        shown: How it is called in messages: without a password.
+        kind: Its kind.
+        address: Its address for opening.
+        shown: Its name in messages, without a password.
     """
 
     kind: SourceKind
@@ -51,15 +51,15 @@ class VideoSource:
 
     @property
     def live(self) -> bool:
-        """Whether its pictures are of now."""
+        """Whether its pictures are live."""
         return self.kind is not SourceKind.FILE
 
 
 def video_source(text: str) -> VideoSource:
-    """What a robot file names as the source of pictures.
+    """The source of pictures in a robot file.
 
     Raises:
-        CameraError: It is an address of a kind that is not read.
+        CameraError: It is an address of an unknown kind.
     """
     scheme, separator, rest = text.partition("://")
     if not separator:
@@ -77,7 +77,7 @@ def video_source(text: str) -> VideoSource:
 
 
 def why_not(source: VideoSource, fault: Exception) -> str:
-    """One sentence that says why a source gives no pictures, and what to do."""
+    """A sentence with the reason why a source gives no pictures, and the remedy."""
     number = (fault.errno if isinstance(fault, OSError) else None) or 0
     reason = getattr(fault, "strerror", None) or str(fault) or type(fault).__name__
     shown = source.shown
@@ -88,27 +88,27 @@ def why_not(source: VideoSource, fault: Exception) -> str:
         )
     if source.kind is SourceKind.FILE:
         return f"the video file {shown} cannot be shown: {reason}; {_FIX}"
-    return f"the camera {shown} {_DEVICE_TROUBLE.get(number, f'gives no pictures: {reason}')}"
+    return f"the camera {shown} {_DEVICE_FAULTS.get(number, f'gives no pictures: {reason}')}"
 
 
 class Pace:
-    """When the pictures of a file are due, so that it runs at its own speed; pure."""
+    """The times of a file's pictures, at its own speed; pure."""
 
     def __init__(self, period: float) -> None:
-        """Begin with the first picture at once.
+        """Start with the first picture at once.
 
         Args:
-            period: Time between pictures that carry none [s].
+            period: Time between pictures without a time of their own [s].
         """
         self._period = period
         self._offset = math.nan
         self._last = -math.inf
 
     def delay(self, time: float | None, now: float) -> float:
-        """How long to wait until a picture is due [s].
+        """The wait until a picture is due [s].
 
         Args:
-            time: The picture's time in the file [s]; None where it has none.
+            time: The picture's time in the file [s]; None: it has none.
             now: Monotonic time [s].
         """
         if time is None or not math.isfinite(time):
@@ -117,7 +117,7 @@ class Pace:
         if math.isnan(self._offset):
             self._offset = now - time
         elif not 0.0 <= step <= _LONGEST_STEP:
-            # It begins anew, or has a gap that nobody wants to wait for.
+            # It restarts, or has a long gap.
             self._offset += self._last + self._period - time
         self._last = time
         wait = self._offset + time - now

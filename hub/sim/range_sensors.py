@@ -24,8 +24,8 @@ SONAR_INCIDENCE = math.radians(25.0)
 SONAR_EDGE_FARTHEST = 1.0
 """Farthest upright edge or inner corner that is heard from any side, from the transducer [m].
 
-Edges diffract: they echo in all directions, but weaker than a wall that is met squarely, and less
-with the distance (Kuc and Siegel 1987, a simulation model for sonar from physics, in IEEE PAMI 9).
+Edges diffract: they echo in all directions, but weaker than a flat wall, and less
+with the distance (Kuc and Siegel 1987, IEEE PAMI 9).
 The limit is our assumption; it keeps to the weak side.
 """
 SONAR_NOISE = 0.01

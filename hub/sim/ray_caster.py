@@ -1,8 +1,8 @@
 """Draws what a camera in the arena sees, exactly to the pixel, with numpy alone.
 
 Every ray is (across, up, 1) in the camera's frame, so depth is measured along the optical axis. On
-a plane the inverse of the depth is linear in the pixel's column and row, and a side of a box is
-the set of pixels between linear edges; so a side costs a few operations on its bounding box only.
+a plane the inverse of the depth is linear in the pixel's column and row. A side of a box is the set
+of pixels between linear edges; so a side costs a few operations on its bounding box only.
 """
 
 from __future__ import annotations

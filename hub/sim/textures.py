@@ -39,7 +39,7 @@ class Texture:
 class Atlas:
     """All textures of an arena side by side.
 
-    The texel of material m, level l, row r and column c has the index
+    The texel of material m, level l, row r, column c:
     `((m * LEVELS + l) * SIDE + r) * SIDE + c`.
 
     Attributes:

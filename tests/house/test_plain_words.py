@@ -55,29 +55,7 @@ NAMES_TO_AVOID = re.compile(
 )
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
 ROOMS = (
-    "hub/gcm",
-    "hub/grids",
-    "hub/inspection",
-    "hub/ipc",
-    "hub/robomon",
-    "hub/missions",
-    "hub/modules/driver",
-    "hub/modules/mapping",
-    "hub/modules/navigation",
-    "hub/modules/vision",
-    "hub/sim",
-    "hub/control_gate.py",
-    "hub/modules/autonomy/autonomy_driver.py",
-    "hub/modules/autonomy/autonomy_task.py",
-    "hub/modules/autonomy/goal_watch.py",
-    "hub/modules/autonomy/novelty.py",
-    "hub/modules/autonomy/senses.py",
-    "hub/robots/left_alone.py",
-    "hub/errors.py",
-    "hub/files.py",
-    "hub/paths.py",
-    "hub/runtime.py",
-    "hub/toml_reader.py",
+    "hub",
     "rune_tui/commands",
     "rune_tui/controls",
     "rune_tui/export",
@@ -93,7 +71,7 @@ ROOMS = (
     "rune_tui/widgets",
 )
 """Rooms, and files, whose names and docstrings are plain; a room that becomes plain is added."""
-SHORT_SENTENCES = ("hub/gcm", "hub/ipc", "hub/robomon")
+SHORT_SENTENCES = ("hub",)
 """Rooms whose docstrings have no long sentence."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
 _END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")
@@ -186,8 +164,8 @@ def comments_in(text: str) -> Iterator[tuple[int, str]]:
 
 
 def docstring_sentences(text: str) -> Iterator[str]:
-    """The sentences of a docstring without grammars; each attribute starts a new one."""
-    headed = re.sub(r"^\s*\w+:(?=\s)|^.*:=.*$", "\n", text, flags=re.MULTILINE)
+    """The sentences of a docstring without grammars and trees; each attribute starts a new one."""
+    headed = re.sub(r"^\s*\w+:(?=\s)|^.*(?::=|──).*$", "\n", text, flags=re.MULTILINE)
     for sentence in sentences(headed):
         yield from re.split(r"(?<=[:;])\s", sentence)
 

@@ -1,4 +1,4 @@
-"""Decides whether a control message from another machine is served: its key, and its quota."""
+"""Admits control messages from other machines, by their keys and quotas."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hub.ipc.wire import control_codec
 
 
 class Admission:
-    """Asks the accounts of the keys about each control message."""
+    """Charges each control message to the account of its key."""
 
     def __init__(
         self,
@@ -29,15 +29,15 @@ class Admission:
         hang_up: Callable[[zmq.Frame], None],
         holds: Callable[[Principal], bool],
     ) -> None:
-        """Begin.
+        """Start to admit.
 
         Args:
-            accounts: What the keys have used.
+            accounts: The accounts of the keys.
             clock: Monotonic time [s].
-            faults: Counts what is refused.
+            faults: Counts refused messages.
             answer: Sends a control message to a connection.
-            hang_up: Ends the connection that a frame came in on.
-            holds: Whether this key was not removed.
+            hang_up: Ends the connection of a frame.
+            holds: Whether a key is still on the list.
         """
         self._accounts = accounts
         self._clock = clock
@@ -47,7 +47,7 @@ class Admission:
         self._holds = holds
 
     def principal_of(self, frame: zmq.Frame) -> Principal:
-        """The key of the connection on which a frame came.
+        """The key of the connection that a frame came on.
 
         Raises:
             NotAllowedError: It has none, or one that was removed.
@@ -59,10 +59,10 @@ class Admission:
         return known
 
     def admits(self, principal: Principal, identity: bytes, body: Sequence[zmq.Frame]) -> bool:
-        """Whether central serves a message; too many are refused, then the connection is ended.
+        """Whether central serves a message; too many refusals end the connection.
 
         Args:
-            principal: Whose key it came with.
+            principal: Holder of the connection's key.
             identity: Of its connection.
             body: Its parts.
         """
@@ -80,7 +80,7 @@ class Admission:
         return False
 
     def _refuse(self, account: Account, identity: bytes, frame: zmq.Frame) -> None:
-        """Say why not, if what was asked has an answer."""
+        """Answer with the reason, if the message has an answer."""
         with contextlib.suppress(FrameError, CodecError):
             answer = permissions.refusal(control_codec.unpack(frame.buffer), account.text)
             if answer is not None:

@@ -1,8 +1,8 @@
 """Filters the commands from other machines: each frame is checked before the robot gets it.
 
-ZeroMQ adds to every frame the role, name and fingerprint of the key that its connection was made
-with. So the filter knows the sender, whatever the frame says. It lets a command pass if that key
-may publish it, under a number that central gave a client with the same key.
+ZeroMQ adds the role, name and fingerprint of its connection's key to every frame. So the filter
+does not depend on the frame's own text. A command passes if that key may publish it, and if central
+gave its number to a client with the same key.
 """
 
 from __future__ import annotations
@@ -30,19 +30,19 @@ _logger = logging.getLogger(__name__)
 LONGEST = 1 << 16
 """Longest command from another machine [bytes]; a longer one ends its connection."""
 QUEUE = 100
-"""Commands of one connection that wait for the filter."""
+"""Most commands of one connection that wait for the filter."""
 _BATCH = 32
 _PAUSE_MS = 2
-"""Rest after a full batch [ms]. A flood of commands takes no more of the processor than this."""
+"""Rest after a full batch [ms]: it bounds the processor time of a flood."""
 _SUBSCRIPTIONS = 256
-_SAY_STOP_S = 1.0
+_LOG_STOP_S = 1.0
 
 Judge = Callable[[bytes, str], bytes | None]
 """(frame, User-Id) -> the frame to hand on; None to drop it."""
 
 
 class CommandFilter:
-    """Decides which frames come in; used by the thread that carries them."""
+    """Admits frames; used by the thread that carries them."""
 
     def __init__(
         self,
@@ -53,14 +53,14 @@ class CommandFilter:
         *,
         accounts: Accounts,
     ) -> None:
-        """Start to decide.
+        """Start to filter.
 
         Args:
-            peer_of: The peer of a number at central; None if there is none.
-            holds: Whether this key was not removed.
-            faults: Counts what is dropped.
+            peer_of: The peer of a number at central; None: there is none.
+            holds: Whether a key is still on the list.
+            faults: Counts dropped frames.
             clock: Monotonic time [s].
-            accounts: How many commands each key has sent.
+            accounts: The accounts of the keys.
         """
         self._accounts = accounts
         self._peer_of = peer_of
@@ -70,11 +70,11 @@ class CommandFilter:
         self._next_word = 0.0
 
     def admit(self, raw: bytes, user_id: str) -> bytes | None:
-        """The frame to pass on; None, and counted, if it is dropped.
+        """The frame to pass on; None, and counted: it is dropped.
 
         Args:
-            raw: A frame as it came.
-            user_id: What ZeroMQ says of its sender, such as "operate:alice:FINGERPRINT".
+            raw: A frame.
+            user_id: Its sender by ZeroMQ, such as "operate:alice:FINGERPRINT".
         """
         try:
             principal = parse_principal(user_id)
@@ -118,20 +118,20 @@ class CommandFilter:
         self._faults.count("too many commands", text)
 
     def _stop(self, raw: bytes, principal: Principal) -> bytes | None:
-        """Pass a stop, whatever its frame says, but not under the number of another sender."""
+        """Pass a stop, even with a wrong header, but not under the number of another sender."""
         now = self._clock()
         if not self._accounts.of(principal).may_stop(now):
             self._too_many(principal)
-            return None  # another one has just passed
+            return None  # one has just passed
         if now >= self._next_word:
-            self._next_word = now + _SAY_STOP_S
+            self._next_word = now + _LOG_STOP_S
             _logger.info("a stop comes from the holder of the key %s", principal)
         try:
             frame = frames.unpack(raw)
         except FrameError:
             frame = None
         if frame is None or frame.kind != frames.INLINE:
-            # A receiver of a bare name cannot read it, and stops all the same.
+            # A receiver cannot read a bare name, and stops all the same.
             return frames.topic(frames.name_of(raw), frames.FAR)
         own = self._sender(frame.publisher, principal) is not None
         return frames.pack(
@@ -150,15 +150,15 @@ class CommandFilter:
 
 
 def carry(outer: Socket, inner: Socket, steered: Socket, judge: Judge) -> None:
-    """Carry commands in and subscriptions out until something comes from `steered`.
+    """Carry commands in and subscriptions out until `steered` receives.
 
-    ZeroMQ takes one frame of each connection in turn, so a flood on one does not keep the
-    others out. A flood does not take all of the processor either: after a batch the filter rests.
+    ZeroMQ takes one frame of each connection in turn, so a flood on one does not block the
+    others. After a batch the filter rests, so a flood leaves processor time.
 
     Args:
         outer: XSUB of the gateway.
         inner: XPUB to central.
-        steered: Receives something when this shall end.
+        steered: Receives a message as the order to end.
         judge: Decides about each frame.
     """
     poller = zmq.Poller()
@@ -184,7 +184,7 @@ def _pass_subscriptions(inner: Socket, outer: Socket) -> None:
 
 
 def _take(outer: Socket, inner: Socket, judge: Judge) -> bool:
-    """Take a batch of frames; whether there may be more."""
+    """Read a batch of frames; whether there may be more."""
     for _ in range(_BATCH):
         try:
             frame: Any = outer.recv(zmq.NOBLOCK, copy=False)

@@ -1,4 +1,4 @@
-"""Limits the connections of each address to the gateway: how many, and how often."""
+"""Limits the number and rate of connections from each address to the gateway."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from hub.ipc.transport.fault_counter import FaultCounter
 AT_ONCE, PER_S = 300, 40.0
 """New connections of one address: in one burst after a rest, and each second."""
 CONTROLS = 128
-"""Connections of one address where control messages come in."""
-SPARE = 8
-"""An address may have this many more connections to each other place than for control messages."""
+"""Most control connections of one address."""
+EXTRA_CONNECTIONS = 8
+"""Additional connections of an address to each other place."""
 SILENT_S = 5.0
-"""A control connection without a HELLO is ended after this long [s]."""
+"""Time after which a control connection without a HELLO ends [s]."""
 _MAX_ADDRESSES = 4096
 
 
@@ -30,13 +30,13 @@ class _Connection:
 
 
 class ConnectionRates:
-    """The gateway's connections, by the address they come from."""
+    """The gateway's connections, by address."""
 
     def __init__(self, faults: FaultCounter, hang_up: Callable[[int], None]) -> None:
         """Start with none.
 
         Args:
-            faults: Counts those that are ended.
+            faults: Counts ended connections.
             hang_up: Ends the connection of a descriptor.
         """
         self._faults = faults
@@ -46,38 +46,38 @@ class ConnectionRates:
         self._rates: OrderedDict[str, Bucket] = OrderedDict()
 
     def admit(self, descriptor: int, address: str, place: str, now: float) -> bool:
-        """Whether a connection from `address` to `place` may stay; else it is counted."""
-        self.ended(descriptor)  # the end of an earlier one with this descriptor was not noticed
+        """Whether a connection from `address` to `place` may stay; counts a refusal."""
+        self.ended(descriptor)  # an earlier one with this descriptor ended unnoticed
         rate = self._rates.get(address)
         if rate is None:
             rate = self._rates[address] = Bucket(PER_S, AT_ONCE)
             if len(self._rates) > _MAX_ADDRESSES:
                 self._rates.popitem(last=False)
-        most = CONTROLS if place == CONTROL else self._open[address, CONTROL] + SPARE
+        most = CONTROLS if place == CONTROL else self._open[address, CONTROL] + EXTRA_CONNECTIONS
         if not rate.take(1.0, now):
-            self._complain(f"{address} connects more than {PER_S:.0f} times a second")
+            self._count_fault(f"{address} connects more than {PER_S:.0f} times a second")
             return False
         if self._open[address, place] >= most:
-            self._complain(f"{address} has {most} connections to {place}")
+            self._count_fault(f"{address} has {most} connections to {place}")
             return False
         self._connections[descriptor] = _Connection(address, place, now)
         self._open[address, place] += 1
         return True
 
     def ended(self, descriptor: int) -> None:
-        """A connection has ended."""
-        gone = self._connections.pop(descriptor, None)
-        if gone is not None:
-            self._open[gone.address, gone.place] -= 1
-            if not self._open[gone.address, gone.place]:
-                del self._open[gone.address, gone.place]
+        """Forget a connection that has ended."""
+        ended = self._connections.pop(descriptor, None)
+        if ended is not None:
+            self._open[ended.address, ended.place] -= 1
+            if not self._open[ended.address, ended.place]:
+                del self._open[ended.address, ended.place]
 
     def at(self, places: Set[str]) -> list[int]:
-        """The descriptors of the connections to these places."""
+        """Descriptors of the connections to these places."""
         return [each for each, found in self._connections.items() if found.place in places]
 
-    def look(self, known: Callable[[int], bool], now: float) -> None:
-        """End control connections that sent no HELLO; to be called every second or so.
+    def end_silent(self, known: Callable[[int], bool], now: float) -> None:
+        """End control connections without a HELLO; call it about once a second.
 
         Args:
             known: Whether a connected client has this descriptor.
@@ -89,8 +89,8 @@ class ConnectionRates:
             each.known = known(descriptor)
             if not each.known:
                 self.ended(descriptor)
-                self._complain(f"one of {each.address} says no HELLO")
+                self._count_fault(f"one of {each.address} says no HELLO")
                 self._hang_up(descriptor)
 
-    def _complain(self, why: str) -> None:
+    def _count_fault(self, why: str) -> None:
         self._faults.count("too many connections", f"at the gateway: {why}; it is ended")

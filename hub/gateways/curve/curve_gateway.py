@@ -1,11 +1,11 @@
 """The gateway for other machines: central's sockets once more, open to the holders of keys.
 
-| what comes in | what decides about it |
+| input | decided by |
 | --- | --- |
-| a connection | `ZapHandler`: key, role, how often; `ConnectionRates`: its address |
+| a connection | `ZapHandler`: key, role, rate; `ConnectionRates`: its address |
 | a control message | `Admission`: its key, and the quota of that key |
 | a command | `CommandFilter`: key, role, number, rate |
-| a subscription | `FloodWatch`: how many, how long |
+| a subscription | `FloodWatch`: number, length |
 | states and pictures | the role of the connection |
 """
 
@@ -29,7 +29,7 @@ from hub.ipc.security.keyring import Keyring
 from hub.ipc.transport import sockets
 
 _QUEUE, _BACKLOG = 100, 5000
-"""Control messages that wait from one client and for one: it may send long ones, or read none."""
+"""Most control messages that wait from one client, and for one that may not read them."""
 
 
 def curve_gateway(endpoint: str, keyring: Keyring | None) -> GatewayOpener:
@@ -49,9 +49,9 @@ class CurveGateway:
     """A gateway of central (see `hub.ipc.broker.gateways.Gateway`).
 
     Attributes:
-        endpoint: Where clients connect, with the real port.
-        entrances: Where control messages come in.
-        polled: Sockets to be polled for input.
+        endpoint: Address for clients, with the real port.
+        entrances: Its sockets for control messages.
+        polled: Sockets that central polls for input.
         ports: TCP ports in the order of the planes: first plane in, out, second plane in, ...
     """
 
@@ -59,8 +59,8 @@ class CurveGateway:
         """Bind and start.
 
         Args:
-            central: What the gateway may use of central.
-            endpoint: Port p takes p and two more for each plane; 0 takes free ones.
+            central: Access to central.
+            endpoint: Port p takes p and two more for each plane; 0 takes free ports.
             keyring: The keys that may connect, and the hub's own.
 
         Raises:
@@ -103,27 +103,27 @@ class CurveGateway:
         self.polled: Sequence[sockets.Socket] = self._sockets.polled
 
     def admitted(self) -> frozenset[Principal]:
-        """The keys that were let in since the start."""
+        """The keys admitted since the start."""
         return self._sockets.admitted()
 
     def holds(self, principal: Principal) -> bool:
-        """Whether this key was not removed."""
+        """Whether this key is still on the list."""
         return self._removed_keys.holds(principal)
 
     def serve(self, polled: sockets.Socket) -> None:
-        """Let in and refuse, and see which connections end."""
+        """Answer handshakes, and note connections that end."""
         for descriptor in self._sockets.serve({polled: zmq.POLLIN}):
             self._central.disconnected(descriptor)
 
     def report_ended(self) -> None:
-        """Report all control connections that ended up to now."""
+        """Report all control connections that have ended."""
         for descriptor in self._sockets.ended():
             self._central.disconnected(descriptor)
 
     def check(self) -> None:
-        """Look for floods, silent connections and removed keys."""
-        self._sockets.look(self._central.has_connection)
-        self._removed_keys.look(self._central.clock())
+        """Detect floods, silent connections and removed keys."""
+        self._sockets.check(self._central.has_connection)
+        self._removed_keys.check(self._central.clock())
 
     def close(self) -> None:
         """End the relays, and free the ports."""

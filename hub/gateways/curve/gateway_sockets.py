@@ -1,8 +1,8 @@
 """The sockets of the gateway: central's sockets once more, with CURVE.
 
-Broadcasts are relayed between these sockets and central's own ones by ZeroMQ's proxy, a thread for
-each direction of a plane. Commands that come in are the exception: a thread of Python judges each
-one. Control messages come in at a ROUTER of the gateway, which central polls beside its own.
+ZeroMQ's proxy relays broadcasts between these sockets and central's own ones, with a thread for
+each direction of a plane. Incoming commands are the exception: a Python thread checks each one.
+Control messages arrive at a ROUTER of the gateway, which central polls beside its own.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ _WATCHED = _FAILED | zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
 _COMMANDS = "command in"
 _BROADCASTS = frozenset({"state in", "state out", "picture in", "picture out"})
 _BATCH = 16
-"""Events of one place that are looked at before clients of this machine are served again."""
+"""Most events of one place per turn, before clients of this machine have theirs."""
 _RELAY_QUEUE = 200
-"""Room between two proxies of this process, which only fills while one of them gets no time."""
+"""Queue between two proxies of this process; it fills only while one of them gets no time."""
 
 _Socket: TypeAlias = "zmq.Socket[bytes]"
 
@@ -43,13 +43,13 @@ _Socket: TypeAlias = "zmq.Socket[bytes]"
 class GatewaySockets:
     """Central's sockets for other machines, open from the start to `close`.
 
-    All but `close` is for the thread that polls it; `close` is for when that thread has ended.
+    The polling thread calls all methods but `close`, which comes after its end.
 
     Attributes:
-        endpoint: Where clients connect, with the real port.
+        endpoint: Address for clients, with the real port.
         control: ROUTER of the control messages. Its frames carry a User-Id (role, name, key).
         ports: TCP ports in the order of the planes: first plane in, out, second plane in, ...
-        polled: To be polled for input; then call `serve`. Without `control`.
+        polled: Sockets to poll for input, without `control`; then call `serve`.
     """
 
     def __init__(
@@ -68,16 +68,16 @@ class GatewaySockets:
         """Bind and start.
 
         Args:
-            context: Central's. If it has more than one I/O thread, CURVE has the second for
-                itself, so that other machines take no time from local modules.
-            endpoint: Port p takes p and two more for each plane; 0 takes free ones.
-            keyring: Who may connect, and the hub's own keys.
-            planes: By name, the inproc addresses of central's XSUB and XPUB, which are bound.
-            faults: Counts the refused.
-            make: A socket with the bus's options: ZeroMQ type, plane or `roles.CONTROL`.
-            accounts: What each key has used; a key that connects too often is refused for a while.
+            context: Central's. CURVE uses its second I/O thread, if there is one, so that other
+                machines take no time from local modules.
+            endpoint: Port p takes p and two more for each plane; 0 takes free ports.
+            keyring: The keys that may connect, and the hub's own keys.
+            planes: By name, the bound inproc addresses of central's XSUB and XPUB.
+            faults: Counts refusals.
+            make: Makes a socket with the bus's options: ZeroMQ type, plane or `roles.CONTROL`.
+            accounts: The accounts of the keys.
             clock: Monotonic time [s].
-            judge: Decides which commands come in; called by a thread of the gateway.
+            judge: Admits commands; called by a thread of the gateway.
 
         Raises:
             EndpointError: A port is busy, or this context has a gateway already.
@@ -94,8 +94,8 @@ class GatewaySockets:
         self._monitors: dict[_Socket, str] = {}
         self._floods: dict[str, FloodWatch] = {}
         keys = keyring.hub_keys()
-        keyring.holders()  # a list that cannot be read is said now, not at the first handshake
-        # Before the secure sockets: none of them is ever without an answer to a handshake.
+        keyring.holders()  # report an unreadable list now, not at the first handshake
+        # Before the secure sockets: every handshake needs an answer.
         self._zap = ZapHandler(context, keyring, faults, accounts=accounts, clock=clock)
         self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
         try:
@@ -111,10 +111,10 @@ class GatewaySockets:
             thread.start()
 
     def serve(self, ready: Mapping[_Socket, int]) -> list[int]:
-        """Let in and refuse, and see which connections ended; returns without waiting.
+        """Answer handshakes, and note connections that ended; returns without waiting.
 
         Args:
-            ready: What the poll gave; sockets of others in it are left alone.
+            ready: Sockets with input; others' sockets are ignored.
 
         Returns:
             The descriptors of control connections that ended.
@@ -128,15 +128,15 @@ class GatewaySockets:
         return ended
 
     def ended(self) -> list[int]:
-        """The descriptors of all control connections that ended up to now."""
+        """Descriptors of all control connections that have ended."""
         ended: list[int] = []
         for monitor, place in self._monitors.items():
             while place == CONTROL and monitor.poll(0):
                 ended += self._watch(monitor, place)
         return ended
 
-    def look(self, known: Callable[[int], bool]) -> None:
-        """Look for floods of subscriptions and for silent connections, ten times a second or so.
+    def check(self, known: Callable[[int], bool]) -> None:
+        """Detect floods of subscriptions and silent connections; call it about ten times a second.
 
         Args:
             known: Whether a connected client has this descriptor.
@@ -144,28 +144,28 @@ class GatewaySockets:
         now = self._clock()
         for flood in self._floods.values():
             flood.check(now)
-        self._rates.look(known, now)
+        self._rates.end_silent(known, now)
 
     def hang_up(self, descriptor: int) -> None:
-        """End a connection of the gateway; another one that has its descriptor now goes on."""
+        """End a connection of the gateway, but no other one with its descriptor."""
         ends = ends_of(descriptor)
         if ends is not None and ends[0] in self._all_ports:
             hang_up(descriptor)
 
     def end_broadcasts(self) -> None:
-        """End all connections where states and pictures pass; clients with a key come back at once.
+        """End all connections of states and pictures; clients with a key return at once.
 
-        ZeroMQ does not say which of them belong to a key. Connections of commands stay, so that no
-        stop is lost: there each frame is looked at.
+        ZeroMQ does not show which of them belong to a key. Connections of commands stay, so no stop
+        is lost: the filter checks each frame there.
         """
         for monitor, place in self._monitors.items():
             while place in _BROADCASTS and monitor.poll(0):
-                self._watch(monitor, place)  # some may have been accepted a moment ago
+                self._watch(monitor, place)  # some may be new
         for descriptor in self._rates.at(_BROADCASTS):
             self.hang_up(descriptor)
 
     def admitted(self) -> frozenset[Principal]:
-        """The keys that were let in since the start."""
+        """The keys admitted since the start."""
         return self._zap.admitted()
 
     def close(self) -> None:
@@ -225,7 +225,7 @@ class GatewaySockets:
         socket.curve_publickey = keys.public.encode()
         socket.curve_secretkey = keys.secret.encode()
         socket.zap_domain = place.encode()
-        # Without this ZeroMQ lets every client in while no handler answers for the domain.
+        # Without this ZeroMQ admits every client while no handler answers for the domain.
         socket.setsockopt(zmq.ZAP_ENFORCE_DOMAIN, 1)
         socket.affinity = self._affinity
         self._monitors[socket.get_monitor_socket(_WATCHED)] = place
@@ -233,7 +233,7 @@ class GatewaySockets:
     def _relay(
         self, context: zmq.Context[_Socket], place: str, outer: _Socket, inner: _Socket
     ) -> threading.Thread:
-        """The thread that hands on both ways until `close`."""
+        """The thread that forwards in both directions until `close`."""
         address = f"inproc://gateway-steering-{place.replace(' ', '-')}"
         steered, steering = sockets.pair(context, address)
         self._made.append(steered)
@@ -282,8 +282,8 @@ class GatewaySockets:
     def _close_sockets(self) -> None:
         for socket in (*self._made, *self._steering):
             if not socket.closed:
-                # ZeroMQ's own thread would wait for ever with an event for a monitor that is gone,
-                # and a closed socket still has events until that thread has taken it down.
+                # ZeroMQ's own thread would wait for ever with an event for a closed monitor, and a
+                # closed socket still has events until that thread has freed it.
                 socket.disable_monitor()
             socket.close(0)
         self._steering.clear()
@@ -293,7 +293,7 @@ class GatewaySockets:
 
 
 def _bind_in_a_row(ends: list[_Socket], endpoint: TcpEndpoint) -> list[int]:
-    """Bind each to the port behind the one before; the real ports."""
+    """Bind to consecutive ports; returns the real ports."""
     last = endpoint.port + len(ends) - 1
     if last > 65535:
         text = f"the gateway at {endpoint} needs the ports up to {last}; choose a lower one"

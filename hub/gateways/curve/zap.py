@@ -1,7 +1,7 @@
 """Decides about every CURVE handshake of the gateway: ZeroMQ asks here (ZAP, RFC 27).
 
-Each secure socket has a ZAP domain of its own, its place (`roles.CONTROL`, "state in", ...). So
-a key is let in or refused place by place, before a single message of its holder is read.
+Each secure socket has a ZAP domain of its own, its place (`roles.CONTROL`, "state in", ...). So a
+key is admitted or refused by place, before any message of its holder is read.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ class ZapVerdict:
     """The answer to a handshake.
 
     Attributes:
-        status: "200" let in, "300" not now, "400" refused, "500" cannot tell. After 300 the
-            client's socket tries again; after 400 and 500 it stays away, and it takes a new one.
-        reason: Why not; empty if let in.
+        status: "200" admitted, "300" not now, "400" refused, "500" unknown. After 300 the client's
+            socket tries again; after 400 and 500 it does not, and the client needs a new one.
+        reason: Reason for a refusal; empty: admitted.
         detail: More of it, for the log.
-        user_id: Role, name and fingerprint of the key, which ZeroMQ then adds to every frame of
-            the connection.
+        user_id: Role, name and fingerprint of the key, which ZeroMQ adds to every frame of the
+            connection.
     """
 
     status: str
@@ -48,7 +48,7 @@ class ZapHandler:
     """Answers ZeroMQ's requests; owned by the thread that polls its socket.
 
     Attributes:
-        socket: To be polled for input; then call `serve`.
+        socket: Poll it for input, then call `serve`.
     """
 
     def __init__(
@@ -60,13 +60,13 @@ class ZapHandler:
         accounts: Accounts,
         clock: Callable[[], float],
     ) -> None:
-        """Start to be asked.
+        """Register at ZeroMQ.
 
         Args:
-            context: Whose secure sockets ask.
-            keyring: Who may connect.
-            faults: Counts the refused.
-            accounts: Says whether a key has connected too often.
+            context: Context of the secure sockets.
+            keyring: The keys that may connect.
+            faults: Counts refusals.
+            accounts: The accounts of the keys.
             clock: Monotonic time [s].
 
         Raises:
@@ -87,7 +87,7 @@ class ZapHandler:
             raise EndpointError(text) from error
 
     def serve(self) -> None:
-        """Answer what was asked; returns without waiting."""
+        """Answer the waiting requests; returns without waiting."""
         for _ in range(_BATCH):
             try:
                 parts = self.socket.recv_multipart(zmq.NOBLOCK)
@@ -96,7 +96,7 @@ class ZapHandler:
             self._answer(parts)
 
     def close(self) -> None:
-        """Stop being asked: from now on ZeroMQ refuses every handshake by itself."""
+        """Unregister: from now on ZeroMQ refuses every handshake."""
         self.socket.close()
 
     def judge(self, domain: str, mechanism: str, key: bytes) -> ZapVerdict:
@@ -118,7 +118,7 @@ class ZapHandler:
         return ZapVerdict(status="200", reason="", user_id=holder.principal.user_id)
 
     def admitted(self) -> frozenset[Principal]:
-        """The keys that were let in since the start; as many as the list had in that time."""
+        """The keys admitted since the start, at most all that the list ever had."""
         return frozenset(self._admitted)
 
     def _answer(self, parts: Sequence[bytes]) -> None:
@@ -129,7 +129,7 @@ class ZapHandler:
         place = domain.decode(errors="replace")
         verdict = self.judge(place, mechanism.decode(errors="replace"), key)
         if verdict.status != "200":
-            # The key is public: the owner of the robot can look for it, or put it on the list.
+            # The key is public: the owner of the robot can find it, or put it on the list.
             shown = f"from {address.decode(errors='replace')}, key {z85.encode(key).decode()}"
             self._faults.count(
                 f"refused at the gateway's {place}: {verdict.reason}", verdict.detail + shown

@@ -1,1 +1,1 @@
-"""The robot's own will, under the operator: explores, goes, returns, wanders, holds."""
+"""Autonomy, below the operator: explores, goes, returns, wanders, holds."""

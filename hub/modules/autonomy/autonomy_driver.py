@@ -4,12 +4,12 @@
 | --- | --- | --- |
 | any | a command with a behaviour | begin its task |
 | any | a command HOLD | end the task |
-| task | an operator drives, after `LET_GO_S` | end the task: taken over |
+| task | an operator drives, after `RELEASE_S` | end the task: taken over |
 | task | another client sends a goal, or gets control | end the task: taken over |
 | task | a stop | end the task: stopped |
 | task | robot, map or navigation is silent or old | stand and wait |
 | waiting | all is fresh again | go on, if the robot was neither stopped nor moved |
-| waiting | `PATIENCE_S` is over | end the task: lost |
+| waiting | `DATA_TIMEOUT_S` is over | end the task: lost |
 | task | the robot loses its place | end the task: lost |
 | task | the target is reached or blocked | report it to the task, which chooses the next target |
 """
@@ -43,9 +43,9 @@ FARTHEST_POINT = 1000.0
 """Largest coordinate of a point in `map` [m]."""
 START = Point(x=0.0, y=0.0)
 """The robot's start: the origin of `odom` and of `map`."""
-LET_GO_S = 1.0
+RELEASE_S = 1.0
 """Time after a command in which the operator may still release the stick [s]."""
-PATIENCE_S = 60.0
+DATA_TIMEOUT_S = 60.0
 """Longest time that a task waits for fresh data [s]."""
 STALL_S = 0.5
 """A longer time between two calls means that this process itself paused [s]."""
@@ -53,7 +53,7 @@ SETTLE_S = 0.3
 """Messages from such a pause are read within this time [s]."""
 JUMP = 0.5
 """A robot that moved farther than this during its silence is lost [m]."""
-LOOK_S = 0.5
+SENSING_S = 0.5
 """Time for the sensors at the end of a path [s]."""
 STOP_AGAIN_S = 0.5
 """Time until a stop is sent again, if navigation goes on [s]."""
@@ -71,7 +71,7 @@ class AutonomyDriver:
         Args:
             radius: The robot's, with the margin it must keep [m].
             seed: Of random choices.
-            limits: When exploring ends although frontiers are left.
+            limits: Limits at which exploring ends although frontiers are left.
         """
         self._radius = radius
         self._limits = limits or Limits()
@@ -80,7 +80,7 @@ class AutonomyDriver:
         self._watch = GoalWatch()
         self._behaviour = Behaviour.HOLD
         self._task: AutonomyTask | None = None
-        self._why = "nobody has asked for anything"
+        self._why = "there was no command yet"
         self._phase = Phase.IDLE
         self._asked, self._commands = Behaviour.HOLD, 0
         self._began = self._ended = math.nan
@@ -94,7 +94,7 @@ class AutonomyDriver:
         self._interrupted = False
         self._number = -1
 
-    # What comes in.
+    # Input.
 
     def command(self, command: AutonomyCommand, now: float) -> None:
         """Take a command."""
@@ -133,14 +133,14 @@ class AutonomyDriver:
             state.motion is MotionState.STOPPED
             and ready
             and between
-            and measured - self._commanded > LET_GO_S
+            and measured - self._commanded > RELEASE_S
         ):
             self.see_stop("navigation got a stop", measured)
 
     def see_navigation(self, status: NavigationStatus, now: float, *, mine: bool) -> None:
         """Take the status of navigation; `mine`: its task comes from autonomy."""
         self._senses.see_navigation(status, now)
-        self._watch.heard(status, now, mine=mine)
+        self._watch.on_status(status, now, mine=mine)
         under_way = self._senses.under_way
         self._drives_for_autonomy = mine and under_way
         self._number = min(self._number, status.number)
@@ -167,9 +167,9 @@ class AutonomyDriver:
     def see_other(self, why: str, now: float) -> None:
         """Note a new owner of control, who gets a robot at rest."""
         if self._task is not None:
-            self._give_way(why, now)
+            self._yield(why, now)
 
-    # What goes out.
+    # Output.
 
     def wants_map(self, now: float) -> bool:
         """Whether to request a map now; true once for each request."""
@@ -188,7 +188,7 @@ class AutonomyDriver:
         self._pauses.look(now)
         if self._pauses.is_stale(now):  # messages from the pause are not read yet
             return None
-        trouble = self._senses.trouble(now, needs_map=self._task.needs_map)
+        trouble = self._senses.fault(now, needs_map=self._task.needs_map)
         if not trouble and self._senses.driven(now):
             trouble = "the operator still drives"
         if trouble:
@@ -259,29 +259,29 @@ class AutonomyDriver:
         """End the task if an operator or another client has taken over."""
         outcome = self._watch.outcome(now)
         if outcome is Outcome.REPLACED or self._sent_elsewhere:
-            self._give_way("somebody else sent the robot elsewhere", now)
+            self._yield("somebody else sent the robot elsewhere", now)
         elif outcome is Outcome.CANCELLED:
             if self._watch.cause is Cause.STICK or self._senses.driven(now):
-                self._give_way(_TAKEN_OVER, now)
+                self._yield(_TAKEN_OVER, now)
             else:
                 stopped = self._watch.cause in (Cause.STOP, Cause.WITHDRAWN, Cause.NONE)
                 why = self._watch.why or "somebody ended the goal"
-                self._give_way(why, now, Phase.STOPPED if stopped else Phase.TAKEN_OVER)
-        elif self._senses.driven(now) and now - self._commanded > LET_GO_S:
-            self._give_way(_TAKEN_OVER, now)
+                self._yield(why, now, Phase.STOPPED if stopped else Phase.TAKEN_OVER)
+        elif self._senses.driven(now) and now - self._commanded > RELEASE_S:
+            self._yield(_TAKEN_OVER, now)
 
-    def _give_way(self, why: str, now: float, phase: Phase = Phase.TAKEN_OVER) -> None:
+    def _yield(self, why: str, now: float, phase: Phase = Phase.TAKEN_OVER) -> None:
         self._end(phase, why, now)
         self._watch.forget()
 
     def _wait(self, trouble: str, now: float) -> GoalCommand | None:
-        """Stand until the data is fresh again, at most `PATIENCE_S`."""
+        """Stand until the data is fresh again, at most `DATA_TIMEOUT_S`."""
         if self._waits_since is None:
             self._waits_since = now
             state = self._senses.state
             self._left_at = None if state is None else (state.x, state.y)
-        if now - self._waits_since > PATIENCE_S:
-            self._end(Phase.LOST, f"gave up after {PATIENCE_S:.0f} s: {trouble}", now)
+        if now - self._waits_since > DATA_TIMEOUT_S:
+            self._end(Phase.LOST, f"gave up after {DATA_TIMEOUT_S:.0f} s: {trouble}", now)
         else:
             self._phase, self._why = Phase.WAITING, f"waits: {trouble}"
         had_goal = self._watch.target is not None
@@ -323,7 +323,7 @@ class AutonomyDriver:
         if outcome in _OVER or self._task is None:
             self._watch.forget()
             self._map_left = self._senses.map_number
-            self._asked_map = now - MAP_PERIOD_S + LOOK_S
+            self._asked_map = now - MAP_PERIOD_S + SENSING_S
 
     def _go(self, task: AutonomyTask, now: float) -> GoalCommand | None:
         """Send navigation to the next target, or keep the present one."""

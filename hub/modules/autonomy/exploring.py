@@ -1,4 +1,4 @@
-"""The task of exploring: goes where the map ends, until there is nothing new to see; pure."""
+"""The task of exploring: goes to the map's edges until they bring no new ground; pure."""
 
 from __future__ import annotations
 
@@ -16,52 +16,52 @@ from hub.modules.autonomy.autonomy_task import End, Pause, Sight, Target
 from hub.modules.autonomy.novelty import Limits, Novelty
 
 SHORTEST = 0.3
-"""Shorter frontiers are gaps between the cones of sensors, no ground to explore [m]."""
+"""Shortest frontier; a shorter one is a gap between the cones of sensors [m]."""
 LEAST_GAIN = 0.5
-"""Frontiers with less ground behind them, for the robot to stand on, are left out [m^2]."""
+"""Least ground behind a frontier that the robot may stand on [m^2]."""
 MOST_GAIN = 12.0
-"""More ground behind a frontier is not worth more: the robot sees no more at once [m^2]."""
-LOOK = 0.3
-"""From so far off, beyond the robot's radius, a frontier is looked into [m]."""
-FAR_LOOK = 1.5
-"""Likewise in the end, and through walls: what closes the way may turn out to be none near by."""
+"""Most ground behind a frontier that counts: the robot sees no more at once [m^2]."""
+VIEW_DISTANCE = 0.3
+"""Distance of a view point from its frontier, beyond the robot's radius [m]."""
+FAR_VIEW_DISTANCE = 1.5
+"""The same for the last frontiers, even through walls: a wall may be noise that vanishes nearby."""
 ARRIVED = 0.4
-"""From so far off a place is reached, and what is unknown there is looked at [m]."""
+"""Distance at which a place is reached and its unknown ground seen [m]."""
 NEAR = 0.5
-"""Places nearer to each other than this are one and the same [m]."""
+"""Places nearer to each other than this are the same [m]."""
 HOME = Point(x=0.0, y=0.0)
-"""Where the robot started: the origin of `map`."""
+"""The robot's start: the origin of `map`."""
 AT_HOME = 0.5
-"""So near to it the robot is at home [m]."""
+"""Largest distance at which the robot is at its start [m]."""
 DETOUR, DETOUR_M = 1.5, 4.0
-"""Something is in the way where navigation has so many times the way left, and so much more [m]."""
+"""A path that is longer than planned by this factor and this length [m] has an obstacle."""
 SAME = 1.0
-"""A frontier that is looked into from so near to the target is the one it leads to [m]."""
+"""Largest distance between the target and the view point of its frontier [m]."""
 SWITCH = 2.0
-"""Another frontier is gone to instead if it is worth so many times as much."""
-VAIN_WORTH = 0.2
-"""Each visit in vain leaves this share of what a frontier was worth."""
+"""Factor by which another frontier's value must exceed the target's to replace it."""
+FAILED_VISIT_FACTOR = 0.2
+"""Share of a frontier's value that each failed visit leaves."""
 TRIES = 3
-"""After so many visits in vain a place is given up."""
+"""Number of failed visits after which a place is given up."""
 SPEED = 0.35
-"""So fast the robot gets about, turns included [m/s]."""
-HOMEWARD_SPEED = 0.2
-"""The way back to the start is made at least so fast on average [m/s]."""
-HOMEWARD_SPARE_S = 20.0
-"""The robot turns back so much earlier than the way takes [s]."""
+"""Average speed of the robot, with turns [m/s]."""
+RETURN_SPEED = 0.2
+"""Least average speed on the path back to the start [m/s]."""
+RETURN_RESERVE_S = 20.0
+"""Reserve of time for the path back to the start [s]."""
 STOP_S = 6.0
-"""So much longer each target takes: to look, and to turn away [s]."""
+"""Extra time of each target: to look, and to turn away [s]."""
 CLOSED_S = 12.0
-"""So long a target stays to which the map shows no way any more [s]."""
-PATIENCE_S = 6.0
-"""Where the map shows no way any more another place is explored after this time [s]."""
+"""Time after which a target without a path on the map is dropped [s]."""
+CLOSED_WAIT_S = 6.0
+"""Longest wait of navigation at a closed path [s]."""
 
 _NOTHING = "nothing is left"
 
 
 @dataclass(slots=True)
-class _Vain:
-    """A place where the robot was, or could not get to, and where the frontier stays."""
+class _FailedVisits:
+    """A place with a failed visit: the robot could not reach it, or its frontier stayed."""
 
     x: float
     y: float
@@ -69,32 +69,32 @@ class _Vain:
 
 
 class Explore:
-    """Goes to the frontier that brings most new ground for its time, as long as there are any.
+    """Goes to the frontier with most new ground for its time, until none is left.
 
-    What counts is ground where the robot may be able to stand: gaps between two sonars' cones, and
-    what is behind furniture, are no reason to go there. A frontier that stays although the robot
-    was there, or that it cannot get to, is worth less and less, and is given up: sonars do not see
-    walls that they look at sideways. Noise closes doors on the map until the robot is near, so
-    frontiers that the map shows no way to are looked at from as near as the robot gets.
+    Only ground where the robot may stand counts: gaps between two sonars' cones, and ground behind
+    furniture, do not. Sonars miss walls at a flat angle, so some frontiers stay after a visit. Each
+    failed visit lowers a frontier's value, until it is given up. Noise closes doors on the map
+    until the robot is near. So the robot also approaches frontiers without a path, as near as it
+    can.
 
-    A robot that has not moved yet drives its base line first, which makes all later poses truer.
+    A robot at its start drives its base line first, which makes all later poses more exact.
 
-    Drift makes places anew that are known already, so exploring does not go on when nothing new
-    comes. Nor does it go on for longer than the limits say: a robot that has lost its place sees
-    new ground all the time. Then the robot goes back to its start.
+    Drift shows known places again as new ones, so exploring ends when the ground in reach grows no
+    more. It also ends at a time limit: a robot that has lost its place sees new ground all the
+    time. At the end the robot goes back to its start.
 
     Attributes:
         needs_map: True.
         frontier_m: Length of all frontiers that are left and not given up [m].
-        explored: Share of the known ground's edge that is none of them, 0 to 1.
+        explored: Share of the known ground's edge without these frontiers, 0 to 1.
     """
 
     def __init__(self, radius: float, limits: Limits) -> None:
-        """Get ready.
+        """Start without a map.
 
         Args:
             radius: The robot's, with the margin it must keep [m].
-            limits: When it ends although frontiers are left.
+            limits: Limits at which it ends although frontiers are left.
         """
         self.needs_map = True
         self.frontier_m = self.explored = math.nan
@@ -102,25 +102,25 @@ class Explore:
         self._novelty = Novelty(limits)
         self._seen: Grid | None = None
         self._began = math.inf
-        self._ground = self._way_home = 0.0
-        self._reach = LOOK
-        self._vain: list[_Vain] = []
+        self._ground = self._path_home = 0.0
+        self._reach = VIEW_DISTANCE
+        self._failed: list[_FailedVisits] = []
         self._open_at = -math.inf
         self._end: str | None = None
         self._home = ""
-        self._last_looks = False
+        self._last_frontiers = False
         self._base_line: bool | None = None
 
     def choose(self, sight: Sight) -> Target | Pause | End:
-        """The frontier to go to."""
+        """The next frontier, or the end."""
         if self._end is not None:
             return self._go_home(self._end, sight)
         if sight.grid is not None:
-            self._look(sight, sight.grid)
+            self._measure_ground(sight, sight.grid)
         late = self._late(sight.now)
         if sight.grid is None or not (sight.fresh or late):
             return Pause(why="looks around")
-        near = self._frontiers(sight, sight.grid, LOOK)
+        near = self._frontiers(sight, sight.grid, VIEW_DISTANCE)
         reachable = [place for place in near if math.isfinite(place.distance)]
         left = self._left(near)
         self.frontier_m = sum(place.length for place in left)
@@ -133,21 +133,23 @@ class Explore:
         if base is not None:
             return base
         beyond: list[Frontier] = []
-        if self._novelty.over(sight.now) and not self._last_looks:
-            self._last_looks = True
+        if self._novelty.over(sight.now) and not self._last_frontiers:
+            self._last_frontiers = True
             self._novelty.restart(sight.now)
-        if self._last_looks or not left:
+        if self._last_frontiers or not left:
             beyond = self._beyond(sight, sight.grid, near)
-        if (not beyond and (self._last_looks or not left)) or self._novelty.over(sight.now):
+        if (not beyond and (self._last_frontiers or not left)) or self._novelty.over(sight.now):
             reason = f"nothing new for {self._novelty.limits.seconds:g} s" if left else _NOTHING
             return self._go_home(summary(reason, *counts), sight)
-        return self._target(beyond or left, FAR_LOOK if beyond else LOOK, sight.now)
+        return self._target(
+            beyond or left, FAR_VIEW_DISTANCE if beyond else VIEW_DISTANCE, sight.now
+        )
 
     def keeps(self, target: Target, sight: Sight) -> bool:
-        """Whether the map still ends there, and the robot is not there yet."""
+        """Whether the map still ends there, and the robot is not yet there."""
         if sight.grid is None or self._end is not None:
             return True
-        self._look(sight, sight.grid)
+        self._measure_ground(sight, sight.grid)
         if self._late(sight.now):
             return False
         goal = target.points[-1]
@@ -157,9 +159,9 @@ class Explore:
         if there:
             self._note(target)
             return False
-        if self._reach != LOOK:
+        if self._reach != VIEW_DISTANCE:
             return _ends_near(sight.grid, goal.x, goal.y, self._radius + self._reach + ARRIVED)
-        left = self._left(self._frontiers(sight, sight.grid, LOOK))
+        left = self._left(self._frontiers(sight, sight.grid, VIEW_DISTANCE))
         here = [place for place in left if math.dist((goal.x, goal.y), (place.x, place.y)) < SAME]
         ends = _ends_near(sight.grid, goal.x, goal.y, self._radius + self._reach + ARRIVED)
         if not here:
@@ -169,23 +171,23 @@ class Explore:
         if sight.left > DETOUR * min(place.distance for place in here) + DETOUR_M:
             self._note(target)
             return False
-        return SWITCH * max(map(self._worth, here)) >= max(map(self._worth, left))
+        return SWITCH * max(map(self._value, here)) >= max(map(self._value, left))
 
     def reached(self, target: Target, _now: float) -> None:
-        """What is still unknown there will stay so for now."""
+        """Note a visit: ground that is still unknown there stays so for now."""
         if self._end is not None:
             self._home = "it is back at its start"
         self._note(target)
 
     def blocked(self, target: Target, _left: int, _now: float, why: str) -> None:
-        """It cannot be reached for now."""
+        """Note a failed visit."""
         if self._end is not None:
             self._home = f"it did not get back to its start: {why}"
         self._note(target)
         self._base_line = False
 
     def _go_home(self, end: str, sight: Sight) -> Target | End:
-        """Go back to the start, where people expect the robot, and then end."""
+        """Go back to the start, and then end."""
         self._end, self.frontier_m = end, 0.0
         if math.dist((sight.x, sight.y), (HOME.x, HOME.y)) < AT_HOME:
             self._home = self._home or "it is back at its start"
@@ -194,13 +196,13 @@ class Explore:
         return Target(points=(HOME,), why=f"returns to its start; {end}")
 
     def _target(self, left: list[Frontier], look: float, now: float) -> Target:
-        """The best of the frontiers that are left."""
-        best = max(left, key=self._worth)
+        """The best of the remaining frontiers."""
+        best = max(left, key=self._value)
         self._reach = look
         self._novelty.set_out()
         self._open_at = now
         why = f"explores: {best.gain:.1f} m² of new ground, {best.distance:.1f} m away"
-        return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=PATIENCE_S)
+        return Target(points=(Point(x=best.x, y=best.y),), why=why, patience=CLOSED_WAIT_S)
 
     def _frontiers(
         self, sight: Sight, grid: Grid, look: float, *, in_sight: bool = True
@@ -216,9 +218,9 @@ class Explore:
         return tuple(place for place in found if place.gain >= LEAST_GAIN)
 
     def _beyond(self, sight: Sight, grid: Grid, near: tuple[Frontier, ...]) -> list[Frontier]:
-        """Where to look from afar into frontiers that the map shows no way to, each once."""
-        far = self._frontiers(sight, grid, FAR_LOOK, in_sight=False)
-        # Both are of the same edges, in the same order.
+        """View points of frontiers without a path on the map, each once."""
+        far = self._frontiers(sight, grid, FAR_VIEW_DISTANCE, in_sight=False)
+        # Both have the same edges, in the same order.
         hidden = [
             there
             for here, there in zip(near, far, strict=True)
@@ -227,7 +229,7 @@ class Explore:
         return [place for place in hidden if not self._visits(place)]
 
     def _straight(self, sight: Sight, grid: Grid) -> Target | None:
-        """The base line, or what is left of it; None: it is driven, or the robot moved before."""
+        """The base line, or its rest; None: it is driven, or the robot moved before."""
         if self._base_line is None:
             self._base_line = base_line.stands_as_it_began(sight.x, sight.y, sight.theta)
         if not self._base_line:
@@ -239,48 +241,48 @@ class Explore:
         if ahead is None:
             self._base_line = False
             return None
-        return Target(points=(ahead,), why="explores: straight ahead first", patience=PATIENCE_S)
+        return Target(points=(ahead,), why="explores: straight ahead first", patience=CLOSED_WAIT_S)
 
     def _note(self, target: Target) -> None:
-        """The robot was at a target in vain, unless it was only the base line's."""
+        """Count a failed visit, unless the target was the base line's."""
         if self._base_line:
             return
         goal = target.points[-1]
         known = self._at(goal.x, goal.y)
         if known is None:
-            self._vain.append(_Vain(goal.x, goal.y, 1))
+            self._failed.append(_FailedVisits(goal.x, goal.y, 1))
         else:
             known.visits += 1
 
-    def _at(self, x: float, y: float) -> _Vain | None:
-        near = [vain for vain in self._vain if math.hypot(vain.x - x, vain.y - y) < NEAR]
-        return max(near, key=lambda vain: vain.visits, default=None)
+    def _at(self, x: float, y: float) -> _FailedVisits | None:
+        near = [failed for failed in self._failed if math.hypot(failed.x - x, failed.y - y) < NEAR]
+        return max(near, key=lambda failed: failed.visits, default=None)
 
     def _left(self, found: tuple[Frontier, ...]) -> list[Frontier]:
-        """Those that can be reached and are not given up."""
+        """The frontiers that can be reached and are not given up."""
         return [
             place
             for place in found
             if math.isfinite(place.distance) and self._visits(place) < TRIES
         ]
 
-    def _worth(self, place: Frontier) -> float:
-        """What a frontier is worth, less for each visit in vain."""
-        return worth(place) * VAIN_WORTH ** self._visits(place)
+    def _value(self, place: Frontier) -> float:
+        """The value of a frontier, less for each failed visit."""
+        return value(place) * FAILED_VISIT_FACTOR ** self._visits(place)
 
     def _visits(self, place: Frontier) -> int:
-        """How often the robot was in vain where it looks into a frontier."""
-        vain = self._at(place.x, place.y)
-        return 0 if vain is None else vain.visits
+        """The number of failed visits at a view point."""
+        failed = self._at(place.x, place.y)
+        return 0 if failed is None else failed.visits
 
-    def _look(self, sight: Sight, grid: Grid) -> None:
-        """See how much ground is in reach, and how far it is home."""
+    def _measure_ground(self, sight: Sight, grid: Grid) -> None:
+        """Measure the ground in reach, and the path home."""
         self._began = min(self._began, sight.now)
         if grid is not self._seen:
             self._seen = grid
             self._measure(sight, grid)
-        if self._novelty.look(self._ground, _free_ground(grid), sight.x, sight.y, sight.now):
-            self._last_looks = False
+        if self._novelty.see_map(self._ground, _free_ground(grid), sight.x, sight.y, sight.now):
+            self._last_frontiers = False
 
     def _measure(self, sight: Sight, grid: Grid) -> None:
         here, home = (sight.x, sight.y), (HOME.x, HOME.y)
@@ -290,22 +292,22 @@ class Explore:
         lengths = ways(wide, here, radius=self._radius)
         self._ground = standing_ground(wide, lengths, self._radius)
         way = float(lengths[wide.cell(*home)]) * wide.resolution
-        self._way_home = way if math.isfinite(way) else DETOUR * math.dist(here, home)
+        self._path_home = way if math.isfinite(way) else DETOUR * math.dist(here, home)
 
     def _late(self, now: float) -> bool:
         """Whether it is time to go home."""
-        back = self._way_home / HOMEWARD_SPEED + HOMEWARD_SPARE_S
+        back = self._path_home / RETURN_SPEED + RETURN_RESERVE_S
         return now - self._began + back >= self._novelty.limits.longest
 
 
 def summary(reason: str, left: int, out_of_reach: int, given_up: int) -> str:
-    """How exploring ended, for people.
+    """The result of exploring, for people.
 
     Args:
-        reason: Why.
-        left: Frontiers that could have been gone to.
-        out_of_reach: Frontiers to which the map shows no way.
-        given_up: Frontiers where it was in vain.
+        reason: The reason for the end.
+        left: Frontiers that can be reached.
+        out_of_reach: Frontiers without a path on the map.
+        given_up: Frontiers with too many failed visits.
     """
     counts = {"left": left, "out of reach": out_of_reach, "given up": given_up}
     parts = [f"{count} {name}" for name, count in counts.items() if count]
@@ -315,7 +317,7 @@ def summary(reason: str, left: int, out_of_reach: int, given_up: int) -> str:
 
 
 def explored_share(grid: Grid, frontier_m: float) -> float:
-    """Share of the edge of the known free ground that is not left to explore, 0 to 1.
+    """Share of the known free ground's edge that needs no exploring, 0 to 1.
 
     Args:
         grid: The map.
@@ -328,12 +330,12 @@ def explored_share(grid: Grid, frontier_m: float) -> float:
 
 
 def _free_ground(grid: Grid) -> float:
-    """How much is free in a map, wherever it is [m^2]."""
+    """The whole free ground of a map [m^2]."""
     return float(np.count_nonzero(grid.free)) * grid.resolution**2
 
 
-def worth(frontier: Frontier) -> float:
-    """New ground for the time it takes [m^2/s]; much at once counts for more than its size."""
+def value(frontier: Frontier) -> float:
+    """New ground for its time [m^2/s]; much ground at once counts more."""
     return min(frontier.gain, MOST_GAIN) ** 2 / (STOP_S + frontier.distance / SPEED)
 
 

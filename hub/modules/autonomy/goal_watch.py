@@ -10,7 +10,7 @@ from hub.modules.autonomy.autonomy_task import Target
 
 ACCEPTED_S = 1.5
 """Time in which navigation must accept a goal [s]."""
-SENDINGS = 3
+MAX_SENDS = 3
 """Number of tries to send a goal."""
 LONGEST_S = 180.0
 """A goal is blocked after this time without headway [s]."""
@@ -79,13 +79,13 @@ class GoalWatch:
         self._outcome = Outcome.NONE
         self._after = -1
         self._sent = 0.0
-        self._sendings = 0
+        self._sends = 0
         self._number = -1
 
     def send(self, target: Target, now: float) -> None:
         """Note that this goal is sent now."""
         again = target is self.target and self._outcome in (Outcome.SENT, Outcome.UNHEARD)
-        self._sendings = self._sendings + 1 if again else 1
+        self._sends = self._sends + 1 if again else 1
         self.target, self.left = target, len(target.points)
         self.distance, self._nearest = math.nan, math.inf
         self.why, self.cause = "", Cause.NONE
@@ -97,7 +97,7 @@ class GoalWatch:
         self.distance, self.why, self.cause = math.nan, "", Cause.NONE
         self._outcome = Outcome.NONE
 
-    def heard(self, status: NavigationStatus, now: float, *, mine: bool) -> None:
+    def on_status(self, status: NavigationStatus, now: float, *, mine: bool) -> None:
         """Take the status of navigation; `mine`: its task comes from autonomy."""
         self._number = status.number
         if self._outcome not in (Outcome.SENT, Outcome.GOING):
@@ -125,7 +125,7 @@ class GoalWatch:
     @property
     def may_send_again(self) -> bool:
         """Whether to send a goal again that was not accepted."""
-        return self._sendings < SENDINGS
+        return self._sends < MAX_SENDS
 
 
 def _outcome_of(status: NavigationStatus) -> Outcome:

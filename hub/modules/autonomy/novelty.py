@@ -11,7 +11,7 @@ from hub.robots.description import (
     NOTHING_NEW_SHARE,
 )
 
-LEAST_WAY = 2.0
+LEAST_DISTANCE = 2.0
 """Least distance driven without new ground [m]."""
 LEAST_PLACES = 2
 """Least number of targets without new ground: the path to the first may be long and known."""
@@ -21,7 +21,7 @@ LOST = 0.5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """When exploring ends although frontiers are left.
+    """Limits at which exploring ends although frontiers are left.
 
     Attributes:
         seconds: Time without new ground [s].
@@ -46,16 +46,16 @@ class Novelty:
         """Start with the first map.
 
         Args:
-            limits: When exploring ends.
+            limits: Limits of exploring.
         """
         self.limits = limits
         self._ground = self._free = 0.0
         self._since = math.inf
         self._place: tuple[float, float] | None = None
-        self._way = 0.0
+        self._distance = 0.0
         self._places = 0
 
-    def look(self, ground: float, free: float, x: float, y: float, now: float) -> bool:
+    def see_map(self, ground: float, free: float, x: float, y: float, now: float) -> bool:
         """Take a map; returns whether it has new ground.
 
         Args:
@@ -66,7 +66,7 @@ class Novelty:
             now: Monotonic time [s].
         """
         if self._place is not None:
-            self._way += math.dist(self._place, (x, y))
+            self._distance += math.dist(self._place, (x, y))
         self._place = (x, y)
         first = math.isinf(self._since)
         cleared = free < self._free * LOST
@@ -79,7 +79,7 @@ class Novelty:
 
     def restart(self, now: float) -> None:
         """Restart the time."""
-        self._since, self._way, self._places = now, 0.0, 0
+        self._since, self._distance, self._places = now, 0.0, 0
 
     def set_out(self) -> None:
         """Note that the robot is sent to a place."""
@@ -87,5 +87,5 @@ class Novelty:
 
     def over(self, now: float) -> bool:
         """Whether the robot drove long enough without new ground."""
-        drove = self._way >= LEAST_WAY and self._places >= LEAST_PLACES
+        drove = self._distance >= LEAST_DISTANCE and self._places >= LEAST_PLACES
         return drove and now - self._since >= self.limits.seconds

@@ -64,7 +64,7 @@ class Senses:
         """Note that a request of a map failed."""
         self._no_map = f"no map: {why}"
 
-    def trouble(self, now: float, *, needs_map: bool) -> str:
+    def fault(self, now: float, *, needs_map: bool) -> str:
         """Why autonomy must not drive at `now` [s], for people; empty: it may."""
         if self.state is None:
             return "nothing is known of the robot"

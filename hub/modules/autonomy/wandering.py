@@ -14,7 +14,7 @@ from hub.modules.autonomy.autonomy_task import NOWHERE, End, Pause, Sight, Targe
 NEAREST = 1.0
 FARTHEST = 4.0
 """Least and largest length of the path to a place [m]."""
-PATIENCE_S = 1.0
+REPLACE_S = 1.0
 """A place without a path on the map is replaced after this time [s]."""
 TRIES = 8
 """Largest number of blocked places in a row."""
@@ -61,7 +61,7 @@ class Wander:
             if len(places):
                 row, column = places[self._random.integers(len(places))]
                 x, y = wide.centre(int(row), int(column))
-                return Target(points=(Point(x=x, y=y),), why="wanders", patience=PATIENCE_S)
+                return Target(points=(Point(x=x, y=y),), why="wanders", patience=REPLACE_S)
         return Pause(why="there is no room to wander", waits=True)
 
     def keeps(self, _target: Target, _sight: Sight) -> bool:

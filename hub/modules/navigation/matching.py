@@ -1,9 +1,9 @@
 """The drift of dead reckoning, from a match of recent points with the map; pure.
 
 Correlative scan matching (E. Olson, Real-Time Correlative Scan Matching, 2009). It tries small
-turns and shifts of the points. The likelihood of each is how well the points then lie on walls of
-the map, times how likely such an error of dead reckoning is. The mean of all is the correction;
-their spread is its uncertainty.
+turns and shifts of the points. The likelihood of each is the fit of the points to the map's walls,
+times the likelihood of such an error of dead reckoning. The mean of all is the correction; their
+spread is its uncertainty.
 
 The mean is used because sensors with wide cones measure a heading badly: the most likely value
 alone would jump. A part that dead reckoning knows well stays, such as the heading on a straight

@@ -410,15 +410,15 @@ def test_list_that_cannot_be_read_ends_no_connection(tmp_path: Path) -> None:
     path = tmp_path / "list.toml"
     whole = path.read_text()
     path.write_text("[")
-    keys.look(0.0)
+    keys.check(0.0)
     assert keys.holds(alice)
     path.write_text(whole)
-    keys.look(2.0)
+    keys.check(2.0)
     assert keys.holds(alice)
     assert ended == []
     keyring.remove("alice")
     keyring.make("alice", Role.OPERATE)
     for now in (4.0, 6.0):
-        keys.look(now)
+        keys.check(now)
         assert not keys.holds(alice)
         assert ended == [alice]

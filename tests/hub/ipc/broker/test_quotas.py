@@ -319,7 +319,7 @@ def test_address_that_floods_with_connections_is_turned_away_and_no_other() -> N
 
 def test_address_connects_to_planes_as_often_as_to_control_and_some_more() -> None:
     door = Door()
-    assert sum(door.stays("state out") for _ in range(50)) == connection_rates.SPARE
+    assert sum(door.stays("state out") for _ in range(50)) == connection_rates.EXTRA_CONNECTIONS
     for _ in range(3):
         assert door.stays("control")
     assert sum(door.stays("state out") for _ in range(50)) == 3
@@ -328,7 +328,7 @@ def test_address_connects_to_planes_as_often_as_to_control_and_some_more() -> No
 
 def test_place_is_free_again_when_a_connection_ends() -> None:
     door = Door()
-    taken = [door.come("state out") for _ in range(connection_rates.SPARE)]
+    taken = [door.come("state out") for _ in range(connection_rates.EXTRA_CONNECTIONS)]
     assert not door.stays("state out")
     door.sources.ended(taken[0])
     assert door.stays("state out")
@@ -337,8 +337,8 @@ def test_place_is_free_again_when_a_connection_ends() -> None:
 def test_control_connection_that_says_no_hello_is_ended() -> None:
     door = Door()
     silent, client, plane = door.come("control"), door.come("control"), door.come("state out")
-    door.sources.look(lambda descriptor: descriptor == client, 4.0)
+    door.sources.end_silent(lambda descriptor: descriptor == client, 4.0)
     assert door.ended == []
-    door.sources.look(lambda descriptor: descriptor == client, 6.0)
+    door.sources.end_silent(lambda descriptor: descriptor == client, 6.0)
     assert door.ended == [silent]
     assert plane not in door.ended

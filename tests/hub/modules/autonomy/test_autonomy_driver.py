@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from hub.gcm.autonomy import Behaviour, DrivingMode, Phase
 from hub.gcm.navigation import Cause, MotionState, Task
 from hub.modules.autonomy.autonomy_driver import (
+    DATA_TIMEOUT_S,
     FARTHEST_POINT,
     JUMP,
-    LET_GO_S,
     MOST_POINTS,
-    PATIENCE_S,
+    RELEASE_S,
     STALL_S,
 )
-from hub.modules.autonomy.goal_watch import ACCEPTED_S, LONGEST_S, SENDINGS
+from hub.modules.autonomy.goal_watch import ACCEPTED_S, LONGEST_S, MAX_SENDS
 from hub.modules.autonomy.senses import MAP_OLD_S, NAVIGATION_OLD_S, STATE_OLD_S
 from tests.hub.modules.autonomy.scene import STEP, Scene
 
@@ -56,7 +56,7 @@ def test_it_does_nothing_unasked() -> None:
     assert scene.goals == []
     assert scene.state.behaviour is Behaviour.HOLD
     assert scene.state.pilot is DrivingMode.NOBODY
-    assert scene.why == "nobody has asked for anything"
+    assert scene.why == "there was no command yet"
 
 
 def test_it_goes_to_a_point_and_then_holds() -> None:
@@ -220,7 +220,7 @@ def test_who_asks_while_driving_may_let_go_first() -> None:
     scene.motion = MotionState.MOVING
     scene.hears()
     scene.ask(Behaviour.GO, (1.0, 0.0))
-    scene.wait(LET_GO_S / 2)
+    scene.wait(RELEASE_S / 2)
     assert scene.goals == []
     assert scene.why == "waits: the operator still drives"
     scene.motion = MotionState.STANDING
@@ -233,7 +233,7 @@ def test_who_drives_on_after_asking_keeps_the_robot() -> None:
     scene.motion = MotionState.MOVING
     scene.hears()
     scene.ask(Behaviour.GO, (1.0, 0.0))
-    scene.wait(LET_GO_S + 0.5)
+    scene.wait(RELEASE_S + 0.5)
     assert scene.why == "the operator took over"
     assert scene.goals == []
 
@@ -328,7 +328,7 @@ def test_it_stands_without_fresh_states_of_the_robot(behaviour: Behaviour) -> No
     scene.wait(STATE_OLD_S + 2 * STEP)
     assert scene.task is Task.CANCELLED
     assert scene.why == "waits: nothing new is known of the robot"
-    scene.wait(PATIENCE_S + 1.0)
+    scene.wait(DATA_TIMEOUT_S + 1.0)
     assert scene.why == "gave up after 60 s: nothing new is known of the robot"
     assert scene.state.phase is Phase.LOST
     scene.driver_reports = True
@@ -350,7 +350,7 @@ def test_it_goes_on_when_states_come_back_soon(behaviour: Behaviour) -> None:
 def test_it_waits_for_almost_a_minute_and_goes_on(behaviour: Behaviour) -> None:
     scene = busy(behaviour)
     scene.driver_reports = False
-    scene.wait(PATIENCE_S - 5.0)
+    scene.wait(DATA_TIMEOUT_S - 5.0)
     assert scene.state.phase is Phase.WAITING
     scene.driver_reports = True
     scene.wait(3.0)
@@ -499,8 +499,8 @@ def test_a_goal_that_navigation_does_not_take_is_sent_again_and_then_given_up() 
     scene = Scene()
     scene.accepts = False
     scene.ask(Behaviour.GO, (1.0, 0.0))
-    scene.wait(SENDINGS * ACCEPTED_S + 2.0)
-    assert scene.targets == [(1.0, 0.0)] * SENDINGS
+    scene.wait(MAX_SENDS * ACCEPTED_S + 2.0)
+    assert scene.targets == [(1.0, 0.0)] * MAX_SENDS
     assert scene.why == "navigation does not take the goal"
 
 

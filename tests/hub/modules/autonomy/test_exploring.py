@@ -19,10 +19,10 @@ from hub.modules.autonomy.base_line import LONGEST, straight_ahead
 from hub.modules.autonomy.exploring import (
     ARRIVED,
     AT_HOME,
-    HOMEWARD_SPEED,
+    RETURN_SPEED,
     TRIES,
     Explore,
-    worth,
+    value,
 )
 from hub.modules.autonomy.novelty import Limits
 from tests.hub.modules.autonomy.scene import RADIUS, Scene, hall
@@ -160,7 +160,7 @@ def test_a_place_where_it_was_in_vain_comes_after_one_that_is_alike() -> None:
 def test_a_room_behind_a_narrow_door_is_worth_more_than_a_gap_near_by() -> None:
     room = Frontier(x=0.0, y=0.0, length=1.8, distance=20.0, gain=10.0)
     gap = Frontier(x=0.0, y=0.0, length=0.45, distance=1.5, gain=3.0)
-    assert worth(room) > worth(gap)
+    assert value(room) > value(gap)
 
 
 def test_exploring_begins_straight_ahead_so_that_the_first_walls_are_drawn_true() -> None:
@@ -441,7 +441,7 @@ def test_exploring_turns_back_in_time_although_new_ground_is_left() -> None:
     assert scene.targets[-1] == (0.0, 0.0)
     left = began + Limits().longest - scene.now
     assert left > 0.0
-    assert way / HOMEWARD_SPEED - 30.0 <= left <= way / HOMEWARD_SPEED + 60.0
+    assert way / RETURN_SPEED - 30.0 <= left <= way / RETURN_SPEED + 60.0
     scene.arrive()
     scene.wait(3.0)
     assert scene.why.startswith("explored: 600 s are over with the way back; frontiers: 1 left")

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.modules.autonomy.exploring import summary
-from hub.modules.autonomy.novelty import LEAST_PLACES, LEAST_WAY, Limits, Novelty
+from hub.modules.autonomy.novelty import LEAST_DISTANCE, LEAST_PLACES, Limits, Novelty
 
 LIMITS = Limits(seconds=60.0, share=0.01)
 STEP_S = 2.0
@@ -19,7 +19,7 @@ def looked(grounds: list[float], *, speed: float = FAST, places: int = LEAST_PLA
     """A rule that saw so much ground in reach, one every STEP_S, while the robot drove."""
     novelty = Novelty(LIMITS)
     for step, ground in enumerate(grounds):
-        novelty.look(ground, 1.1 * ground, step * STEP_S * speed, 0.0, step * STEP_S)
+        novelty.see_map(ground, 1.1 * ground, step * STEP_S * speed, 0.0, step * STEP_S)
         if step in range(1, places + 1):
             novelty.set_out()
     return novelty
@@ -51,7 +51,7 @@ def test_it_is_never_over_while_the_ground_grows_by_more_than_the_share(rates: l
     for rate in rates:
         free *= 1.0 + rate
         now += LIMITS.seconds - 0.1
-        novelty.look(free, free, now, 0.0, now)
+        novelty.see_map(free, free, now, 0.0, now)
         novelty.set_out()
         novelty.set_out()
         assert not novelty.over(now)
@@ -60,7 +60,7 @@ def test_it_is_never_over_while_the_ground_grows_by_more_than_the_share(rates: l
 @given(
     st.floats(0.1, 1e4),
     st.lists(st.floats(0.51, 1.0), min_size=31, max_size=60),
-    st.floats(LEAST_WAY / 60.0 + 0.01, 2.0),
+    st.floats(LEAST_DISTANCE / 60.0 + 0.01, 2.0),
 )
 def test_it_is_over_in_time_when_the_ground_never_exceeds_what_it_was(
     ground: float, shares: list[float], speed: float
@@ -72,7 +72,7 @@ def test_it_is_over_in_time_when_the_ground_never_exceeds_what_it_was(
 def test_free_ground_out_of_reach_is_nothing_new() -> None:
     novelty = Novelty(LIMITS)
     for step in range(31):
-        new = novelty.look(50.0, 60.0 + step, step * STEP_S * FAST, 0.0, step * STEP_S)
+        new = novelty.see_map(50.0, 60.0 + step, step * STEP_S * FAST, 0.0, step * STEP_S)
         assert new is (step == 0)
         novelty.set_out()
     assert novelty.over(30 * STEP_S)
@@ -81,7 +81,7 @@ def test_free_ground_out_of_reach_is_nothing_new() -> None:
 def test_a_door_that_noise_closes_and_opens_again_is_nothing_new() -> None:
     novelty = Novelty(LIMITS)
     for step, ground in enumerate([50.0, *[10.0, 50.0] * 15]):
-        novelty.look(ground, 60.0, step * STEP_S * FAST, 0.0, step * STEP_S)
+        novelty.see_map(ground, 60.0, step * STEP_S * FAST, 0.0, step * STEP_S)
         novelty.set_out()
     assert novelty.over(30 * STEP_S)
 
