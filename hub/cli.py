@@ -42,13 +42,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # messages hold any text
-    options = _parser().parse_args(arguments)
+    options = command_parser().parse_args(arguments)
     if options.command != "run":  # the daemon forks before it has a thread
         start_logging("hub", logging.WARNING)
     try:
-        return _run_command(options)
+        return run_command(options)
     except KeyboardInterrupt:
-        _leave()
+        leave()
     except BrokenPipeError:
         sys.stderr.close()  # the reader of the output has ended
         return ExitCode.OK
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return ExitCode.FAULT
 
 
-def _leave() -> NoReturn:
+def leave() -> NoReturn:
     """End at once: Ctrl-C can interrupt the making of sockets, and closing them would wait."""
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(OSError, ValueError, AttributeError):
@@ -70,9 +70,10 @@ def _leave() -> NoReturn:
     os._exit(ExitCode.OK)
 
 
-def _run_command(options: argparse.Namespace) -> int:
+def run_command(options: argparse.Namespace) -> int:
+    """Do what the options of the command line say; returns the exit code."""
     if options.command == "completion":
-        return write_completion(_parser, options.shell)
+        return write_completion(command_parser, options.shell)
     if options.command == "run":
         return _run_daemon(options)
     if options.command == "keys":
@@ -87,7 +88,7 @@ def _run_command(options: argparse.Namespace) -> int:
     try:
         return _run_inspection(client, options)
     except KeyboardInterrupt:
-        _leave()
+        leave()
     finally:
         client.close()
 
@@ -246,7 +247,8 @@ _positive = number_type(float, sys.float_info.min, 1e6, "number above 0")
 _whole = number_type(int, 1, math.inf, "whole number above 0")
 
 
-def _parser() -> CommandParser:
+def command_parser() -> CommandParser:
+    """The parser of the whole command line."""
     parser = CommandParser(
         prog="rune-hub",
         description="The hub on a robot: carries messages between modules and keeps them alive.",

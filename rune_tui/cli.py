@@ -87,7 +87,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     _need_screen(options.layouts, options.set)
     source = _source(options.layouts, options.set, watched=options.watch)
-    log = _log_to_file()
+    log = log_to_file()
     with _tunnels(options, source.layout) as tunnels:
         links = _links(
             source.layout, _endpoints(options.hub), options.keys, tunnels, options.operator
@@ -101,7 +101,7 @@ def _demo(options: argparse.Namespace) -> int:
     from rune_tui.commands.demo import DemoHub
 
     _need_screen([options.layout], options.set)
-    log = _log_to_file()
+    log = log_to_file()
     sys.stderr.write("rune: starting a simulated robot and the console; this takes some seconds\n")
     sys.stderr.flush()
     with ExitStack() as stack:
@@ -190,7 +190,7 @@ def _shot(options: argparse.Namespace) -> int:
     with ExitStack() as stack:
         hubs = _endpoints(options.hub)
         if options.demo:
-            log = _log_to_file()
+            log = log_to_file()
             demo = [stack.enter_context(DemoHub(_DEMO_ROBOT, log.path)) for _ in layout.robots]
             hubs = [hub.endpoint() for hub in demo]
         tunnels = stack.enter_context(_tunnels(options, layout))
@@ -249,7 +249,7 @@ def _pad(options: argparse.Namespace) -> int:
     if not (options.hub or options.ssh):
         text = "say where the robot's hub is: `rune pad HOST`, or `rune pad --ssh USER@ROBOT`"
         raise _UsageError(text)
-    _log_to_file()
+    log_to_file()
     pad.run(
         endpoint_of(options.hub or "127.0.0.1"),
         ssh=options.ssh,
@@ -373,7 +373,7 @@ class _Log(NamedTuple):
     trouble: str = ""
 
 
-def _log_to_file() -> _Log:
+def log_to_file() -> _Log:
     """Send the log to the user's log folder, away from the picture.
 
     A folder that cannot be written to keeps nobody from driving: then no log is kept, and the

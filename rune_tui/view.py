@@ -69,7 +69,7 @@ class View:
         self._look = "", ""
         self._columns = 0
         self._rows = 0
-        self._panes: list[DrawnViewport] = []
+        self.panes: list[DrawnViewport] = []
         # Some remember what they have seen, so they outlive the size of the terminal.
         self._visualizers: dict[str, Visualizer] = {}
         self._viewports = {each.name: each for each in self._spec.viewports if each.visualizer}
@@ -107,7 +107,7 @@ class View:
         self._columns = max(0, columns)
         self._rows = max(0, rows)
         self._complete = False
-        self._panes = []
+        self.panes = []
         if self._too_small:
             return False
         before = self._arrangement
@@ -120,7 +120,7 @@ class View:
             shown = self._visualizer(viewport)
             title = "" if self._full else viewport.title
             head, area = with_title(place.area, title)
-            self._panes.append(
+            self.panes.append(
                 DrawnViewport(
                     spec=viewport,
                     visualizer=shown,
@@ -132,8 +132,8 @@ class View:
                     markable=self._choice,
                 )
             )
-        over = [each for each in self._panes if each.visualizer.rule.above]
-        for pane in self._panes:
+        over = [each for each in self.panes if each.visualizer.rule.above]
+        for pane in self.panes:
             above = [each.how.zpos for each in over if each.place.meets(pane.place)]
             pane.over_zpos = max([pane.how.zpos, *above]) if above else None
         return self._arrangement is not before
@@ -181,7 +181,7 @@ class View:
         self._arrange(state)
         state = dataclasses.replace(state, banner=banner_of(state))
         # Every pane is asked: no short cut after the first that changed.
-        changed = [pane.refresh(state) for pane in self._panes]
+        changed = [pane.refresh(state) for pane in self.panes]
         changed.append(self._banner.refresh(self._columns, self._kept_rows, self._rows, state))
         top, rows = self._page_place
         nearest = self._nearest + 1
@@ -194,8 +194,8 @@ class View:
         if self._too_small:
             layers = [self._only("too small", state)]
         else:
-            layers = [layer for pane in self._panes for layer in pane.layers(state)]
-            layers += [pane.over for pane in self._panes if pane.over is not None]
+            layers = [layer for pane in self.panes for layer in pane.layers(state)]
+            layers += [pane.over for pane in self.panes if pane.over is not None]
             layers += [*self._page.layers, *self._notices.layers, *self._banner.layers]
         self._urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
@@ -207,7 +207,7 @@ class View:
         """The viewports at a pixel of the terminal (column, 2 * row), the nearest first."""
         if state.paged:
             return ()
-        panes = sorted(self._panes, key=lambda pane: pane.how.zpos)
+        panes = sorted(self.panes, key=lambda pane: pane.how.zpos)
         found = (pane.hit(x, y, state) for pane in reversed(panes))
         return tuple(hit for hit in found if hit is not None)
 
@@ -221,7 +221,7 @@ class View:
         if self._paged:
             return self._sizes  # the page is closed in a moment, and then they have to be new
         sizes: dict[str, tuple[int, int]] = {}
-        for pane in self._panes:
+        for pane in self.panes:
             robot, shown = pane.robot(state), pane.visualizer
             if shown.rule.pictures and robot is not None and pane.visible(state):
                 more = max(self._scale)
@@ -260,7 +260,7 @@ class View:
         """Rows at the upper edge that nothing may cover: they say how to stop, or what is vital."""
         lines = {
             pane.place.y // 2
-            for pane in self._panes
+            for pane in self.panes
             if pane.place.width == self._columns
             and pane.place.height == 2
             and (pane.visualizer.rule.heads or pane.visualizer.rule.vital)
@@ -283,7 +283,7 @@ class View:
         return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
 
     def _refresh_notices(self, state: ConsoleState) -> bool:
-        logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self._panes)
+        logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self.panes)
         return self._notices.refresh(
             (self._columns, self._rows),
             self._kept_rows + self._banner.rows,

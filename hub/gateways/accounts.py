@@ -32,7 +32,7 @@ STOPS_PER_S, STOPS_AT_ONCE = 20.0, 40.0
 _EXCESS = 2000.0
 """Amount of refused requests, less the rate since then, that ends a connection."""
 _MAX_EXCESSIVE = 256
-_BARRED_S = 10.0
+BARRED_S = 10.0
 """Time without new connections for a key after such an end [s]."""
 
 
@@ -92,7 +92,7 @@ class Account:
         if excess.take(max(price, size / 4096), now):
             return QuotaVerdict.REFUSED
         del self._excess[identity]
-        self._barred_until = now + _BARRED_S
+        self._barred_until = now + BARRED_S
         return QuotaVerdict.ENDED
 
     def may_command(self, now: float) -> bool:

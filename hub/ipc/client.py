@@ -80,7 +80,7 @@ class Client(BaseClient):
         self._prepare(definition)
         self._subscriptions.subscribe(definition, handler, queue=queue, priority=priority)
         if last:
-            self._session.ask_last(definition.name)
+            self.session.ask_last(definition.name)
 
     @property
     def lost(self) -> int:
@@ -160,7 +160,7 @@ class Client(BaseClient):
         """Ask; exactly one of `answered` and `failed` is called later, by the loop."""
         self.define(request, response)
         pending = self._pending_query(request.name, response, timeout, answered, failed)
-        self._pending_queries.ask(pending, self._session.pack(request, value, self._clock()))
+        self._pending_queries.ask(pending, self.session.pack(request, value, self._clock()))
 
     def query_response(
         self,
@@ -189,7 +189,7 @@ class Client(BaseClient):
         """As `query_response`, for an answer of unknown type: its frame."""
         self._attend()
         self.define(request)
-        frame = self._session.pack(request, value, self._clock())
+        frame = self.session.pack(request, value, self._clock())
         return self._pending_queries.ask_and_wait(request.name, frame, timeout, self.listen)
 
     def _pending_query(
@@ -212,7 +212,7 @@ class Client(BaseClient):
     def _prepare(self, definition: MessageDefinition[Any]) -> None:
         """Define a message, and connect its plane."""
         self.define(definition)
-        self._session.enter_planes()
+        self.session.enter_planes()
 
     def _publisher(self, definition: MessageDefinition[Any]) -> Publisher:
         self._prepare(definition)

@@ -86,7 +86,7 @@ class MissionKeeper:
         self.folder = folder
         self._limits = limits
         self._clock, self._calendar = clock, calendar
-        self._lock: int | None = None
+        self.lock: int | None = None
         self._journal: JournalFile | None = None
         self._track: Track | None = None
         self._pending = Pending()
@@ -140,9 +140,9 @@ class MissionKeeper:
             self._journal.close()
         if self._track is not None:
             self._track.close()
-        if self._lock is not None:
-            os.close(self._lock)
-        self._journal = self._track = self._lock = None
+        if self.lock is not None:
+            os.close(self.lock)
+        self._journal = self._track = self.lock = None
 
     def begin(self, name: str, by: str) -> None:
         """Begin a mission. After an ended mission it begins without marks.
@@ -450,8 +450,8 @@ class MissionKeeper:
         self._pointer_due = True
 
     def _take_lock(self) -> None:
-        if self._lock is None:
-            self._lock = self.folder.lock()
+        if self.lock is None:
+            self.lock = self.folder.lock()
 
     def _close_mission(self) -> None:
         if self._journal is not None:

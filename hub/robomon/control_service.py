@@ -55,7 +55,7 @@ class ControlService:
         # A key to operate may use messages, but define none.
         client.define(control.CONTROL_STATE, *pad.MESSAGES)
         client.subscribe(control.CONSOLE_HEARTBEAT, self._on_heartbeat)
-        client.subscribe(MODULE_INFO, self._announced)
+        client.subscribe(MODULE_INFO, self.announced)
         client.subscribe(NAVIGATION_STATUS, self._navigation)
         client.respond_later(control.CONTROL_REQUEST, COMMON_RESULT, self._requested)
         client.directory.watch(self._presence)
@@ -101,7 +101,8 @@ class ControlService:
         holds = bool(heartbeat.holds)
         self._arbiter.heartbeat(reception.publisher, self._clock(), holds=holds)
 
-    def _announced(self, _info: ModuleInfo, reception: MessageInfo) -> None:
+    def announced(self, _info: ModuleInfo, reception: MessageInfo) -> None:
+        """Take who announces itself for a module, if it is one of this robot."""
         peer = self._peer_of(reception.publisher)
         if peer is None or peer.principal.role is not Role.MODULE:
             return  # an operator is no module, even with a module's INFO
@@ -126,7 +127,7 @@ class ControlService:
         for number in concerned:
             if self._peer_of(number) is None:
                 arbiter.disconnected(number, now)
-        state = self._state()
+        state = self.state()
         content = (
             state.owner,
             state.asker,
@@ -146,9 +147,10 @@ class ControlService:
 
     def _publish(self) -> None:
         self._modules = {number for number in self._modules if self._peer_of(number)}
-        self._client.publish(control.CONTROL_STATE, self._state())
+        self._client.publish(control.CONTROL_STATE, self.state())
 
-    def _state(self) -> control.ControlState:
+    def state(self) -> control.ControlState:
+        """Who has control, and who asks for it."""
         now, arbiter = self._clock(), self._arbiter
         owner, requests = arbiter.owner, arbiter.requests
         asker = requests[0] if requests else None

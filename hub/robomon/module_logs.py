@@ -32,7 +32,7 @@ LINE_BYTES = 4096
 """Longest line; a longer one is cut."""
 BYTES_PER_S = 200_000
 """Most output of a module; more is dropped."""
-_ROOM = 5000
+ROOM = 5000
 _CHUNK = 65_536
 _LAST_WORDS_S = 1.0
 _FOLDERS = 9
@@ -77,7 +77,7 @@ class ModuleLogs:
         self._wake, self._waker = os.pipe()
         self._selector.register(self._wake, selectors.EVENT_READ)
         self._added: queue.SimpleQueue[tuple[str, int]] = queue.SimpleQueue()
-        self._written: queue.Queue[tuple[str, str] | None] = queue.Queue(_ROOM)
+        self._written: queue.Queue[tuple[str, str] | None] = queue.Queue(ROOM)
         self._ended = threading.Event()
         self._reader = threading.Thread(target=self._read, name="outputs", daemon=True)
         self._writer = threading.Thread(target=self._write, name="log files", daemon=True)
@@ -185,7 +185,7 @@ class ModuleLogs:
         self._keep(source, lines)
 
     def _keep(self, source: _Source, lines: list[bytes]) -> None:
-        texts = [_readable(line[:LINE_BYTES]) + "\n" for line in lines]
+        texts = [readable(line[:LINE_BYTES]) + "\n" for line in lines]
         with self._lock:
             source.lines.extend(texts)
             source.count += len(texts)
@@ -229,7 +229,7 @@ class ModuleLogs:
         self._files[name].write(text, time.monotonic())
 
 
-def _readable(line: bytes) -> str:
+def readable(line: bytes) -> str:
     """The text of a line, with control characters as numbers: they command terminals."""
     return plain(line.decode(errors="replace").rstrip("\r"), lines=True)
 

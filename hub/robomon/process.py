@@ -22,7 +22,7 @@ from hub.robomon.warm_parent import ChildProcess, WarmParent
 _logger = logging.getLogger(__name__)
 
 _PR_SET_CHILD_SUBREAPER = 36
-_END_TIMEOUT_S = 2.0
+END_TIMEOUT_S = 2.0
 """Longest wait for the end of a killed process, and for the reaper's work [s]."""
 
 
@@ -66,7 +66,7 @@ class OrphanReaper:
         if process.stdin is not None:
             process.stdin.close()
         try:
-            process.wait(orphan_reaper.STOP_TIME_S + _END_TIMEOUT_S)
+            process.wait(orphan_reaper.STOP_TIME_S + END_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             _logger.warning("the orphan reaper hangs; it is killed")
             process.kill()
@@ -234,7 +234,7 @@ class ModuleProcess:
         A process that waits for a broken device ignores SIGKILL; then this returns soon.
         """
         self.kill()
-        if not self.wait(_END_TIMEOUT_S):
+        if not self.wait(END_TIMEOUT_S):
             _logger.warning("process %d was killed and does not end", self.pid)
         if self._stdin >= 0:
             os.close(self._stdin)

@@ -66,7 +66,7 @@ def load_layout(
 
     def read(file: Path) -> tuple[Node, int]:
         text = _read_text(file, str(file))
-        return _to_node(_parse(text, str(file)), text, str(file)), len(text)
+        return to_node(parse(text, str(file)), text, str(file)), len(text)
 
     root, size = read(path)
     if root.tag != rules.root:
@@ -142,10 +142,11 @@ def _read_text(path: Path, shown: str) -> str:
     if len(data) > LARGEST_FILE:
         message = f"the file is larger than {LARGEST_FILE} bytes; a layout is a few thousand long"
         raise _refusal(shown, message)
-    return _decode(data, shown)
+    return decode(data, shown)
 
 
-def _decode(data: bytes, shown: str) -> str:
+def decode(data: bytes, shown: str) -> str:
+    """The text of a file."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -155,7 +156,8 @@ def _decode(data: bytes, shown: str) -> str:
         raise _refusal(shown, message, line, column) from error
 
 
-def _parse(text: str, shown: str) -> etree._Element:
+def parse(text: str, shown: str) -> etree._Element:
+    """The elements of a text, without those that could harm the reader."""
     if found := _DOCTYPE.match(text):
         start = found.end() - len("<!DOCTYPE")
         line, column = text.count("\n", 0, start) + 1, start - text.rfind("\n", 0, start)
@@ -216,10 +218,11 @@ def schema_rules() -> Rules:
     """The rules of the schema; they refuse what a RELAX NG validator refuses, in plain words."""
     data = importlib.resources.files("rune_tui.layout").joinpath("schema.rng").read_bytes()
     document = etree.fromstring(data, etree.XMLParser(remove_comments=True))
-    return read_rules(_to_node(document, data.decode(), "schema.rng"))
+    return read_rules(to_node(document, data.decode(), "schema.rng"))
 
 
-def _to_node(document: etree._Element, text: str, shown: str) -> Node:
+def to_node(document: etree._Element, text: str, shown: str) -> Node:
+    """The elements as nodes that know their places."""
     if sum(1 for _ in document.iter()) > _MOST_ELEMENTS:
         message = f"the file has more than {_MOST_ELEMENTS} elements; a layout has a few hundred"
         raise _refusal(shown, message)

@@ -243,7 +243,7 @@ class RobotLink:
         if self._too_soon(name, reception.measured):
             return
         self.record(BY_NAME[name], value, reception.measured)
-        received = self._received(value, reception)
+        received = self.received(value, reception)
         self._note_number()
         self._state = self._state.with_(messages={**self._state.messages, name: received})
         if isinstance(value, CapabilityReports):
@@ -256,7 +256,8 @@ class RobotLink:
         newest = self._state.messages.get(name)
         return newest is not None and 0.0 <= measured - newest.measured < self._least_s.get(name, 0)
 
-    def _received(self, value: T, reception: MessageInfo) -> Received[T]:
+    def received(self, value: T, reception: MessageInfo) -> Received[T]:
+        """A message with a number of its own and the time it was measured."""
         self._numbers += 1
         return Received(value=value, measured=reception.measured, number=self._numbers)
 
@@ -357,7 +358,7 @@ class RobotLink:
     def _take_picture(self, image: vision.Image, reception: MessageInfo) -> int:
         self._traffic.add(image.data.size)
         self.record(vision.IMAGE, image, reception.measured)
-        received = self._received(picture_of(image), reception)
+        received = self.received(picture_of(image), reception)
         self._state = self._state.with_(picture=received)
         return received.number
 
@@ -368,5 +369,5 @@ class RobotLink:
     def _take_map(self, coded: mapping.Map, reception: MessageInfo) -> int:
         self._traffic.add(coded.data.size)
         self.record(mapping.MAP, coded, reception.measured)
-        self._state = self._state.with_(map=self._received(OccupancyMap.of(coded), reception))
+        self._state = self._state.with_(map=self.received(OccupancyMap.of(coded), reception))
         return 0

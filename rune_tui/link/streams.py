@@ -80,7 +80,7 @@ class Streams:
         self._late_since = math.inf
         self._late = 0
         self._busy = 0.0
-        self._stay, self._until = _STAY_S, -math.inf
+        self._stay, self.asked_until = _STAY_S, -math.inf
 
     def follow(self, names: Set[str]) -> None:
         """Have these messages stored from now on, and no others."""
@@ -99,7 +99,10 @@ class Streams:
         if not self.asking or not self._client.connected:
             return
         asked = self._asked_for()
-        if now > self._until and self._busy * sum(s.definition.rate_hz for s in asked) < _SHARE:
+        if (
+            now > self.asked_until
+            and self._busy * sum(s.definition.rate_hz for s in asked) < _SHARE
+        ):
             self.asking = False
             for stream in asked:
                 self._subscribe(stream)
@@ -141,7 +144,7 @@ class Streams:
         self.asking = True
         self._late_since, self._late = math.inf, 0
         self._busy = 0.0
-        self._until, self._stay = now + self._stay, min(_LONGEST_STAY_S, 2.0 * self._stay)
+        self.asked_until, self._stay = now + self._stay, min(_LONGEST_STAY_S, 2.0 * self._stay)
         for stream in self._asked_for():
             self._client.unsubscribe(stream.definition, stream.handler)
 

@@ -37,7 +37,7 @@ _KEY: Final = re.compile(
 _PASTES: Final = ("\x1b[200~", "\x1b[201~")
 _TELLS_RELEASES: Final = 2 | 8
 """Flags of the kitty keyboard protocol: events of keys, of those too that type text."""
-_KEYPAD: Final = (
+KEYPAD: Final = (
     *("0", "1", "2", "3", "4", "5", "6", "7", "8", "9"),
     *("decimal", "divide", "multiply", "subtract", "add", "enter", "equal", "separator"),
     *("left", "right", "up", "down", "pageup", "pagedown", "home", "end", "insert", "delete"),
@@ -181,5 +181,5 @@ class InputStream:
         if not self._understood(press):
             return None
         number = int(code) - _FIRST_OF_KEYPAD if final == "u" else -1
-        keypad = f"kp_{_KEYPAD[number]}" if 0 <= number < len(_KEYPAD) else ""
+        keypad = f"kp_{KEYPAD[number]}" if 0 <= number < len(KEYPAD) else ""
         return KeyReport(code=f"{code}{final}", move=move, press=press, keypad=keypad)

@@ -64,6 +64,7 @@ class RateController:
 
     Attributes:
         most_bytes: No frame may be longer [bytes]; a multiplexer throws away what is.
+        level: Number of the way in the ladder, 0 is exact.
     """
 
     def __init__(self, round_trip: float = 0.0, most_bytes: float = math.inf) -> None:
@@ -75,19 +76,14 @@ class RateController:
         """
         self.most_bytes = most_bytes
         self._round_trip = round_trip
-        self._level = _FIRST
+        self.level = _FIRST
         self._widths: deque[float] = deque(maxlen=_SAMPLES)
         self._trips: deque[tuple[float, float]] = deque()
 
     @property
     def way(self) -> Coarseness:
         """How to draw pictures now."""
-        return LADDER[self._level]
-
-    @property
-    def level(self) -> int:
-        """Its number in the ladder, 0 is exact."""
-        return self._level
+        return LADDER[self.level]
 
     @property
     def width(self) -> float:
@@ -138,21 +134,21 @@ class RateController:
 
     def too_long(self, size: float) -> bool:
         """Whether a frame of this size should rather be drawn again, coarser; takes the step."""
-        if self._level + 1 == len(LADDER) or not self._exceeds(size, _TOO_LONG):
+        if self.level + 1 == len(LADDER) or not self._exceeds(size, _TOO_LONG):
             return False
-        self._level += 1
+        self.level += 1
         return True
 
     def drawn(self, size: float) -> None:
         """Take the size of a moving picture, which adapts the coarseness of the next one."""
-        last = self._level + 1 == len(LADDER)
+        last = self.level + 1 == len(LADDER)
         if not last and self._exceeds(size, 1.0):
-            self._level += 1
-        elif self._level:
-            finer = LADDER[self._level - 1]
+            self.level += 1
+        elif self.level:
+            finer = LADDER[self.level - 1]
             grown = size * _STEP
             if grown <= self.most_bytes and self.under_way(grown) <= finer.longest:
-                self._level -= 1
+                self.level -= 1
 
     def _exceeds(self, size: float, factor: float) -> bool:
         return size > self.most_bytes or self.under_way(size) > factor * self.way.longest

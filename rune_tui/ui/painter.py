@@ -73,9 +73,9 @@ class Painter:
         self._pane = pane
         self._traits = traits
         self._pacer = FramePacer(heard=traits.acknowledges)
-        self._control = RateController(round_trip)
-        self._output: TerminalOutput = BlockOutput(traits.glyphs, self._control)
-        self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
+        self.control = RateController(round_trip)
+        self._output: TerminalOutput = BlockOutput(traits.glyphs, self.control)
+        self.urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self._latency = math.nan
         self._asked = self._moved = -math.inf
         self._sent: deque[tuple[float, int]] = deque()
@@ -96,7 +96,7 @@ class Painter:
             return False
         if self._traits.discards and self._sent and now - self._sent[-1][0] < _SELDOM_S:
             return False
-        return not self._pacer.answers or self._control.may_follow(now, self._pacer.under_way)
+        return not self._pacer.answers or self.control.may_follow(now, self._pacer.under_way)
 
     def paint(
         self,
@@ -120,27 +120,27 @@ class Painter:
             self._app.screen.refresh()
         if cells is not None:
             self._pane.show(at_depth(cells, self._traits.depth), pictures)
-            self._urgencies = urgencies
+            self.urgencies = urgencies
         newest = self._pane.cells
         if newest is None:
             return
         if self._traits.discards:
-            self._control.most_bytes = _KEPT_BYTES * newest.rows * newest.columns
+            self.control.most_bytes = _KEPT_BYTES * newest.rows * newest.columns
         rows = self._pane.drawn_rows()
         if rows.size:
             drawn = np.zeros((newest.rows, newest.columns), np.bool_)
             drawn[rows[rows < newest.rows]] = True
             self._output.forget(drawn)
-        frame = self._frame(now, newest, anew=cells is not None or bool(rows.size))
+        frame = self.frame(now, newest, anew=cells is not None or bool(rows.size))
         if frame.size:
             self._write(now, frame)
 
-    def _frame(self, now: float, newest: Cells, *, anew: bool) -> Frame:
+    def frame(self, now: float, newest: Cells, *, anew: bool) -> Frame:
         """What brings the terminal nearer to the newest cells."""
-        covered = self._covered(newest)
+        covered = self.covered(newest)
         frame = Frame()
         if anew or self._output.behind:
-            frame = self._output.draw(newest, self._pane.pictures, self._urgencies, covered)
+            frame = self._output.draw(newest, self._pane.pictures, self.urgencies, covered)
         if len(frame.picture) > _MUCH_BYTES:
             self._moved = now
         # Together with what is around the picture it could be more than tmux keeps.
@@ -175,7 +175,7 @@ class Painter:
         if answer is None:
             return None
         self._latency = answer.age
-        self._control.acknowledged(now, answer)
+        self.control.acknowledged(now, answer)
         return answer.frame.sent
 
     def restart(self) -> None:
@@ -191,7 +191,7 @@ class Painter:
             latency=self._latency if self._pacer.answers else math.nan,
             frames_per_s=len(self._sent) / _COUNTED_S,
             bytes_per_s=sum(size for _, size in self._sent) / _COUNTED_S,
-            coarseness=self._control.level if self._output.inexact else 0,
+            coarseness=self.control.level if self._output.inexact else 0,
         )
 
     def _write(self, now: float, frame: Frame) -> None:
@@ -210,7 +210,7 @@ class Painter:
         """What brings the cursor back: it is not seen, but input methods write where it is."""
         return f"\x1b[{self._app.cursor_position.y + 1};{self._app.cursor_position.x + 1}H"
 
-    def _covered(self, cells: Cells) -> Flags | None:
+    def covered(self, cells: Cells) -> Flags | None:
         """Cells that something lies over; None if nothing does."""
         screen = self._app.screen
         if screen is self._pane.screen:

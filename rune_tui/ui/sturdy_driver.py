@@ -122,7 +122,7 @@ class SturdyDriver(InsideDriver):
                     if not data:
                         self._app.call_later(self._app.action_quit)
                         return
-                parser = self._take(parser, stream, decode(data))
+                parser = self.take(parser, stream, decode(data))
 
     def _read(self) -> bytes:
         try:
@@ -130,7 +130,7 @@ class SturdyDriver(InsideDriver):
         except OSError:  # the terminal has gone
             return b""
 
-    def _take(self, parser: SturdyParser, stream: InputStream, text: str) -> SturdyParser:
+    def take(self, parser: SturdyParser, stream: InputStream, text: str) -> SturdyParser:
         """Hand on the events in `text`; the parser for what comes next."""
         try:
             for part in stream.feed(text, time.monotonic()):

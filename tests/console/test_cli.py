@@ -17,7 +17,7 @@ from hub.ipc.broker.central import Central
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
 from hub.plain_text import is_plain
-from rune_tui.cli import _log_to_file, main
+from rune_tui.cli import log_to_file, main
 from rune_tui.compositor.glyph_set import GlyphSet
 
 LAYOUTS = Path(__file__).parents[2] / "layouts"
@@ -201,7 +201,7 @@ def test_a_log_that_cannot_be_written_is_told_and_keeps_nobody_from_driving(
     nowhere.touch()
     monkeypatch.setenv("XDG_STATE_HOME", str(nowhere))
     monkeypatch.setattr(logging, "raiseExceptions", True)
-    log = _log_to_file()
+    log = log_to_file()
     assert log.trouble.startswith("no log is kept: ")
     with log.path.open("ab"):
         pass

@@ -96,8 +96,13 @@ class Robots:
         return Received(value=value, measured=now - age, number=next(self._numbers))
 
 
-def inputs(dispatch: Dispatch, random: Random) -> Iterator[ControlEvent]:
-    for name in random.sample(sorted(dispatch._by_input), min(6, len(dispatch._by_input))):
+def inputs(layout: LayoutSpec, random: Random) -> Iterator[ControlEvent]:
+    widgets = [
+        *layout.view.widgets,
+        *(each for part in layout.view.viewports for each in part.widgets),
+    ]
+    names = {event.name for widget in widgets for event in widget.events}
+    for name in random.sample(sorted(names), min(6, len(names))):
         if "wheel" in name or name.startswith("joystick"):
             yield ControlEvent(name=name, pressed=True, value=random.choice((-1.0, 0.3, 1.0)))
         yield ControlEvent(name=name, pressed=True)
@@ -124,7 +129,7 @@ def test_layout_takes_whatever_robots_say(name: str, caplog: pytest.LogCaptureFi
             assert all(row.isprintable() for row in plain_text(cells).split("\n"))
         view.picture_sizes(state)
         hits = view.hits(random.randrange(SIZE[0]), random.randrange(2 * SIZE[1]), state)
-        events = [dataclasses.replace(each, hits=hits) for each in inputs(dispatch, random)]
+        events = [dataclasses.replace(each, hits=hits) for each in inputs(layout, random)]
         effects = [*dispatch.tick(state)]
         for event in events:
             effects += dispatch.handle(event, state)

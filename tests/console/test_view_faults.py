@@ -148,7 +148,7 @@ def test_a_picture_that_cannot_be_made_says_so_and_is_made_again_when_it_can(
 ) -> None:
     assert "drawing 1" in words(view.render(SHOWN))
     with monkeypatch.context() as patch:
-        patch.setattr(View, "_arrange", lambda *_: 1 / 0)
+        patch.setattr("rune_tui.view.banner_of", lambda _: 1 / 0)
         assert "this cannot be drawn" in words(view.render(SHOWN))
         assert view.render(SHOWN) is None
     assert len(caplog.records) == 1

@@ -60,12 +60,12 @@ def test_another_size_takes_another_arrangement_and_visualizers_keep_their_memor
 ) -> None:
     view.resize(160, 48)
     assert nearest(view, 100, 10, state_of(view)) == "map"
-    made = {pane.spec.name: pane.visualizer for pane in view._panes}
+    made = {pane.spec.name: pane.visualizer for pane in view.panes}
     assert not view.resize(150, 48)
     assert view.resize(80, 24)
     assert view.places == {"camera": True, "map": False, "status": True}
     assert nearest(view, 60, 10, state_of(view)) == "camera"
-    assert {pane.spec.name: pane.visualizer for pane in view._panes} == made
+    assert {pane.spec.name: pane.visualizer for pane in view.panes} == made
 
 
 def test_a_key_shows_what_an_arrangement_hides_and_that_holds_at_every_size(view: View) -> None:

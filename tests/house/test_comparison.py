@@ -37,7 +37,7 @@ def test_a_command_is_one_that_there_is(command: str) -> None:
                 open_layout(ROOT / layout if "/" in layout else layout)
     elif program == "rune-hub":
         if "--help" not in arguments:
-            hub.cli._parser().parse_args(arguments)
+            hub.cli.command_parser().parse_args(arguments)
     elif program == "python":
         flag, module = arguments
         assert flag == "-m"

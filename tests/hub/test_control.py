@@ -197,8 +197,8 @@ def test_an_operator_is_no_module_whoever_says_so(robot: Robot) -> None:
     info = ModuleInfo(name="eve", pid=1, state="running", capabilities="AUT_PILOT")
     for number, counts in ((eve.number, False), (12345, False), (alice.number, True)):
         reception = MessageInfo(publisher=number, sequence=1, missed=0, age=0.0, measured=0.0)
-        robot.desk._announced(info, reception)
-        modules = robot.desk._state().modules.tolist()
+        robot.desk.announced(info, reception)
+        modules = robot.desk.state().modules.tolist()
         assert (number in modules) == counts  # alice is on the robot, and may be one
 
 
@@ -254,7 +254,7 @@ def test_control_is_taken_from_others_by_supervisors_and_on_the_robot_only(
 
 def test_nobody_asks_in_the_name_of_another(robot: Robot) -> None:
     boss, eve = robot.client("boss", Role.SUPERVISE), robot.client("eve", Role.OPERATE)
-    eve._connection.publisher = boss.number
+    eve.session.connection.publisher = boss.number
     with pytest.raises(HandlerFailedError, match="under a number not its own"):
         want(eve, ControlAction.TAKE_OVER)
 

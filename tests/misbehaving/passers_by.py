@@ -59,7 +59,7 @@ class Crowd:
         self.counts["were connected"] += client.connected
         if self._chance.random() < 0.5:
             self.counts["went silently"] += 1
-            client._connection.publisher = 0  # it says no goodbye
+            client.session.connection.publisher = 0  # it says no goodbye
         try:
             client.close()
         except HubError:

@@ -24,8 +24,8 @@ def main() -> None:
     listening_ns = time.monotonic_ns()
     found = {
         "endpoints": central.endpoints,
-        "ports": central._entrances[0].ports,
-        "paths": central._entrances[0].paths,
+        "ports": central.entrances[0].ports,
+        "paths": central.entrances[0].paths,
         "listening_ns": listening_ns,
     }
     sys.stdout.write(json.dumps(found) + "\n")

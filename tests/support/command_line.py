@@ -36,7 +36,7 @@ def rune_hub(*arguments: str) -> subprocess.CompletedProcess[str]:
     """`rune-hub ...` in this process, because starting another takes most of the time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(hub.cli, "start_logging", lambda *_: None)
-        patch.setattr(hub.cli, "_leave", _interrupted)
+        patch.setattr(hub.cli, "leave", _interrupted)
         return _ended(hub.cli.main, arguments)
 
 

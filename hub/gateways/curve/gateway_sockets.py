@@ -96,7 +96,7 @@ class GatewaySockets:
         keys = keyring.hub_keys()
         keyring.holders()  # report an unreadable list now, not at the first handshake
         # Before the secure sockets: every handshake needs an answer.
-        self._zap = ZapHandler(context, keyring, faults, accounts=accounts, clock=clock)
+        self.zap = ZapHandler(context, keyring, faults, accounts=accounts, clock=clock)
         self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
         try:
             self._open(context, endpoint, keys, planes, make)
@@ -106,7 +106,7 @@ class GatewaySockets:
                 raise
             text = f"the gateway cannot make its sockets: {error}"
             raise EndpointError(text) from error
-        self.polled = (self._zap.socket, *self._monitors)
+        self.polled = (self.zap.socket, *self._monitors)
         for thread in self._threads:
             thread.start()
 
@@ -119,8 +119,8 @@ class GatewaySockets:
         Returns:
             The descriptors of control connections that ended.
         """
-        if self._zap.socket in ready:
-            self._zap.serve()
+        if self.zap.socket in ready:
+            self.zap.serve()
         ended: list[int] = []
         for monitor, place in self._monitors.items():
             if monitor in ready:
@@ -166,7 +166,7 @@ class GatewaySockets:
 
     def admitted(self) -> frozenset[Principal]:
         """The keys admitted since the start."""
-        return self._zap.admitted()
+        return self.zap.admitted()
 
     def close(self) -> None:
         """End the relays, and free the ports."""
@@ -289,7 +289,7 @@ class GatewaySockets:
         self._steering.clear()
         for monitor in self._monitors:
             monitor.close(0)
-        self._zap.close()
+        self.zap.close()
 
 
 def _bind_in_a_row(ends: list[_Socket], endpoint: TcpEndpoint) -> list[int]:

@@ -23,14 +23,14 @@ _LEAST_SPACE, _GOOD_SPACE = 50 << 20, 1 << 30
 _COARSEST_CLOCK_S = 1e-3
 _BUSY = 1.5
 _AVAILABLE = re.compile(r"^MemAvailable:\s+(\d+) kB$", re.MULTILINE)
-_SYSTEMD = Path("/run/systemd/system")
+SYSTEMD = Path("/run/systemd/system")
 _UNITS = Path("/etc/systemd/system")
 _LINGERING = Path("/var/lib/systemd/linger")
 
 
 def user(robot_file: str) -> list[Finding]:
     """The user of the doctor: it can check only what this user may read."""
-    name = _user_name()
+    name = user_name()
     if os.geteuid() == 0:
         text = "all this was looked at as root, to whom everything is open"
         command = f"sudo -u rune rune-hub doctor {shlex.quote(robot_file)}"
@@ -139,12 +139,12 @@ def judged_load(load: float, count: int) -> Finding:
 
 def service(robot_file: str) -> list[Finding]:
     """Whether systemd can run the hub, and would go on when nobody is logged in."""
-    if not _SYSTEMD.is_dir():
+    if not SYSTEMD.is_dir():
         return [ok("systemd does not run this machine; start `rune-hub run` by other means")]
     if (_UNITS / "rune-hub.service").exists():
         return [ok(f"{_UNITS}/rune-hub.service is there; see `systemctl status rune-hub`")]
     own = Path.home() / ".config" / "systemd" / "user" / "rune-hub.service"
-    name = _user_name()
+    name = user_name()
     if own.exists() and not (_LINGERING / name).exists():
         text = f"{own} runs only while {name} is logged in"
         return [warning(text, f"loginctl enable-linger {name}")]
@@ -154,7 +154,8 @@ def service(robot_file: str) -> list[Finding]:
     return [ok(f"systemd is there; `{command}` prints a unit for it")]
 
 
-def _user_name() -> str:
+def user_name() -> str:
+    """Name of the user that runs this, or the number of one without a name."""
     try:
         return pwd.getpwuid(os.geteuid()).pw_name
     except KeyError:  # containers run as users who have no name

@@ -104,7 +104,7 @@ def existing(folder: Path) -> Path:
 
 def devices(robot: RobotDescription) -> list[Finding]:
     """Whether devices and files that the robot file names are there and open to this user."""
-    findings = [_device(Path(name)) for name in _named_devices(robot)]
+    findings = [device_finding(Path(name)) for name in _named_devices(robot)]
     source = robot.camera_source
     if source != ROBOTS_OWN and not source.startswith("/dev/"):
         if "://" in source:
@@ -144,7 +144,8 @@ def _texts(value: object) -> Iterator[str]:
             yield from _texts(item)
 
 
-def _device(path: Path) -> Finding:
+def device_finding(path: Path) -> Finding:
+    """Whether a device is there and may be used."""
     try:
         found = path.stat()
     except OSError as fault:

@@ -42,7 +42,7 @@ class Broadcasts:
             Change.SUBSCRIBERS, lambda peer: peer.subscribes, definitions, presence, faults
         )
         self._direct_subscribers = DirectSubscribers()
-        self._acks = SubscriptionAcks()
+        self.acks = SubscriptionAcks()
 
     def advertise(self, peer: Peer, message: control.Advertise) -> list[Outgoing]:
         """Note that `peer` publishes a message."""
@@ -66,7 +66,7 @@ class Broadcasts:
         publishers = list(self.publishers.of(message.name))
         outgoing += self._direct_subscribers.subscribe(peer, message, publishers)
         if 0 < len(message.token) <= _MAX_TOKEN:
-            outgoing += self._acks.begin(peer, message.token, publishers)
+            outgoing += self.acks.begin(peer, message.token, publishers)
         return outgoing
 
     def unsubscribe(self, peer: Peer, message: control.Unsubscribe) -> list[Outgoing]:
@@ -77,7 +77,7 @@ class Broadcasts:
 
     def ready(self, peer: Peer, message: control.Ready) -> list[Outgoing]:
         """Note that `peer` has seen the subscription of this token."""
-        return self._acks.seen(peer, message.token) if len(message.token) <= _MAX_TOKEN else []
+        return self.acks.seen(peer, message.token) if len(message.token) <= _MAX_TOKEN else []
 
     def drop(self, peer: Peer) -> list[Outgoing]:
         """Forget `peer`, which is gone."""
@@ -85,4 +85,4 @@ class Broadcasts:
         outgoing = self._direct_subscribers.drop(peer, itertools.chain.from_iterable(publishers))
         outgoing += self.publishers.leave_all(peer)
         outgoing += self._subscribers.leave_all(peer)
-        return outgoing + self._acks.drop(peer)
+        return outgoing + self.acks.drop(peer)

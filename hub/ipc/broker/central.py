@@ -86,37 +86,37 @@ class Central:
         # The second thread serves gateways: other machines take no time from local modules.
         self._context: sockets.Context = zmq.Context(2 if gateways else 1)
         self._stopping = threading.Event()
-        self._registry = Registry(clock=clock, faults=self.faults, reserved=reserved)
-        self._gateways: list[Gateway] = []
+        self.registry = Registry(clock=clock, faults=self.faults, reserved=reserved)
+        self.gateways: list[Gateway] = []
         self._files: list[Path] = []
         self.endpoints: list[str] = []
         try:
             self._planes = PlaneProxies(self._context, self.faults, clock)
             self._steered, self._steering = sockets.pair(self._context, "inproc://steering-control")
-            self._entrances = [self._bind(endpoints)]
+            self.entrances = [self._bind(endpoints)]
             for open_gateway in gateways:
                 self._add_gateway(open_gateway)
         except (HubError, zmq.ZMQError) as error:
-            for gateway in self._gateways:
+            for gateway in self.gateways:
                 gateway.close()
             self._context.destroy(linger=0)
             if isinstance(error, HubError):
                 raise
             text = f"central cannot make its sockets: {error}"  # such as: too many open files
             raise EndpointError(text) from error
-        self._sends = [sockets.sender(entrance.router) for entrance in self._entrances]
-        self._loop = Loop(clock=clock)
+        self._sends = [sockets.sender(entrance.router) for entrance in self.entrances]
+        self.loop = Loop(clock=clock)
         self._thread = threading.Thread(target=self._serve, name="central-control", daemon=True)
         self._thread.start()
         self._planes.start()
 
     def connected(self) -> tuple[str, ...]:
         """Names of the modules and consoles that are connected now."""
-        return self._registry.connected()
+        return self.registry.connected()
 
     def peer_of(self, publisher: int) -> Peer | None:
         """The module or console of this number in frame headers; None if it is not connected."""
-        return self._registry.peer_of(publisher)
+        return self.registry.peer_of(publisher)
 
     def close(self) -> None:
         """End the threads and free the endpoints."""
@@ -168,22 +168,22 @@ class Central:
             CentralAccess(
                 context=self._context,
                 planes={plane: inner_addresses(plane) for plane in sockets.PLANES},
-                peer_of=self._registry.peer_of,
-                has_connection=self._registry.has_connection,
-                descriptors_of=self._registry.descriptors_of,
+                peer_of=self.registry.peer_of,
+                has_connection=self.registry.has_connection,
+                descriptors_of=self.registry.descriptors_of,
                 disconnected=self._disconnected,
                 send=lambda to, message: self._send([Outgoing(identity=to, message=message)]),
                 faults=self.faults,
                 clock=self._clock,
             )
         )
-        self._gateways.append(gateway)
-        self._entrances += gateway.entrances
+        self.gateways.append(gateway)
+        self.entrances += gateway.entrances
         self.endpoints.append(gateway.endpoint)
 
     def _serve(self) -> None:
         """Serve control messages, monitors and copies of broadcasts, in a thread."""
-        loop = self._loop
+        loop = self.loop
         self._register(loop)
         while not self._stopping.is_set():
             try:
@@ -195,28 +195,28 @@ class Central:
                 if self.faults.counts["internal fault"] == 1:
                     _logger.exception("the first internal fault")
         loop.close()
-        for gateway in self._gateways:
+        for gateway in self.gateways:
             gateway.close()
         for monitor in self._monitors:
             monitor.close(0)
-        for socket in (self._steered, self._entrances[0].router, self._planes.copies):
+        for socket in (self._steered, self.entrances[0].router, self._planes.copies):
             socket.close(0)
 
     def _register(self, loop: Loop) -> None:
         self._routers = [
             loop.register(entrance.router, functools.partial(self._take, number))
-            for number, entrance in enumerate(self._entrances)
+            for number, entrance in enumerate(self.entrances)
         ]
         for monitor, where in self._monitors.items():
             loop.register(monitor, functools.partial(self._watch, monitor, where))
-        for gateway in self._gateways:
+        for gateway in self.gateways:
             for polled in gateway.polled:
                 loop.register(polled, functools.partial(self._serve_gateway, gateway, polled))
         loop.register(self._steered, self._read_stop)
-        loop.every(_CHECK_S, lambda: self._planes.check(self._registry.broadcast))
+        loop.every(_CHECK_S, lambda: self._planes.check(self.registry.broadcast))
         loop.every(_CHECK_S, self._check)
         loop.every(_TRIM_S, heap.give_back)
-        loop.every(_CHECK_S, lambda: self._send(self._registry.expire()))
+        loop.every(_CHECK_S, lambda: self._send(self.registry.expire()))
 
     def _watch(self, monitor: sockets.Socket, where: str) -> bool:
         """Report connections that begin, that end, and that do not speak ZeroMQ."""
@@ -245,7 +245,7 @@ class Central:
         now = self._clock()
         for watch in self._planes.floods.values():
             watch.check(now)
-        for gateway in self._gateways:
+        for gateway in self.gateways:
             gateway.check()
 
     def _read_stop(self) -> bool:
@@ -255,7 +255,7 @@ class Central:
         return False
 
     def _disconnected(self, descriptor: int) -> None:
-        self._send(self._registry.disconnected(descriptor))
+        self._send(self.registry.disconnected(descriptor))
 
     def _read_ended(self) -> None:
         """Read the pending monitor events of control connections.
@@ -265,7 +265,7 @@ class Central:
         for monitor, where in self._monitors.items():
             if where == _CONTROL:
                 self._watch(monitor, where)
-        for gateway in self._gateways:
+        for gateway in self.gateways:
             gateway.report_ended()
 
     def _serve_gateway(self, gateway: Gateway, polled: sockets.Socket) -> bool:
@@ -278,7 +278,7 @@ class Central:
         Each turn of the loop starts with the entrance of this machine, and a turn at a gateway
         is short. ZeroMQ reads from its connections in turn.
         """
-        entrance = self._entrances[number]
+        entrance = self.entrances[number]
         end = math.inf if entrance.guard is None else self._clock() + _GATEWAY_TURN_S
         for _ in range(_BATCH):
             try:
@@ -287,7 +287,7 @@ class Central:
                 return False
             self._handle(number, parts[0].bytes, parts[1:])
             if not sockets.readable(entrance.router):
-                self._loop.settle(self._routers[number])
+                self.loop.settle(self._routers[number])
                 return False
             if self._clock() > end:
                 break
@@ -295,7 +295,7 @@ class Central:
 
     def _handle(self, number: int, sender: bytes, body: Sequence[zmq.Frame]) -> None:
         """Handle one control message, if the guard of its entrance admits it."""
-        entrance = self._entrances[number]
+        entrance = self.entrances[number]
         # Two routers may give two connections the same identity.
         identity = bytes([number]) + sender
         principal = LOCAL
@@ -316,24 +316,24 @@ class Central:
         attached = body[1].buffer if len(body) == 2 else None
         descriptor = sockets.descriptor_of(body[0])
         caller = Caller(identity, descriptor, principal, entrance.ports, entrance.paths)
-        self._send(self._registry.handle(caller, message, attached))
+        self._send(self.registry.handle(caller, message, attached))
 
     def _send(self, outgoing: Sequence[Outgoing]) -> None:
         pending = list(outgoing)
         while pending:
             message = pending.pop(0)
             number = message.identity[0]
-            self._loop.touch(self._routers[number])
+            self.loop.touch(self._routers[number])
             try:
                 sockets.send_parts(self._sends[number], _parts(message))
             except zmq.Again:
                 # It missed this message, so its state may be wrong: it has to start over.
                 self.faults.count("queue full", "a peer does not read its control messages")
-                pending += self._registry.unreachable(message.identity)
+                pending += self.registry.unreachable(message.identity)
             except zmq.ZMQError as error:
                 if error.errno != errno.EHOSTUNREACH:
                     raise
-                pending += self._registry.unreachable(message.identity)
+                pending += self.registry.unreachable(message.identity)
 
 
 def _parts(message: Outgoing) -> list[bytes]:

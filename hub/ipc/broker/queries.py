@@ -41,7 +41,7 @@ class Queries:
         self._publishers = publishers
         self._clock = clock
         self._faults = faults
-        self._routing = QueryRouting(self._candidates, faults)
+        self.routing = QueryRouting(self._candidates, faults)
         self._direct_routes = DirectRoutes()
 
     def handle(self, peer: Peer, message: control.Handle) -> list[Outgoing]:
@@ -67,7 +67,7 @@ class Queries:
             self._faults.count("not allowed", f"{peer.name}: {text}")
             refusal = permissions.refusal(message, text)
             return [Outgoing(identity=peer.identity, message=refusal)]
-        outgoing = self._routing.ask(peer, message, attached, self._clock())
+        outgoing = self.routing.ask(peer, message, attached, self._clock())
         handlers = list(self._handlers.of(message.name))
         if isinstance(message, control.Query) and len(handlers) == 1:
             outgoing += self._direct_routes.offer(peer, handlers[0], message.name)
@@ -75,17 +75,17 @@ class Queries:
 
     def answer(self, peer: Peer, message: Answer, attached: Buffer | None) -> list[Outgoing]:
         """Route an answer of `peer`."""
-        return self._routing.answer(peer, message, attached)
+        return self.routing.answer(peer, message, attached)
 
     def expire(self) -> None:
         """Forget the queries that timed out."""
-        self._routing.expire(self._clock())
+        self.routing.expire(self._clock())
 
     def drop(self, peer: Peer) -> list[Outgoing]:
         """Forget `peer`, which is gone and publishes nothing."""
         outgoing = self._direct_routes.drop(peer, self._peers)
         outgoing += self._handlers.leave_all(peer)
-        return outgoing + self._routing.drop(peer, self._clock())
+        return outgoing + self.routing.drop(peer, self._clock())
 
     def _candidates(self, query: Asked) -> Iterable[Peer]:
         users = self._handlers if isinstance(query, control.Query) else self._publishers

@@ -61,7 +61,7 @@ class QueryRouting:
         self._busy: Counter[Peer] = Counter()
         self._late: dict[Peer, set[int]] = {}
         self._shares = QueryShares()
-        self._last = 0
+        self.last = 0
 
     def ask(self, asker: Peer, query: Asked, attached: Buffer | None, now: float) -> list[Outgoing]:
         """Send a query to the handler with the fewest under way.
@@ -80,14 +80,14 @@ class QueryRouting:
             self._faults.count("query over quota", f"{asker.name}: {refusal}")
             text = f"{refusal}; {query.name[:80]} is not asked, try again later"
             return [_failure(asker, query.number, "HandlerFailedError", text)]
-        self._last = self._last % 0xFFFF_FFFF + 1
+        self.last = self.last % 0xFFFF_FFFF + 1
         wait = query.timeout_s if 0.0 < query.timeout_s < MAX_QUERY_S else MAX_QUERY_S
         keep = attached is not None and len(attached) <= _MAX_KEPT
         route = _Route(
             asker=asker,
             number=query.number,
             handler=handler,
-            query=type(query)(number=self._last, name=query.name, timeout_s=query.timeout_s),
+            query=type(query)(number=self.last, name=query.name, timeout_s=query.timeout_s),
             attached=bytes(attached) if keep and attached is not None else None,
             deadline=now + wait,
         )

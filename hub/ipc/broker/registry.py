@@ -48,27 +48,27 @@ class Registry:
         """
         self._clock = clock
         self._faults = faults
-        self._peers = Peers()
-        presence = PresenceReports(self._peers)
+        self.peers = Peers()
+        presence = PresenceReports(self.peers)
         self._connections = Connections(
-            self._peers, presence, self._forget, reserved=reserved, clock=clock, faults=faults
+            self.peers, presence, self._forget, reserved=reserved, clock=clock, faults=faults
         )
         self._definitions = Definitions(presence, faults)
-        self._broadcasts = Broadcasts(self._definitions, presence, faults)
+        self.broadcasts = Broadcasts(self._definitions, presence, faults)
         handlers = MessageUsers(
             Change.HANDLERS, lambda peer: peer.handles, self._definitions, presence, faults
         )
-        self._queries = Queries(
-            self._peers, handlers, self._broadcasts.publishers, clock=clock, faults=faults
+        self.queries = Queries(
+            self.peers, handlers, self.broadcasts.publishers, clock=clock, faults=faults
         )
-        listings = Listings(self._peers, self._definitions, presence, clock=clock, faults=faults)
+        listings = Listings(self.peers, self._definitions, presence, clock=clock, faults=faults)
         self._actions: dict[type, _Action] = {
             control.Define: self._definitions.define,
-            control.Advertise: self._broadcasts.advertise,
-            control.Subscribe: self._broadcasts.subscribe,
-            control.Unsubscribe: self._broadcasts.unsubscribe,
-            control.Ready: self._broadcasts.ready,
-            control.Handle: self._queries.handle,
+            control.Advertise: self.broadcasts.advertise,
+            control.Subscribe: self.broadcasts.subscribe,
+            control.Unsubscribe: self.broadcasts.unsubscribe,
+            control.Ready: self.broadcasts.ready,
+            control.Handle: self.queries.handle,
             control.List: listings.list,
             control.Watch: presence.watch,
             control.Report: self._report,
@@ -78,10 +78,10 @@ class Registry:
             control.Bye: self._connections.bye,
         }
         self._frame_actions: dict[type, _FrameAction] = {
-            control.Query: self._queries.ask,
-            control.Last: self._queries.ask,
-            control.Response: self._queries.answer,
-            control.Failure: self._queries.answer,
+            control.Query: self.queries.ask,
+            control.Last: self.queries.ask,
+            control.Response: self.queries.answer,
+            control.Failure: self.queries.answer,
         }
 
     @property
@@ -91,17 +91,17 @@ class Registry:
 
     def connected(self) -> tuple[str, ...]:
         """Names of the peers; any thread may ask."""
-        return self._peers.names()
+        return self.peers.names()
 
     def peer_of(self, publisher: int) -> Peer | None:
         """The peer of this number in frame headers, None if there is none; any thread may ask."""
-        return self._peers.numbered(publisher)
+        return self.peers.numbered(publisher)
 
     def handle(self, caller: Caller, message: Any, attached: Buffer | None) -> list[Outgoing]:
         """Handle a control message."""
         if isinstance(message, control.Hello):
             return self._connections.hello(caller, message)
-        peer = self._peers.of(caller.identity)
+        peer = self.peers.of(caller.identity)
         if peer is None:
             return [Outgoing(identity=caller.identity, message=control.UnknownPeer())]
         peer.last_message = self._clock()
@@ -133,11 +133,11 @@ class Registry:
 
     def descriptors_of(self, principal: Principal) -> list[int]:
         """The control connections of this key."""
-        return [peer.descriptor for peer in self._peers if peer.principal == principal]
+        return [peer.descriptor for peer in self.peers if peer.principal == principal]
 
     def has_connection(self, descriptor: int) -> bool:
         """Whether a peer has this control connection."""
-        return any(peer.descriptor == descriptor for peer in self._peers)
+        return any(peer.descriptor == descriptor for peer in self.peers)
 
     def disconnected(self, descriptor: int) -> list[Outgoing]:
         """Drop the peer whose control connection ended."""
@@ -150,7 +150,7 @@ class Registry:
     def expire(self) -> list[Outgoing]:
         """Drop silent peers and forget old queries; call it about ten times a second."""
         outgoing = self._connections.expire()
-        self._queries.expire()
+        self.queries.expire()
         return outgoing
 
     def _report(self, peer: Peer, message: control.Report) -> list[Outgoing]:
@@ -160,4 +160,4 @@ class Registry:
     def _forget(self, peer: Peer) -> list[Outgoing]:
         """End all uses of a peer that is gone."""
         # First the publishers: one that is gone has no last value.
-        return self._broadcasts.drop(peer) + self._queries.drop(peer)
+        return self.broadcasts.drop(peer) + self.queries.drop(peer)

@@ -10,8 +10,8 @@ from hub.ipc.broker.peers import Outgoing, Peer
 from hub.ipc.roles import LOCAL
 from hub.ipc.wire import control
 
-_MAX_UNDER_WAY = 16_384
-_MAX_FAR = _MAX_UNDER_WAY // 2
+MAX_UNDER_WAY = 16_384
+MAX_FAR = MAX_UNDER_WAY // 2
 """Most of clients with keys, so that no module of the robot waits for them."""
 _MAX_EARLY = 4096
 
@@ -32,28 +32,28 @@ class SubscriptionAcks:
 
     def __init__(self) -> None:
         self._under_way: dict[str, _Confirmation] = {}
-        self._far = 0
-        self._early: OrderedDict[str, set[Peer]] = OrderedDict()
+        self.far = 0
+        self.early: OrderedDict[str, set[Peer]] = OrderedDict()
 
     def begin(self, subscriber: Peer, token: str, publishers: Iterable[Peer]) -> list[Outgoing]:
         """Wait until `subscriber` and all `publishers` have seen `token`."""
         far = subscriber.principal is not LOCAL
-        full = len(self._under_way) >= _MAX_UNDER_WAY or (far and self._far >= _MAX_FAR)
+        full = len(self._under_way) >= MAX_UNDER_WAY or (far and self.far >= MAX_FAR)
         if full or (far and not token.startswith(f"{subscriber.publisher}.")):
             return []  # no SUBSCRIBED follows: a client with a key may guess the tokens of others
-        awaited = {subscriber, *publishers} - self._early.pop(token, set())
+        awaited = {subscriber, *publishers} - self.early.pop(token, set())
         self._end(token)
         self._under_way[token] = _Confirmation(subscriber, awaited)
-        self._far += far
+        self.far += far
         return self._conclude(token)
 
     def seen(self, peer: Peer, token: str) -> list[Outgoing]:
         """Note that `peer` has seen `token`."""
         under_way = self._under_way.get(token)
         if under_way is None:  # the mark was faster than the control message
-            self._early.setdefault(token, set()).add(peer)
-            if len(self._early) > _MAX_EARLY:
-                self._early.popitem(last=False)
+            self.early.setdefault(token, set()).add(peer)
+            if len(self.early) > _MAX_EARLY:
+                self.early.popitem(last=False)
             return []
         under_way.awaited.discard(peer)
         return self._conclude(token)
@@ -62,7 +62,7 @@ class SubscriptionAcks:
         """Forget `peer`, which is gone."""
         for token in [t for t, each in self._under_way.items() if each.subscriber is peer]:
             self._end(token)
-        for early in self._early.values():
+        for early in self.early.values():
             early.discard(peer)
         outgoing = []
         for token, each in list(self._under_way.items()):
@@ -82,4 +82,4 @@ class SubscriptionAcks:
     def _end(self, token: str) -> None:
         under_way = self._under_way.pop(token, None)
         if under_way is not None and under_way.subscriber.principal is not LOCAL:
-            self._far -= 1
+            self.far -= 1

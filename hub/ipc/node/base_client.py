@@ -50,6 +50,7 @@ class BaseClient:
         faults: Dropped messages, by reason.
         loop: Its loop.
         directory: Central's list of peers.
+        session: Its connection, and what it publishes, subscribes to, asks and answers there.
     """
 
     def __init__(
@@ -86,21 +87,21 @@ class BaseClient:
         self._context: sockets.Context = zmq.Context(2)
         self._context.max_sockets = _MAX_SOCKETS
         self._ready_publishers: dict[MessageDefinition[Any], Publisher] = {}
-        self._session = Session(
+        self.session = Session(
             name,
             self.endpoint,
             transport=ClientTransport(context=self._context, loop=self.loop, faults=self.faults),
             keys=keys,
             near=near,
         )
-        self._connection = self._session.connection
-        self._pending_queries = self._session.pending_queries
-        self._publishers = self._session.publishers
-        self._subscriptions = self._session.subscriptions
-        self._responders = self._session.responders
+        self._connection = self.session.connection
+        self._pending_queries = self.session.pending_queries
+        self._publishers = self.session.publishers
+        self._subscriptions = self.session.subscriptions
+        self._responders = self.session.responders
         self.directory = Directory(self._connection, self._wait, self._attend, self.endpoint)
-        self._session.directory = self.directory
-        self.loop.join(self._session)
+        self.session.directory = self.directory
+        self.loop.join(self.session)
 
     @property
     def connected(self) -> bool:
@@ -163,10 +164,10 @@ class BaseClient:
             CentralUnreachableError: Central did not answer within `timeout` [s].
         """
         self._wait(
-            lambda: self._session.defined or give_up(),
+            lambda: self.session.defined or give_up(),
             timeout,
             f"the hub at {self.endpoint} does not confirm definitions",
-            lambda: _raise(self._session.refused.values()),
+            lambda: _raise(self.session.refused.values()),
         )
 
     def wait_subscribed(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
@@ -197,7 +198,7 @@ class BaseClient:
             RedefinedMessageError: This client has defined one with another format.
         """
         for definition in definitions:
-            self._session.define(definition)
+            self.session.define(definition)
 
     def demand_right(self, definition: MessageDefinition[Any]) -> None:
         """Refuse a message that this client's key or name does not let it publish.
@@ -223,8 +224,8 @@ class BaseClient:
         """Send BYE, and free all resources."""
         if self._context.closed:
             return
-        self.loop.leave(self._session)
-        self._session.close()
+        self.loop.leave(self.session)
+        self.session.close()
         self._context.term()
         if self._own_loop:
             self.loop.close()

@@ -112,7 +112,7 @@ class Connection:
         self._clock = transport.clock
         self._faults = transport.faults
         self.client = secrets.randbits(63) | 1
-        self._joined = (0, 0)
+        self.joined = (0, 0)
         self._last_answer = -math.inf
         self._next_ping = 0.0
         self._attempt = 0
@@ -149,7 +149,7 @@ class Connection:
 
     def send(self, message: Any, attached: bytes | None = None) -> bool:
         """Send a control message; False: there is no connection now."""
-        sent = self._channel.send(message, attached)
+        sent = self.channel.send(message, attached)
         if not sent and self.publisher:
             self._faults.count("not sent", "there is no connection to central now")
         return sent
@@ -170,7 +170,7 @@ class Connection:
     def start_over(self, why: str) -> None:
         """Connect again; queued messages would arrive too late."""
         self._lose(why)
-        self._channel.close()
+        self.channel.close()
         self._attempt = 1
         self._open()
 
@@ -179,17 +179,17 @@ class Connection:
         if self.publisher:
             self.send(control.Bye())
         linger_ms, self.publisher = 200 if self.publisher else 0, 0
-        self._channel.close(linger_ms)
+        self.channel.close(linger_ms)
 
     def _open(self) -> None:
         longest = _LONGEST_S
-        if self._attempt % _LONG_EACH and self._joined != (0, 0):
+        if self._attempt % _LONG_EACH and self.joined != (0, 0):
             longest = min(_LONGEST_S, max(_SHORTEST_S, 4 * self.hub_time.round_trip))
         self._attempt += 1
         made = sockets.make(self._transport.context, zmq.DEALER, _QUEUE, self.keys)
         made.connect_timeout = int(longest * 1e3)
         made.reconnect_ivl_max = 100
-        self._channel = ControlChannel(
+        self.channel = ControlChannel(
             made,
             on_message=self._on_control_message,
             events=_WATCHED,
@@ -208,14 +208,15 @@ class Connection:
         if self.publisher and now - self._last_answer > LOST_S:
             self.start_over("it does not answer")
         elif self.publisher:
-            self.send(control.Ping(epoch=self._joined[0], sent=now))
+            self.send(control.Ping(epoch=self.joined[0], sent=now))
         elif now >= self._reopen:
-            self._channel.close()
+            self.channel.close()
             self._open()
         else:
-            self._hello()
+            self.hello()
 
-    def _hello(self) -> bool:
+    def hello(self) -> bool:
+        """Ask central to take this client; whether the message was sent."""
         machine, now = self.hub_time.machine, self._clock()
         return self.send(
             control.Hello(
@@ -239,7 +240,7 @@ class Connection:
             )
             self.refusal = NotAllowedError(text)
         elif self.publisher == 0 and not self.closed:
-            self._hello()
+            self.hello()
 
     def _lose(self, why: str) -> None:
         if self.publisher:
@@ -258,7 +259,7 @@ class Connection:
 
     def _on_unknown(self, _: control.UnknownPeer) -> bool:
         self._lose("it was started again")
-        self._hello()
+        self.hello()
         return True
 
     def _on_close(self, message: control.Close) -> bool:
@@ -281,8 +282,8 @@ class Connection:
         self.near = message.near
         self._attempt = 1
         joined = (message.epoch, message.publisher)
-        is_new, same_run = joined != self._joined, joined[0] == self._joined[0]
-        self._joined = joined
+        is_new, same_run = joined != self.joined, joined[0] == self.joined[0]
+        self.joined = joined
         if is_new:
             self.hub_time.begin(message.machine)
         self.hub_time.note(message.sent, message.hub_time, self._last_answer)

@@ -24,11 +24,11 @@ class FrameReader:
         """
         self._faults = faults
         self._no_ring = no_ring
-        self._rings = shared_ring.Readers()
+        self.rings = shared_ring.Readers()
 
     def close(self) -> None:
         """Close all shared memory."""
-        self._rings.close()
+        self.rings.close()
 
     def read(self, subscription: Subscription, raw: bytes) -> ReceivedFrame | None:
         """The messages in a frame; None, and counted: it is malformed and has no replacement."""
@@ -86,7 +86,7 @@ class FrameReader:
             self._no_ring(subscription, "its publisher has none")
             return None
         try:
-            found = self._rings.read(payload)
+            found = self.rings.read(payload)
         except OSError as error:
             self._no_ring(subscription, str(error))
             return None

@@ -63,7 +63,7 @@ class Publisher:
         self.direct: tuple[Send, ...] = ()
         self.direct_in_ring: tuple[Send, ...] = ()
         self._ring_prefix = frames.prefix(definition.name, frames.RING)
-        self._sequence = 0
+        self.sequence = 0
         self._emitted = 0.0
         self._reported, self._reported_at, self._bytes = 0, transport.clock(), 0
         self._published = -math.inf
@@ -72,8 +72,8 @@ class Publisher:
         self._limit = _BATCH_ITEMS if definition.plane is Plane.STATE else _BATCH_DESCRIPTORS
         self._last: bytes | tuple[int, int, bytes | shared_ring.Place] | None = None
         self._last_is_item = False
-        self._ring = shared_ring.GrowingRing()
-        self._held: deque[tuple[int, int, bytes]] | None = None
+        self.ring = shared_ring.GrowingRing()
+        self.held: deque[tuple[int, int, bytes]] | None = None
         self._open = False
         self._open_by = 0.0
         self._flat: frames.FlatFrames | None = None
@@ -85,7 +85,7 @@ class Publisher:
     @property
     def unanswered(self) -> bool:
         """Whether central's answer to ADVERTISE is missing."""
-        return self._held is not None and self._open_by == 0.0
+        return self.held is not None and self._open_by == 0.0
 
     @property
     def _wanted_at_central(self) -> bool:
@@ -94,7 +94,7 @@ class Publisher:
     @property
     def holding(self) -> bool:
         """Whether messages are held back."""
-        return bool(self._held)
+        return bool(self.held)
 
     @property
     def wanted(self) -> bool:
@@ -114,7 +114,7 @@ class Publisher:
         now, queue = self._clock(), self._queue
         when = now if measured is None else measured
         stamp = int((when + self._hub_time.offset) * 1e9)
-        sequence = self._sequence + 1
+        sequence = self.sequence + 1
         try:
             values = self._take_apart(value)
             burst = now - queue.previous < self._burst
@@ -126,7 +126,7 @@ class Publisher:
         except _UNFIT:  # the general encoder takes it, or its error names the field
             self.publish_payload(self.definition.encode(value), measured)
             return
-        self._sequence = sequence
+        self.sequence = sequence
         self._published = queue.previous = now
         self._bytes += self._flat_length
         self._last, self._last_is_item = frame, item
@@ -141,7 +141,7 @@ class Publisher:
         now = self._clock()
         when = now if measured is None else measured
         stamp = int((when + self._hub_time.offset) * 1e9)
-        self._sequence += 1
+        self.sequence += 1
         self._published = now
         length = frames.size(payload)
         self._bytes += length
@@ -149,16 +149,16 @@ class Publisher:
         if self._open and burst:
             item = frames.pack_item(stamp, payload)
             self._last, self._last_is_item = item, True
-            self._queue.add(self._combine, self._sequence, item, now, self._limit)
-        elif (held := self._held) is not None:
+            self._queue.add(self._combine, self.sequence, item, now, self._limit)
+        elif (held := self.held) is not None:
             self._hold(held, stamp, payload)
         else:
-            self._emit(self._sequence, stamp, payload)
+            self._emit(self.sequence, stamp, payload)
         self._queue.previous = now
 
     def advertised(self, *, subscribed: bool, now: float) -> None:
         """Handle the answer to ADVERTISE; wait for an announced subscription."""
-        if self._held is None:
+        if self.held is None:
             return
         if not subscribed or self._wanted_at_central:
             self._release()
@@ -167,7 +167,7 @@ class Publisher:
 
     def check_open(self, now: float) -> None:
         """Open if the announced subscription has arrived, or is late."""
-        if self._held is not None and self._open_by > 0.0:
+        if self.held is not None and self._open_by > 0.0:
             late = now > self._open_by
             if late:
                 text = f"{self.definition.name}: a subscription was announced and did not come"
@@ -180,20 +180,20 @@ class Publisher:
         self._address()
         self._open_by = 0.0
         self._open = False
-        self._held = deque(maxlen=sockets.QUEUE[self._plane])
+        self.held = deque(maxlen=sockets.QUEUE[self._plane])
 
     def end(self) -> None:
         """Drop the held messages after the loss of central: they would be old."""
-        for _ in self._held or ():
+        for _ in self.held or ():
             self._not_sent("the hub was gone before it listed the subscribers")
-        self._held = None
+        self.held = None
         self._open = False
         self.direct = self.direct_in_ring = ()
 
     def report(self, now: float) -> control.Published | None:
         """The publications since the last report; None: there are none."""
-        messages, over_s = self._sequence - self._reported, now - self._reported_at
-        self._reported, self._reported_at = self._sequence, now
+        messages, over_s = self.sequence - self._reported, now - self._reported_at
+        self._reported, self._reported_at = self.sequence, now
         if not messages:
             return None
         size, self._bytes = self._bytes, 0
@@ -217,12 +217,12 @@ class Publisher:
         if isinstance(last, bytes):
             if self._last_is_item:
                 stamp, payload = frames.item_payload(last)
-                return self._frame(self._sequence, stamp, [payload])
+                return self._frame(self.sequence, stamp, [payload])
             old = frames.unpack(last)  # the client's number may have changed
             return self._frame(old.sequence, old.stamp_ns, [old.payload])
         sequence, stamp, kept = last
         if isinstance(kept, shared_ring.Place):
-            found = self._ring.read(kept)
+            found = self.ring.read(kept)
             return None if found is None else self._frame(sequence, stamp, [found])
         return self._frame(sequence, stamp, [kept])
 
@@ -242,7 +242,7 @@ class Publisher:
 
     def close(self) -> None:
         """Free the ring."""
-        self._ring.close()
+        self.ring.close()
 
     def _address(self) -> None:
         """Set the topic: it shows whether this client also sends to subscribers directly."""
@@ -259,7 +259,7 @@ class Publisher:
         if held.maxlen == len(held):
             self._not_sent("central does not list the subscribers")
         whole = b"".join(payload)  # the pieces may be views of changing data
-        self._last = (self._sequence, stamp, whole)
+        self._last = (self.sequence, stamp, whole)
         held.append(self._last)
 
     def _not_sent(self, why: str) -> None:
@@ -267,7 +267,7 @@ class Publisher:
         self._faults.count("not sent", f"{self.definition.name}: {why}")
 
     def _release(self) -> None:
-        held, self._held = self._held or (), None
+        held, self.held = self.held or (), None
         self._open = True
         for sequence, stamp, payload in held:
             self._emit(sequence, stamp, [payload])
@@ -309,7 +309,7 @@ class Publisher:
         if not shared_ring.available:
             return None
         try:
-            return self._ring.write(payload, frames.size(payload))
+            return self.ring.write(payload, frames.size(payload))
         except OSError as error:
             text = f"{self.definition.name} cannot use shared memory: {error}"
             self._faults.count("no shared memory", text)

@@ -40,8 +40,8 @@ class Publishers:
         self._transport = transport
         self._connection = connection
         self._clock = transport.clock
-        self._queue = SendQueue(self._send_to_central, transport.faults)
-        self._direct_sockets = DirectSockets(transport)
+        self.queue = SendQueue(self._send_to_central, transport.faults)
+        self.direct_sockets = DirectSockets(transport)
         self._sockets: dict[Plane, sockets.Socket] = {}
         self._files: dict[Plane, int] = {}
         self._sends: dict[Plane, Callable[[bytes, int], Any]] = {}
@@ -56,7 +56,7 @@ class Publishers:
     @property
     def pending(self) -> bool:
         """Whether messages of a burst wait to be sent."""
-        return self._queue.pending
+        return self.queue.pending
 
     @property
     def holding(self) -> bool:
@@ -72,7 +72,7 @@ class Publishers:
         publisher = self._publishers.get(definition.name)
         if publisher is None:
             self._connection.demand_right(definition)
-            publisher = Publisher(definition, self._connection, self._queue, self._transport)
+            publisher = Publisher(definition, self._connection, self.queue, self._transport)
             self._publishers[definition.name] = publisher
             if self._connection.publisher:
                 publisher.begin()
@@ -108,10 +108,10 @@ class Publishers:
             publisher.end()
         for file in self._files.values():
             self._transport.loop.unregister(file)
-        with self._queue.lock:
-            self._queue.clear_locked()
-            self._queue.topics.clear()
-            self._direct_sockets.close(linger_ms)
+        with self.queue.lock:
+            self.queue.clear_locked()
+            self.queue.topics.clear()
+            self.direct_sockets.close(linger_ms)
             for socket in self._sockets.values():
                 self._transport.handshakes.end(socket)
                 socket.close(linger_ms)
@@ -122,7 +122,7 @@ class Publishers:
 
     def close(self) -> None:
         """Send waiting messages, and free all resources."""
-        self._queue.close()
+        self.queue.close()
         self.disconnect(linger_ms=100)
         for publisher in self._publishers.values():
             publisher.close()
@@ -137,16 +137,16 @@ class Publishers:
         """Add or remove a subscriber on this machine."""
         publisher = self._publishers.get(message.name)
         added = False
-        with self._queue.lock:
-            self._queue.flush_locked()
+        with self.queue.lock:
+            self.queue.flush_locked()
             if not message.inbox:
-                self._direct_sockets.remove(message.name, message.subscriber)
+                self.direct_sockets.remove(message.name, message.subscriber)
             elif publisher is not None:
-                added = self._direct_sockets.add(message, publisher.definition.plane)
+                added = self.direct_sockets.add(message, publisher.definition.plane)
             # Even without a socket to the subscriber: there may have been one before.
             for each in self._publishers.values() if not message.name else [publisher]:
                 if each is not None:
-                    direct = self._direct_sockets.receivers(each.definition.name)
+                    direct = self.direct_sockets.receivers(each.definition.name)
                     each.direct, each.direct_in_ring = direct
         if added and message.token:
             self._connection.send(control.Ready(token=message.token))
@@ -165,14 +165,14 @@ class Publishers:
 
     def flush(self) -> None:
         """Send all waiting messages; any thread may call this."""
-        self._queue.flush()
+        self.queue.flush()
 
     def check(self) -> None:
         """Retry what failed; call it about once a second."""
         self._check_open()
-        with self._queue.lock:
-            self._direct_sockets.close_unused()
-            unreached = self._direct_sockets.unreached
+        with self.queue.lock:
+            self.direct_sockets.close_unused()
+            unreached = self.direct_sockets.unreached
         for message in unreached:  # this process may have descriptors again
             self.subscriber(message)
         for publisher in self._publishers.values():
@@ -210,9 +210,9 @@ class Publishers:
             if topic[:1] == _MARK:
                 self._marked(topic, on=on)
             elif not on:
-                self._queue.topics.discard(topic)
-            elif len(self._queue.topics) < _MAX_FILTERS:
-                self._queue.topics.add(topic)
+                self.queue.topics.discard(topic)
+            elif len(self.queue.topics) < _MAX_FILTERS:
+                self.queue.topics.add(topic)
             else:
                 self._transport.faults.count("too many subscriptions", "one more is ignored")
         if events:
@@ -221,7 +221,7 @@ class Publishers:
 
     def _subscriptions(self, socket: sockets.Socket) -> list[bytes]:
         events: list[bytes] = []
-        with self._queue.lock:
+        with self.queue.lock:
             if not socket.closed and sockets.readable(socket):
                 try:
                     while len(events) < _AT_ONCE:

@@ -26,7 +26,7 @@ from hub.ipc.wire import frames
 _BATCH = 256
 _MOST_EVENTS = 2 * max(sockets.QUEUE.values())
 """Most frames that wait between two clients of this machine, at both ends."""
-_SLICE_S = 0.005
+SLICE_S = 0.005
 """Longest time in handlers before the sockets are read again [s]."""
 
 
@@ -81,8 +81,8 @@ class ReceiveQueue:
         self._clock = clock
         self._hub_time = hub_time
         self._faults = faults
-        self._reader = FrameReader(faults, no_ring)
-        self._decoded = self._reader.decoded
+        self.reader = FrameReader(faults, no_ring)
+        self._decoded = self.reader.decoded
         self._topics: dict[bytes, Subscription] = {}
         self._waits = 0
         self._opened: list[_Opened] = []
@@ -109,7 +109,7 @@ class ReceiveQueue:
 
     def close_rings(self) -> None:
         """Close all shared memory; waiting messages open it again."""
-        self._reader.close()
+        self.reader.close()
 
     def turn(self) -> None:
         """Hand on waiting messages."""
@@ -142,7 +142,7 @@ class ReceiveQueue:
         """
         self._finish()
         receive = socket.recv
-        end = self._clock() + _SLICE_S
+        end = self._clock() + SLICE_S
         for _ in range(_BATCH):
             try:
                 raw = receive(zmq.NOBLOCK)
@@ -164,23 +164,23 @@ class ReceiveQueue:
                 raw = socket.recv(zmq.NOBLOCK)
             except zmq.Again:
                 return
-            for each in self._reader.split(raw) if frames.is_bundle(raw) else [raw]:
+            for each in self.reader.split(raw) if frames.is_bundle(raw) else [raw]:
                 subscription = self._topics.get(each[: each.find(b"\0")])
                 if (
                     subscription is not None
                     and subscription.limit is None
-                    and (received := self._reader.read(subscription, each))
+                    and (received := self.reader.read(subscription, each))
                 ):
                     self._put(subscription, received)
 
     def _take_bundle(self, raw: bytes) -> None:
-        self._bundled += self._reader.split(raw)
+        self._bundled += self.reader.split(raw)
         self._finish()
 
     def _take_frame(self, raw: bytes) -> None:
         subscription = self._topics.get(raw[: raw.find(b"\0")])
         if subscription is None:
-            self._reader.check(raw)
+            self.reader.check(raw)
             return
         at_once = subscription.limit is None and subscription.priority == 0 and not self._waits
         if at_once and subscription.flat is not None and (found := subscription.flat.unpack(raw)):
@@ -190,7 +190,7 @@ class ReceiveQueue:
             if value is not None and self._arrived(subscription, source, sequence):
                 self._deliver(subscription, source, publisher, sequence, stamp_ns, value)
             return
-        received = self._reader.read(subscription, raw)
+        received = self.reader.read(subscription, raw)
         if received is None:
             return
         if at_once:
@@ -240,8 +240,8 @@ class ReceiveQueue:
         return True
 
     def _hand_on(self) -> None:
-        """Hand on waiting messages, most urgent first; read the sockets every `_SLICE_S`."""
-        end = self._clock() + _SLICE_S
+        """Hand on waiting messages, most urgent first; read the sockets every `SLICE_S`."""
+        end = self._clock() + SLICE_S
         for queue in self._queues.values():
             while queue:
                 waiting = queue.popleft()

@@ -75,7 +75,7 @@ class Session:
         self.responders = Responders(
             name, self.connection, self.pack, self.publishers.last, self._clock
         )
-        self._direct_responder: DirectResponder | None = None
+        self.direct_responder: DirectResponder | None = None
         self._plane_addresses: tuple[list[str], bool, bool] | None = None
         self._last_names: set[str] = set()
         self._frame_actions: dict[type, Callable[[Any, bytes | None], object]] = {
@@ -237,14 +237,14 @@ class Session:
 
     def _open_direct_responder(self, *, near: bool) -> None:
         """Take queries directly if central is on this machine."""
-        if near and self._direct_responder is None:
-            self._direct_responder = DirectResponder(
+        if near and self.direct_responder is None:
+            self.direct_responder = DirectResponder(
                 self.connection.client, self.responders.answer_directly, self._transport
             )
-        elif not near and self._direct_responder is not None:
-            self._direct_responder.close()
-            self._direct_responder = None
-        self.responders.use_direct_responder(self._direct_responder)
+        elif not near and self.direct_responder is not None:
+            self.direct_responder.close()
+            self.direct_responder = None
+        self.responders.use_direct_responder(self.direct_responder)
 
     def _on_direct_route(self, message: control.DirectRoute) -> None:
         """Set the direct route of a query by central's order; without an address, remove it."""

@@ -35,10 +35,10 @@ class Subscriptions:
             faults=transport.faults,
             no_ring=self._use_whole_payloads,
         )
-        self._sockets: dict[Plane, sockets.Socket] = {}
-        self._files: dict[Plane, int] = {}
-        self._inboxes: dict[Plane, DirectInbox] = {}
-        self._subscriptions: dict[str, Subscription] = {}
+        self.sockets: dict[Plane, sockets.Socket] = {}
+        self.files: dict[Plane, int] = {}
+        self.inboxes: dict[Plane, DirectInbox] = {}
+        self.subscriptions: dict[str, Subscription] = {}
         self._under_way: dict[str, Subscription] = {}
         self._tokens = 0
         self._near = False
@@ -47,19 +47,19 @@ class Subscriptions:
     @property
     def used(self) -> bool:
         """Whether it has subscriptions."""
-        return bool(self._subscriptions)
+        return bool(self.subscriptions)
 
     @property
     def lost(self) -> int:
         """Number of lost messages of the present subscriptions."""
-        return sum(subscription.lost for subscription in self._subscriptions.values())
+        return sum(subscription.lost for subscription in self.subscriptions.values())
 
     @property
     def unfit(self) -> dict[str, str]:
         """The first fault in a value of each message, in a sentence, by message name."""
         return {
             name: subscription.unfit
-            for name, subscription in self._subscriptions.items()
+            for name, subscription in self.subscriptions.items()
             if subscription.unfit
         }
 
@@ -75,57 +75,57 @@ class Subscriptions:
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
             self._connect(plane)
-        for subscription in self._subscriptions.values():
+        for subscription in self.subscriptions.values():
             if not same_run:  # else the numbers show the missed messages
                 subscription.forget()
             subscription.in_ring = self._may_ring(subscription.definition)
 
     def drop_pictures(self) -> None:
         """Reconnect the plane of pictures: the waiting ones are old."""
-        if Plane.PICTURE in self._sockets:
+        if Plane.PICTURE in self.sockets:
             self._disconnect(Plane.PICTURE)
             self._connect(Plane.PICTURE)
-            for subscription in self._subscriptions.values():
+            for subscription in self.subscriptions.values():
                 if subscription.definition.plane is Plane.PICTURE:
                     self._ask_for(subscription)
 
     def take_events(self) -> None:
         """Read all sockets: keep the messages of `Keep.ALL`, and drop all others."""
-        for plane in tuple(self._sockets):
+        for plane in tuple(self.sockets):
             if plane is not Plane.PICTURE:
-                self.receive_queue.take_events(self._sockets[plane])
-                if plane in self._inboxes:
-                    self.receive_queue.take_events(self._inboxes[plane].socket)
+                self.receive_queue.take_events(self.sockets[plane])
+                if plane in self.inboxes:
+                    self.receive_queue.take_events(self.inboxes[plane].socket)
 
     def _connect(self, plane: Plane) -> None:
         socket = sockets.make_plane(self._transport.context, zmq.SUB, plane, self._connection.keys)
         self._transport.handshakes.begin(socket)
         sockets.connect(socket, self._where[plane])
-        self._sockets[plane] = socket
-        self._files[plane] = self._transport.loop.register(
+        self.sockets[plane] = socket
+        self.files[plane] = self._transport.loop.register(
             socket, functools.partial(self.receive_queue.take, socket)
         )
         if self._near:
-            self._inboxes[plane] = DirectInbox(self._transport, plane, self.receive_queue.take)
+            self.inboxes[plane] = DirectInbox(self._transport, plane, self.receive_queue.take)
 
     def subscribe_all(self) -> None:
         """Subscribe again, at a central that has the definitions."""
-        for subscription in self._subscriptions.values():
+        for subscription in self.subscriptions.values():
             self._ask_for(subscription)
 
     def disconnect(self) -> None:
         """Disconnect from central; received messages are still handled."""
-        for plane in tuple(self._sockets):
+        for plane in tuple(self.sockets):
             self._disconnect(plane)
         self._under_way.clear()
         self.receive_queue.close_rings()
 
     def _disconnect(self, plane: Plane) -> None:
-        self._transport.loop.unregister(self._files[plane])
-        socket = self._sockets.pop(plane)
+        self._transport.loop.unregister(self.files[plane])
+        socket = self.sockets.pop(plane)
         self._transport.handshakes.end(socket)
         socket.close(0)
-        inbox = self._inboxes.pop(plane, None)
+        inbox = self.inboxes.pop(plane, None)
         if inbox is not None:
             inbox.close()
 
@@ -138,7 +138,7 @@ class Subscriptions:
         priority: int | None = None,
     ) -> None:
         """Call `handler` for every message of `definition`."""
-        known = self._subscriptions.get(definition.name)
+        known = self.subscriptions.get(definition.name)
         subscription = known or Subscription(definition)
         subscription.handlers.append(handler)
         if queue is not None:
@@ -147,14 +147,14 @@ class Subscriptions:
             subscription.priority = priority
         self.receive_queue.add(subscription)
         if known is None:
-            self._subscriptions[definition.name] = subscription
+            self.subscriptions[definition.name] = subscription
             subscription.in_ring = self._may_ring(definition)
             if self._connection.publisher:
                 self._ask_for(subscription)
 
     def unsubscribe(self, name: str, handler: Handler | None) -> None:
         """Remove `handler`, or all handlers; waiting messages are dropped."""
-        subscription = self._subscriptions.get(name)
+        subscription = self.subscriptions.get(name)
         if subscription is None:
             return
         subscription.handlers = [
@@ -162,9 +162,9 @@ class Subscriptions:
         ]
         if subscription.handlers:
             return
-        del self._subscriptions[name]
+        del self.subscriptions[name]
         self.receive_queue.remove(subscription)
-        if self._sockets:
+        if self.sockets:
             self._filter(subscription, on=False)
             self._complete(subscription.token)
             self._connection.send(control.Unsubscribe(name=name))
@@ -175,12 +175,12 @@ class Subscriptions:
 
     def reports(self) -> tuple[control.Received, ...]:
         """The receptions of each subscription since the last report."""
-        made = (subscription.report() for subscription in self._subscriptions.values())
+        made = (subscription.report() for subscription in self.subscriptions.values())
         return tuple(report for report in made if report is not None)
 
     def accept(self, frame: frames.Frame) -> None:
         """Handle a message from an answer, such as the last value."""
-        subscription = self._subscriptions.get(frame.name)
+        subscription = self.subscriptions.get(frame.name)
         if subscription is None:
             return
         inbox = self._inbox(subscription)
@@ -222,7 +222,7 @@ class Subscriptions:
             self._connection.send(control.Ready(token=subscription.token))
 
     def _inbox(self, subscription: Subscription) -> DirectInbox | None:
-        return self._inboxes.get(
+        return self.inboxes.get(
             Plane.STATE if subscription.in_ring else subscription.definition.plane
         )
 
@@ -233,16 +233,16 @@ class Subscriptions:
             subscription.token = ""
             plane = subscription.definition.plane
             for topic in self._filters(subscription):
-                self._sockets[plane].unsubscribe(publishers.mark(topic, token))
-            self._transport.loop.touch(self._files[plane])
+                self.sockets[plane].unsubscribe(publishers.mark(topic, token))
+            self._transport.loop.touch(self.files[plane])
 
     def _may_ring(self, definition: MessageDefinition[Any]) -> bool:
         return self._near and shared_ring.available and definition.plane is Plane.PICTURE
 
     def _filter(self, subscription: Subscription, *, on: bool) -> None:
         plane = subscription.definition.plane
-        socket = self._sockets[plane]
-        self._transport.loop.touch(self._files[plane])
+        socket = self.sockets[plane]
+        self._transport.loop.touch(self.files[plane])
         change = socket.subscribe if on else socket.unsubscribe
         for topic in self._filters(subscription):
             change(topic)
@@ -256,7 +256,7 @@ class Subscriptions:
 
     def _use_whole_payloads(self, subscription: Subscription, why: str) -> None:
         """Ask for whole payloads from now on, not for descriptors."""
-        if subscription.in_ring and self._sockets:
+        if subscription.in_ring and self.sockets:
             self._transport.faults.count(
                 "no shared memory", f"{subscription.definition.name}: {why}"
             )

@@ -40,7 +40,7 @@ class ControlChannel:
             transport: The client's.
             address: Address of the other end.
         """
-        self._socket = socket
+        self.socket = socket
         self._on_message = on_message
         self._on_event = on_event
         self._loop = transport.loop
@@ -53,7 +53,7 @@ class ControlChannel:
 
     def send(self, message: Any, attached: bytes | None = None) -> bool:
         """Send a control message; False: there is no connection."""
-        if self._socket.closed:
+        if self.socket.closed:
             return False
         packed = control_codec.pack(message)
         self._loop.touch(self._file)
@@ -69,9 +69,9 @@ class ControlChannel:
         """Close; sent frames get `linger_ms` to leave."""
         self._loop.unregister(self._file)
         self._loop.unregister(self._monitor_file)
-        self._socket.disable_monitor()
+        self.socket.disable_monitor()
         self._monitor.close(0)
-        self._socket.close(linger_ms)
+        self.socket.close(linger_ms)
 
     def _watch(self) -> bool:
         while not self._monitor.closed:
@@ -83,7 +83,7 @@ class ControlChannel:
         return False
 
     def _receive(self) -> bool:
-        socket = self._socket
+        socket = self.socket
         end = self._loop.clock() + _TURN_S
         for _ in range(_BATCH):
             try:

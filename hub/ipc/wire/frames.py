@@ -41,10 +41,10 @@ RING_KINDS = (IN_RING, NO_RING, RING_BATCH)
 FAR, RING = b"!", b"@"
 """The mark before the name in a topic: for publishers without direct messages; for descriptors."""
 
-_HEADER = struct.Struct("<HHIQQqI")
+HEADER = struct.Struct("<HHIQQqI")
 _ITEM = struct.Struct("<qI")
 _COUNT = struct.Struct("<I")
-HEADER_SIZE = _HEADER.size
+HEADER_SIZE = HEADER.size
 _BUNDLE = b"*"
 _LITTLE_ENDIAN = ENCAPSULATION["<"]
 MAX_TOPIC = MAX_NAME_LENGTH + 1
@@ -104,7 +104,7 @@ def pack(
     """One frame; the only copy of `payload` is made here."""
     parts = list(payload)
     length = size(parts)
-    header = _HEADER.pack(VERSION, kind, publisher, fingerprint, sequence, stamp_ns, length)
+    header = HEADER.pack(VERSION, kind, publisher, fingerprint, sequence, stamp_ns, length)
     return b"".join((prefix, header, *parts))
 
 
@@ -249,7 +249,7 @@ def count(payload: memoryview) -> int:
     return int(_COUNT.unpack_from(payload)[0]) if len(payload) >= _COUNT.size else 0
 
 
-read_header: Callable[[Buffer, int], tuple[int, int, int, int, int, int, int]] = _HEADER.unpack_from
+read_header: Callable[[Buffer, int], tuple[int, int, int, int, int, int, int]] = HEADER.unpack_from
 """(frame, start) -> version, kind, publisher, fingerprint, sequence, stamp_ns, payload's length."""
 
 

@@ -61,7 +61,7 @@ class Navigation:
         self._governor = SpeedGovernor(
             robot.linear_limit, robot.angular_limit, self._clock(), stops=random.getrandbits(32)
         )
-        self._pilot = PathFollower(body_of(robot))
+        self.pilot = PathFollower(body_of(robot))
         self._frames = FrameMemory(for_pose(robot.name))
         self._commanded = (0.0, 0.0)
         self._newest: tuple[navigation.DriveState, float] | None = None
@@ -72,8 +72,8 @@ class Navigation:
         self._gate = ControlGate(client, self._on_owner_change)
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
-        client.subscribe(navigation.DRIVE_STATE, self._report)
-        client.subscribe(navigation.GOAL_COMMAND, self._go)
+        client.subscribe(navigation.DRIVE_STATE, self.reported)
+        client.subscribe(navigation.GOAL_COMMAND, self.go)
         client.subscribe(navigation.TURN_COMMAND, self._turn)
         client.subscribe(navigation.ASSISTANCE_COMMAND, self._assist)
         client.subscribe(navigation.LANDMARK_CORRECTION, self._correct)
@@ -105,7 +105,7 @@ class Navigation:
 
     def _stop(self, message: navigation.Stop, _reception: MessageInfo) -> None:
         why = f"stopped: {message.reason or 'no reason given'}"
-        self._pilot.task.end(Task.CANCELLED, why, Cause.STOP, self._clock())
+        self.pilot.task.end(Task.CANCELLED, why, Cause.STOP, self._clock())
         self._governor.stop()
         self._drive()
         self._update()
@@ -116,11 +116,12 @@ class Navigation:
         self._governor.controlled_by(state.owner, before)
         if state.owner and before:
             why = f"{state.operator} has control now"
-            self._pilot.task.end(Task.CANCELLED, why, Cause.CONTROL, self._clock())
+            self.pilot.task.end(Task.CANCELLED, why, Cause.CONTROL, self._clock())
         self._drive()
         self._update()
 
-    def _report(self, state: navigation.DriveState, reception: MessageInfo) -> None:
+    def reported(self, state: navigation.DriveState, reception: MessageInfo) -> None:
+        """Take what the driver reports."""
         now = self._clock()
         if self._driver not in (None, reception.publisher):
             _logger.warning("the driver restarted: the robot waits for a neutral command")
@@ -134,30 +135,31 @@ class Navigation:
             if frame.number != before:
                 self._lose_place("the robot has lost its place", now)
             _logger.info("the robot's pose is in frame %d", frame.number)
-            self._pilot.restart(frame.odom)
+            self.pilot.restart(frame.odom)
         self._newest = (state, reception.measured)
         self._governor.driver_reported(now)
-        self._pilot.reported(state, now)
+        self.pilot.reported(state, now)
 
     def _lose_place(self, why: str, now: float) -> None:
         """End the task: coordinates from before the loss are wrong now."""
-        self._pilot.task.end(Task.CANCELLED, why, Cause.DRIVER, now)
+        self.pilot.task.end(Task.CANCELLED, why, Cause.DRIVER, now)
         self._governor.end_task()
 
-    def _go(self, goal: navigation.GoalCommand, reception: MessageInfo) -> None:
+    def go(self, goal: navigation.GoalCommand, reception: MessageInfo) -> None:
+        """Begin the task of a goal, or refuse it."""
         if not self._gate.admits(navigation.GOAL_COMMAND, reception):
             return
         now = self._clock()
         if not goal.points:
-            self._pilot.go(goal, reception.publisher, now)
+            self.pilot.go(goal, reception.publisher, now)
             self._update()
             return
         why = self._governor.begin_task(now)
         if why:
             cause = _NOT_BEGUN.get(self._governor.state(now), Cause.BUSY)
-            self._pilot.task.refuse(goal, reception.publisher, why, cause, now)
+            self.pilot.task.refuse(goal, reception.publisher, why, cause, now)
         else:
-            why = self._pilot.go(goal, reception.publisher, now)
+            why = self.pilot.go(goal, reception.publisher, now)
         self._begun("a goal", why)
         self._ask_for_map()
 
@@ -165,7 +167,7 @@ class Navigation:
         if not self._gate.admits(navigation.TURN_COMMAND, reception):
             return
         now = self._clock()
-        why = self._governor.begin_task(now) or self._pilot.turn(command, reception.publisher, now)
+        why = self._governor.begin_task(now) or self.pilot.turn(command, reception.publisher, now)
         self._begun("a turn", why)
 
     def _begun(self, what: str, why: str) -> None:
@@ -176,37 +178,37 @@ class Navigation:
 
     def _assist(self, command: navigation.AssistanceCommand, reception: MessageInfo) -> None:
         if self._gate.admits(navigation.ASSISTANCE_COMMAND, reception):
-            self._pilot.assist(command.assistance, self._clock())
+            self.pilot.assist(command.assistance, self._clock())
             self._update()
 
     def _correct(self, landmark: navigation.LandmarkCorrection, reception: MessageInfo) -> None:
         if self._gate.admits(navigation.LANDMARK_CORRECTION, reception):
-            _logger.info("landmark: %s", self._pilot.correct(landmark, self._clock()))
+            _logger.info("landmark: %s", self.pilot.correct(landmark, self._clock()))
 
     def _drive(self) -> None:
         """Decide on the velocity and publish it to the driver."""
         now = self._clock()
         self._governor.state(now)  # applies its time limits first
         if self._governor.held is not Cause.NONE:
-            self._pilot.task.hold(self._governor.held, _HELD[self._governor.held], now)
+            self.pilot.task.hold(self._governor.held, _HELD[self._governor.held], now)
         elif self._governor.has_task:
-            steered = self._pilot.steered(now)
+            steered = self.pilot.steered(now)
             if steered is None:
                 self._governor.end_task()
             else:
                 self._governor.steer(*steered, now)
         self._commanded = given = self._governor.velocity(now)
         if self._governor.state(now) is MotionState.MOVING:
-            given = self._pilot.assisted(given, now)
-        elif not self._pilot.task.active:
-            self._pilot.held_back = 0.0
+            given = self.pilot.assisted(given, now)
+        elif not self.pilot.task.active:
+            self.pilot.held_back = 0.0
         self._client.publish(navigation.DRIVE_COMMAND, navigation.Twist.planar(*given))
 
     def _update(self) -> None:
         """Act on changes of state without waiting for the next cycle."""
         now = self._clock()
         velocity = self._governor.velocity(now)
-        task = self._pilot.task
+        task = self.pilot.task
         if task.active and not self._governor.has_task:
             task.end(Task.CANCELLED, "somebody drives", Cause.STICK, now)
         elif self._governor.has_task and not task.active:
@@ -227,7 +229,7 @@ class Navigation:
             self._publish_status()
 
     def _update_assistance(self, now: float) -> None:
-        assistance = self._pilot.assistance(now)
+        assistance = self.pilot.assistance(now)
         if assistance is not self._assistance:
             self._assistance = assistance
             off = assistance is Assistance.OFF
@@ -236,7 +238,7 @@ class Navigation:
             )
 
     def _ask_for_map(self) -> None:
-        window = self._pilot.window
+        window = self.pilot.window
         if self._asking or window is None:
             return
         self._asking = True
@@ -256,7 +258,7 @@ class Navigation:
         except CodecError as error:
             _logger.warning("cannot read the map: %s", error)
             return
-        self._pilot.mapped(grid, self._clock())
+        self.pilot.mapped(grid, self._clock())
 
     def _no_map(self, error: HubError) -> None:
         self._asking = False
@@ -270,13 +272,13 @@ class Navigation:
         counts = self._client.faults.counts
         refused = self._governor.refused + self._gate.refused
         refused += sum(counts[reason] for reason in _NOT_TAKEN)
-        self._frames.corrected(self._pilot.correction.odom)
+        self._frames.corrected(self.pilot.correction.odom)
         frame = self._frames.frame.number
-        state = robot_state(drive, self._pilot, self._governor, refused, frame, now)
+        state = robot_state(drive, self.pilot, self._governor, refused, frame, now)
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
 
     def _publish_status(self) -> None:
-        said = status(self._pilot.task, self._governor.driver, self._clock())
+        said = status(self.pilot.task, self._governor.driver, self._clock())
         self._client.publish(navigation.NAVIGATION_STATUS, said)
 
 

@@ -57,10 +57,11 @@ class VisualizeMission(PlainVisualizer):
 
 def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     key = state.input_of(Purpose.MISSION, robot.name)
-    return tuple(_rows(mission_of(robot), state.overdue_marks(robot.name), key))
+    return tuple(mission_rows(mission_of(robot), state.overdue_marks(robot.name), key))
 
 
-def _rows(mission: MissionState | None, unconfirmed: int, key: str = "") -> Iterator[Part]:
+def mission_rows(mission: MissionState | None, unconfirmed: int, key: str = "") -> Iterator[Part]:
+    """The rows about a mission, the most important first."""
     if mission is None:
         yield Part("the robot tells of no mission", 0, Severity.FAINT)
     elif not mission.running:

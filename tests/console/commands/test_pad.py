@@ -120,7 +120,7 @@ def test_a_device_that_falls_silent_again_and_again_is_left_alone_until_it_is_pl
 
 @pytest.fixture(autouse=True)
 def nothing_plugged_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cli, "_log_to_file", lambda: None)
+    monkeypatch.setattr(cli, "log_to_file", lambda: None)
     monkeypatch.setattr(hid_reader, "plugged_in", lambda: ())
     monkeypatch.setattr(pad, "CONNECT_S", 0.2)
 

@@ -15,6 +15,7 @@ from mcap.exceptions import EndOfFile
 from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
+from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
 
 from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Twist
@@ -22,7 +23,6 @@ from hub.gcm.vision import IMAGE, Image, ImageCoding
 from rune_tui.export.recording import Recording
 from tests.support.full_disk import files_no_longer_than
 from tests.support.messages import camera_state, robot_state
-from tests.support.waiting import until
 
 
 def test_messages_are_read_back_by_tools_of_ros(tmp_path: Path) -> None:
@@ -75,10 +75,10 @@ def test_a_full_disk_ends_the_recording_and_nothing_else(
 ) -> None:
     recording = Recording(tmp_path / "a.mcap", {})
 
-    def full(**_: object) -> None:
+    def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(recording._writer, "add_message", full)
+    monkeypatch.setattr(Writer, "add_message", full)
     for _ in range(3):
         recording.add("left", ROBOT_STATE, robot_state(), 0.0)
     recording.close()
@@ -123,7 +123,10 @@ def test_what_was_counted_can_be_read_after_a_kill(tmp_path: Path) -> None:
     assert readable(path) >= counted >= 20
 
 
-def test_on_a_full_disk_the_count_is_what_can_be_read(tmp_path: Path) -> None:
+def test_on_a_full_disk_the_count_is_what_can_be_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rune_tui.export.recording.FLUSH_S", 0.0)
     path = tmp_path / "a.mcap"
     with files_no_longer_than(30_000):
         recording = Recording(path, {})
@@ -132,9 +135,6 @@ def test_on_a_full_disk_the_count_is_what_can_be_read(tmp_path: Path) -> None:
             ranges = noise.random(16).astype(np.float32)
             state = robot_state(x=float(number), sonar=ranges, infrared=ranges)
             recording.add("left", ROBOT_STATE, state, 0.0)
-            if number % 40 == 0:
-                until(recording._waiting.empty, 5.0)
-                recording._flush_due = 0.0
         recording.close()
     assert recording.fault == "File too large"
     assert 0 < recording.count == readable(path) < 400

@@ -375,13 +375,13 @@ def test_the_rules_read_from_the_schema_refuse_what_the_schema_refuses():
     count = repetitions(300, 5000)
     for _ in range(count):
         try:
-            text = loader._decode(mutated(chance.choice(texts), chance), "layout.xml")
-            document = loader._parse(text, "layout.xml")
+            text = loader.decode(mutated(chance.choice(texts), chance), "layout.xml")
+            document = loader.parse(text, "layout.xml")
         except LayoutError:
             continue
         if document.tag != "rune":
             continue
-        followed = not list(rules.mistakes(loader._to_node(document, text, "layout.xml")))
+        followed = not list(rules.mistakes(loader.to_node(document, text, "layout.xml")))
         assert followed == validator.validate(document), text
         verdicts.append(followed)
     assert count // 20 < sum(verdicts) < len(verdicts) - count // 20

@@ -184,7 +184,7 @@ def test_keys_are_named_as_textual_names_them():
         for key in keys
     }
     assert set(names.KEYS) - set(names.KEYPAD_KEYS) <= reported | set(FUNCTIONAL_KEYS.values())
-    assert set(names.KEYPAD_KEYS) < {f"kp_{each}" for each in input_stream._KEYPAD}
+    assert set(names.KEYPAD_KEYS) < {f"kp_{each}" for each in input_stream.KEYPAD}
     assert not set(names.KEYS_REPORTED_AS) & reported
 
 

@@ -56,8 +56,8 @@ def rest(text: str, place: Place) -> str:
 @given(st.sampled_from(AROUND[:-2]), elements())
 def test_every_element_and_attribute_is_found_where_it_stands(before: str, element: str) -> None:
     text = f"{before}<r xmlns:x='u:x'>{element}</r>"
-    document = loader._parse(text, "layout.xml")
-    found = list(all_nodes(loader._to_node(document, text, "layout.xml")))
+    document = loader.parse(text, "layout.xml")
+    found = list(all_nodes(loader.to_node(document, text, "layout.xml")))
     assert len(found) == sum(1 for _ in document.iter())
     for node in found:
         local = node.tag.rpartition("}")[2]

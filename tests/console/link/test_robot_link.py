@@ -206,7 +206,7 @@ def test_a_fault_in_taking_a_message_is_told_once_and_the_link_goes_on(
             raise ValueError(text)
 
         with monkeypatch.context() as patch:
-            patch.setattr(link, "_received", broken)
+            patch.setattr(link, "received", broken)
             until(lambda: came(lambda: len(faults) > 3), 10.0)
         until(lambda: came(lambda: link.state.navigation is not None), 10.0)
     assert link.state.link.said == "a message could not be taken; the log says why"

@@ -105,7 +105,7 @@ def test_when_the_link_carries_them_again_they_are_broadcast_again(rig: Rig) -> 
     rig.late = 0.0
     rig.wait_for_states()
     assert rig.streams.asking  # not at once, or it would go to and fro
-    rig.streams._until = -math.inf
+    rig.streams.asked_until = -math.inf
     rig.wait(lambda: not rig.streams.asking)
     rig.wait(lambda: rig.robot.has_subscribers(ROBOT_STATE))
     rig.wait_for_states()

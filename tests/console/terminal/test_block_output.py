@@ -110,7 +110,7 @@ def test_a_still_scene_becomes_exact_however_the_room_for_it_changes() -> None:
     last.pixels[...] = first.pixels
     last.pixels[10:16] = 80 - first.pixels[10:16]
     for cells, control.rows in ((first, 1), (last, 5)):
-        control._level = len(LADDER) - 3
+        control.level = len(LADDER) - 3
         frame = frames.draw(cells, (), SHOWN)
         terminal.feed((frame.first + frame.picture).decode())
         while frames.inexact:

@@ -27,16 +27,16 @@ def test_in_tmux_no_frame_is_longer_than_it_keeps_when_all_words_change(
 ) -> None:
     columns, rows = 40, 20
     painter = Painter(App(), ViewPane(), traits_of(Answers(), {"TMUX": "1"}, (columns, rows)), 0.0)
-    monkeypatch.setattr(painter, "_covered", lambda _: None)
-    painter._control.most_bytes = 6 * columns * rows
+    monkeypatch.setattr(painter, "covered", lambda _: None)
+    painter.control.most_bytes = 6 * columns * rows
     shown = np.full((rows, columns), Urgency.VIDEO, np.uint8)
     shown[-2:] = Urgency.OTHER
-    painter._urgencies = shown
+    painter.urgencies = shown
     still = random_cells(1, columns, rows, 99, 0.0)
     sizes = []
     for number in range(12):  # the camera rests, the words do not
         pixels = still.pixels.copy()
         pixels[-4:] = random_cells(number, columns, 2, 99, 0.0).pixels
         cells = dataclasses.replace(still, pixels=pixels)
-        sizes.append(painter._frame(10.0 + number, cells, anew=True).size)
-    assert max(sizes[1:]) <= painter._control.most_bytes
+        sizes.append(painter.frame(10.0 + number, cells, anew=True).size)
+    assert max(sizes[1:]) <= painter.control.most_bytes

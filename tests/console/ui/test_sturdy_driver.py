@@ -46,7 +46,7 @@ def heard(*pieces: tuple[str, int]) -> list[str]:
         app = Waiting()
         driver, parser, stream = Told(app), SturdyParser(), InputStream(understood)
         for text, app.waiting in pieces:
-            driver._take(parser, stream, text)
+            driver.take(parser, stream, text)
         return driver.told
 
     return [

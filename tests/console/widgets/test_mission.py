@@ -15,7 +15,7 @@ from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Notify
 from rune_tui.model.leaving import reasons_to_stay
 from rune_tui.model.mission import MissionWatch
 from rune_tui.model.robot_state import Lack, LackKind
-from rune_tui.visualizers.words.mission import _rows
+from rune_tui.visualizers.words.mission import mission_rows
 from rune_tui.visualizers.words.troubles import troubles
 from rune_tui.widgets.mission import WAIT_S
 from tests.console.visualizers.conftest import received
@@ -125,7 +125,7 @@ def test_which_key_begins_another_mission_is_said() -> None:
 
 
 def _rows_of(mission: MissionState, key: str) -> list[str]:
-    return [part.text for part in _rows(mission, 0, key)]
+    return [part.text for part in mission_rows(mission, 0, key)]
 
 
 @pytest.mark.parametrize(("do", "mission"), [("begin", RUNS), ("end", None), ("name", None)])
@@ -139,7 +139,7 @@ def test_what_is_not_kept_is_an_alarm_everywhere() -> None:
     robot = state.robots["magellan"]
     assert any("NOT KEPT: the disk is full" in part.text for part in troubles(robot, state))
     assert any("the disk is full" in reason for reason in reasons_to_stay(state))
-    assert any("NOT KEPT" in part.text for part in _rows(FULL, 0))
+    assert any("NOT KEPT" in part.text for part in mission_rows(FULL, 0))
     watch = MissionWatch()
     list(watch.look(on(RUNS).robots["magellan"], on(RUNS)))
     (notice,) = watch.look(robot, state)
@@ -165,14 +165,14 @@ def test_who_joins_is_told_of_the_mission_and_of_what_changes() -> None:
 
 
 def test_the_pane_says_name_time_marks_and_the_saved_map() -> None:
-    assert [part.text for part in _rows(RUNS, 0)] == [
+    assert [part.text for part in mission_rows(RUNS, 0)] == [
         "cellar, 3 min", "3 marks kept", "map saved 4 s ago",
     ]  # fmt: skip
     fresh = dataclasses.replace(RUNS, running_s=3.0, marks=1, map_age_s=math.nan)
-    assert [part.text for part in _rows(fresh, 0)] == [
+    assert [part.text for part in mission_rows(fresh, 0)] == [
         "cellar, 3 s", "1 mark kept", "map not saved yet",
     ]  # fmt: skip
-    assert [part.text for part in _rows(FULL, 1)][1:] == [
+    assert [part.text for part in mission_rows(FULL, 1)][1:] == [
         "3 marks, 2 changes in memory only", "map saved 4 s ago",
         "NOT CONFIRMED BY THE ROBOT: 1", "NOT KEPT: the disk is full",
     ]  # fmt: skip

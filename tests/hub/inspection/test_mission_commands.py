@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hub.cli import _parser, _run_command
+from hub.cli import command_parser, run_command
 from hub.errors import MissionError
 from hub.gcm.mapping import InterestPoint, PointKind
 from hub.missions.export import export
@@ -23,7 +23,7 @@ from hub.missions.records import SheetBegun, to_json
 
 
 def main(arguments: list[str]) -> int:
-    return _run_command(_parser().parse_args(arguments))
+    return run_command(command_parser().parse_args(arguments))
 
 
 GRID = LogOdds.of(np.diag([1.0, 0.0, -2.0]).astype(np.float32), 0.05, -1.0, 2.0)

@@ -102,7 +102,7 @@ class Peer:
 
     def direct(self, definition: MessageDefinition[Any]) -> int:
         """How many neighbours take a message of ours."""
-        return len(self.client._publishers.of(definition).direct)
+        return len(self.client.session.publishers.of(definition).direct)
 
     def close(self) -> None:
         self._stop.set()

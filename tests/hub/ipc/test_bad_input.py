@@ -123,7 +123,7 @@ def plain(central: Central) -> Iterator[Plain]:
 
 
 def _port(central: Central, place: str) -> int:
-    ports = (int(central.endpoints[0].rpartition(":")[2]), *central._entrances[0].ports)
+    ports = (int(central.endpoints[0].rpartition(":")[2]), *central.entrances[0].ports)
     return ports[_PLACES[place]]
 
 

@@ -57,15 +57,15 @@ def test_newcomer_is_not_taken_for_who_had_its_descriptor_before(
     """Central learns late of connections that came and went, and early of the one that follows."""
     passing = [_connect(central.endpoints[0]) for _ in range(40)]
     busy, go = threading.Event(), threading.Event()
-    central._loop.post(lambda: (busy.set(), go.wait(10.0)))
+    central.loop.post(lambda: (busy.set(), go.wait(10.0)))
     assert busy.wait(5.0)
     descriptors = psutil.Process().num_fds()
     for each in passing:
         each.shutdown(socket.SHUT_RDWR)  # central's end is closed, so only its descriptors are free
     until(lambda: psutil.Process().num_fds() <= descriptors - len(passing), 5.0)
     newcomer = Client("newcomer", central.endpoints[0])
-    hello, said = newcomer._connection._hello, threading.Event()
-    monkeypatch.setattr(newcomer._connection, "_hello", lambda: hello() and said.set())
+    hello, said = newcomer.session.connection.hello, threading.Event()
+    monkeypatch.setattr(newcomer.session.connection, "hello", lambda: hello() and said.set())
     until(said.is_set, 5.0, meanwhile=lambda: newcomer.listen(0.02))
     go.set()
     newcomer.wait_connected(5.0)
@@ -124,7 +124,7 @@ def test_everything_works_again_after_central_was_started_again(
     one.call(lambda: one.client.respond(v.ASK, v.ANSWER, lambda ask: ask))
     one.publish_until(v.LOG, received)
     one.publish_until(v.EVENT, commands)
-    epoch = one.client._connection._joined
+    epoch = one.client.session.connection.joined
     central.close()
     # Both while it is not known yet that central is away, and when it is.
     for number in range(20):
@@ -144,7 +144,7 @@ def test_everything_works_again_after_central_was_started_again(
     central = Central([lasting_endpoint])
     try:
         until(lambda: one.client.connected and other.client.connected, 5.0)
-        assert one.client._connection._joined != epoch
+        assert one.client.session.connection.joined != epoch
         del received[:], commands[:]
         one.publish_until(v.LOG, received)
         one.publish_until(v.EVENT, commands)
@@ -176,10 +176,12 @@ def test_command_of_a_short_outage_never_arrives(lasting_endpoint: str, peers: M
         for number in range(20):
             one.publish(v.EVENT, Number(value=number))
         central = Central([lasting_endpoint])
-        epoch = central._registry.epoch
+        epoch = central.registry.epoch
         until(
             lambda epoch=epoch: (
-                one.client._connection._joined[0] == other.client._connection._joined[0] == epoch
+                one.client.session.connection.joined[0]
+                == other.client.session.connection.joined[0]
+                == epoch
             ),
             5.0,
         )
@@ -298,7 +300,7 @@ def test_client_that_leaves_at_once_is_not_taken_for_a_stranger(
             if publishes:
                 brief.publish(v.COMMAND, Number(value=number))
     # What central hears of each place it hears in order, so a stranger's end comes last.
-    door = central._entrances[0]
+    door = central.entrances[0]
     for port, path in zip(door.ports, door.paths, strict=True):
         with socket.socket(socket.AF_INET if port else socket.AF_UNIX) as stranger:
             stranger.connect(("127.0.0.1", port) if port else path)
@@ -472,7 +474,7 @@ def test_fault_of_central_itself_is_counted_and_does_not_end_it(
     central: Central, peers: Make, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     one = peers("one", central.endpoints[0]).connect()
-    monkeypatch.setattr(central._registry, "expire", lambda: 1 // 0)
+    monkeypatch.setattr(central.registry, "expire", lambda: 1 // 0)
     until(lambda: central.faults.counts["internal fault"] > 3, 5.0)
     monkeypatch.undo()
     one.call(lambda: one.client.directory.listing(5.0))

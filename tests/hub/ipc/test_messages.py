@@ -25,11 +25,11 @@ Connect = Callable[[str], Peer]
 
 
 def sequence_of(peer: Peer, definition: MessageDefinition) -> int:
-    return peer.client._publishers.of(definition)._sequence
+    return peer.client.session.publishers.of(definition).sequence
 
 
 def set_sequence(peer: Peer, definition: MessageDefinition, sequence: int) -> None:
-    peer.client._publishers.of(definition)._sequence = sequence
+    peer.client.session.publishers.of(definition).sequence = sequence
 
 
 def _values(received: list) -> list[int]:

@@ -59,9 +59,9 @@ def test_what_goes_to_neighbours_alone_is_not_sent_to_central(make: Make) -> Non
     other.stands()
     one.publish(v.LOG, Number(value=1))
     until(lambda: received, 5.0)
-    publisher = one.client._publishers.of(v.LOG)
+    publisher = one.client.session.publishers.of(v.LOG)
     assert len(publisher.direct) == 1
-    assert publisher.topic not in one.client._publishers._queue.topics
+    assert publisher.topic not in one.client.session.publishers.queue.topics
 
 
 def test_messages_of_several_names_arrive_in_the_order_of_publishing(make: Make) -> None:
@@ -129,7 +129,7 @@ def test_unsubscribed_and_departed_neighbours_get_no_more(make: Make) -> None:
     until(lambda: one.direct(v.LOG) == 0, 5.0)
     one.publish(v.LOG, Number(value=2))
     assert values(received) == values(too) == [1]
-    until(lambda: not one.client._publishers._direct_sockets, 10.0, "a way stayed open")
+    until(lambda: not one.client.session.publishers.direct_sockets, 10.0, "a way stayed open")
 
 
 def test_nothing_is_lost_while_subscribers_come_and_go(make: Make) -> None:
@@ -273,7 +273,7 @@ def test_last_value_does_not_overtake_what_waits_in_the_inbox(make: Make) -> Non
     def held_up() -> None:
         one.call(publish)
         other.client.subscribe(v.LOG, lambda *_: None, last=True)
-        control_socket = other.client._connection._channel._socket
+        control_socket = other.client.session.connection.channel.socket
         until(lambda: sockets.readable(control_socket), 5.0, "no last value came")
 
     until(lambda: received, 5.0)
@@ -301,13 +301,13 @@ def test_inbox_is_read_on_after_a_last_value_came_while_it_was_full(
     one.open(v.LOG)
     until(lambda: received, 5.0)
     if handler == "slow":
-        monkeypatch.setattr(receive_queue, "_SLICE_S", -1.0)
+        monkeypatch.setattr(receive_queue, "SLICE_S", -1.0)
 
     def held_up() -> None:
         for number in range(3):
             one.publish(v.LOG, Number(value=number))
         other.client.subscribe(v.LOG, lambda *_: None, last=True)
-        control_socket = other.client._connection._channel._socket
+        control_socket = other.client.session.connection.channel.socket
         until(lambda: sockets.readable(control_socket), 5.0, "no last value came")
 
     other.call(held_up)

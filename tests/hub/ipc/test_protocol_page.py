@@ -40,7 +40,7 @@ def test_messages_of_the_vocabulary_are_those_of_the_catalog() -> None:
 def test_header_fields_are_those_of_the_code() -> None:
     fields = [row for row in _rows("A message frame") if row[0].startswith("h")]
     sizes = [int(size) for _, size, _, _ in fields[:-1]]
-    assert sum(sizes) == frames._HEADER.size == 36
+    assert sum(sizes) == frames.HEADER.size == 36
     offsets = [0 if offset == "h" else int(offset.removeprefix("h + ")) for offset, *_ in fields]
     assert offsets == [sum(sizes[:place]) for place in range(len(fields))]
 

@@ -57,8 +57,8 @@ def keeper(tmp_path: Path) -> Iterator[MissionKeeper]:
 
 def reopened(keeper: MissionKeeper, folder: Path) -> MissionKeeper:
     """What a process finds after the one before was killed: nothing was said at its end."""
-    os.close(keeper._lock or -1)
-    keeper._lock = None
+    os.close(keeper.lock or -1)
+    keeper.lock = None
     return keeper_of(folder)
 
 
@@ -173,8 +173,8 @@ def test_missions_of_other_robots_are_never_taken_up(keeper: MissionKeeper, tmp_
     # Somebody copies the folder of one robot to another.
     keeper.folder.path.rename(tmp_path / "copy")
     other = keeper_of(tmp_path, "copy")
-    os.close(keeper._lock or -1)
-    keeper._lock = None
+    os.close(keeper.lock or -1)
+    keeper.lock = None
     other.open()
     assert not other.points.points
     assert "is of rover, not copy" in other.state.fault

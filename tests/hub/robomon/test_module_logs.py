@@ -19,7 +19,7 @@ from hub.gcm.supervision import LOG_LINES, LogLines
 from hub.robomon import log_file
 from hub.robomon import module_logs as robomon_outputs
 from hub.robomon.log_file import FILES, RETRY_S, LogFile
-from hub.robomon.module_logs import LINE_BYTES, REMEMBERED_LINES, ModuleLogs, _readable
+from hub.robomon.module_logs import LINE_BYTES, REMEMBERED_LINES, ModuleLogs, readable
 from tests.support.waiting import until
 
 
@@ -167,7 +167,7 @@ def test_any_output_fits_into_an_answer(said: bytes) -> None:
 
 
 def _lines(said: bytes) -> list[str]:
-    return [_readable(line) + "\n" for line in said.split(b"\n")]
+    return [readable(line) + "\n" for line in said.split(b"\n")]
 
 
 def test_lines_left_out_for_a_slow_disk_are_counted_where_they_are_missing(
@@ -182,7 +182,7 @@ def test_lines_left_out_for_a_slow_disk_are_counted_where_they_are_missing(
             super().write(text, now)
 
     monkeypatch.setattr(robomon_outputs, "LogFile", Slow)
-    monkeypatch.setattr(robomon_outputs, "_ROOM", 2)
+    monkeypatch.setattr(robomon_outputs, "ROOM", 2)
     log = tmp_path / "one.log"
     log.touch()
     with closing(ModuleLogs(tmp_path)) as outputs:

@@ -43,7 +43,7 @@ def start() -> Iterator[Starter]:
 
 @pytest.fixture
 def watcher(monkeypatch: pytest.MonkeyPatch) -> Iterator[OrphanReaper]:
-    monkeypatch.setattr(process, "_END_TIMEOUT_S", 0.2)
+    monkeypatch.setattr(process, "END_TIMEOUT_S", 0.2)
     made = OrphanReaper()
     yield made
     made.close()

@@ -40,11 +40,11 @@ class Hub:
         self._keyring = Keyring(folder / "keys")
         gateway = curve_gateway("tcp://127.0.0.1:0", self._keyring)
         self.central = Central([f"ipc://{folder}/central"], gateways=[gateway])
-        self.gateway = cast("CurveGateway", self.central._gateways[0])
+        self.gateway = cast("CurveGateway", self.central.gateways[0])
         self._outside: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._raw: list[zmq.Socket[bytes]] = []
         self._peers: list[Peer] = []
-        self.module = self._peer("navigation", self.central.endpoints[0], None)
+        self.module = self.peer("navigation", self.central.endpoints[0], None)
         self.owner = self.client("owner", Role.OPERATE)
 
     def keys(self, name: str, role: Role) -> ClientKeys:
@@ -57,9 +57,9 @@ class Hub:
         return self.connected(name, self.keys(name, role))
 
     def connected(self, name: str, keys: ClientKeys) -> Peer:
-        return self._peer(name, self.central.endpoints[1], keys)
+        return self.peer(name, self.central.endpoints[1], keys)
 
-    def _peer(self, name: str, endpoint: str, keys: ClientKeys | None) -> Peer:
+    def peer(self, name: str, endpoint: str, keys: ClientKeys | None) -> Peer:
         self._peers.append(Peer(name, endpoint, keys).connect())
         return self._peers[-1]
 
@@ -243,9 +243,9 @@ def test_query_under_a_number_that_is_not_its_own_is_refused(hub: Hub, far: bool
     asker = (
         hub.client("evil", Role.OPERATE)
         if far
-        else hub._peer("evil", hub.central.endpoints[0], None)
+        else hub.peer("evil", hub.central.endpoints[0], None)
     )
-    own, pending_queries = asker.client.number, asker.client._pending_queries
+    own, pending_queries = asker.client.number, asker.client.session.pending_queries
     for number in (own + 1, own - 1, hub.owner.client.number):
         forged = frame(v.EVENT, Number(value=4), number, 1)
         with pytest.raises(HandlerFailedError, match="under a number not its own"):

@@ -163,7 +163,7 @@ def test_frames_that_are_no_subscriptions_do_not_come_in_where_broadcasts_go_out
 def test_key_that_is_turned_away_gets_in_later_and_another_key_at_once(
     attack: Attack, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hub.gateways.accounts._BARRED_S", 0.5)
+    monkeypatch.setattr("hub.gateways.accounts.BARRED_S", 0.5)
     eve = attack.connect()
     eve.send(HELLO)
     until(

@@ -29,7 +29,7 @@ class Hub:
         self._keyring = Keyring(folder / "keys")
         gateway = curve_gateway("tcp://127.0.0.1:0", self._keyring)
         self.central = Central([f"ipc://{folder}/central"], gateways=[gateway])
-        self.gateway = cast("CurveGateway", self.central._gateways[0])
+        self.gateway = cast("CurveGateway", self.central.gateways[0])
         self._peers: list[Peer] = []
         self.local = Peer("local", self.central.endpoints[0]).connect()
         self._peers.append(self.local)
@@ -99,7 +99,7 @@ def test_observers_do_not_command_however_they_try(hub: Hub) -> None:
     with pytest.raises(NotAllowedError, match="only a module of the robot sends it"):
         one.publish(v.LOG, Number(value=1))
     # One who has changed its own code is refused at the robot's side.
-    connection = one.client._connection
+    connection = one.client.session.connection
     one.call(lambda: setattr(connection, "demand_right", lambda _: None))
     one.call(lambda: setattr(connection, "may_connect", lambda _: True))
     one.call(lambda: connection.start_over("to connect everywhere"))
@@ -149,7 +149,7 @@ def test_queries_on_the_command_plane_need_an_operator(hub: Hub) -> None:
 def test_removed_key_does_not_come_back(hub: Hub, tmp_path: Path) -> None:
     one = hub.client("one", Role.OPERATE)
     Keyring(tmp_path / "keys").remove("one")
-    one.call(lambda: one.client._connection.start_over("to connect again"))
+    one.call(lambda: one.client.session.connection.start_over("to connect again"))
     refused = "refused at the gateway's control: unknown key"
     until(lambda: hub.central.faults.counts[refused], 5.0)
     until(lambda: hub.central.connected() == ("local",), 5.0)

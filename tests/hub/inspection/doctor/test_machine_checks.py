@@ -154,7 +154,7 @@ def test_load_is_judged_by_processors(load: float, count: int, level: Level) -> 
 def test_a_users_own_service_has_to_outlive_the_login(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("_SYSTEMD", "_UNITS", "_LINGERING"):
+    for name in ("SYSTEMD", "_UNITS", "_LINGERING"):
         (tmp_path / name).mkdir()
         monkeypatch.setattr(machine_checks, name, tmp_path / name)
     monkeypatch.setenv("HOME", str(tmp_path))
@@ -165,7 +165,7 @@ def test_a_users_own_service_has_to_outlive_the_login(
     (said,) = machine_checks.service("robot.toml")
     assert said.level is Level.WARNING
     assert "enable-linger" in said.advice
-    (tmp_path / "_LINGERING" / machine_checks._user_name()).touch()
+    (tmp_path / "_LINGERING" / machine_checks.user_name()).touch()
     assert machine_checks.service("robot.toml")[0].level is Level.OK
     unit.unlink()
     (tmp_path / "_UNITS" / "rune-hub.service").touch()
@@ -175,7 +175,7 @@ def test_a_users_own_service_has_to_outlive_the_login(
 def test_without_systemd_other_means_are_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(machine_checks, "_SYSTEMD", tmp_path / "none")
+    monkeypatch.setattr(machine_checks, "SYSTEMD", tmp_path / "none")
     assert "by other means" in machine_checks.service("robot.toml")[0].text
 
 

@@ -178,7 +178,7 @@ def test_a_device_of_others_names_the_way_in(mode: int, advice: str) -> None:
         os.fchown(file.fileno(), 0, 44)
         os.fchmod(file.fileno(), mode)
         os.seteuid(NOBODY)
-        said = robot_checks._device(Path(file.name))
+        said = robot_checks.device_finding(Path(file.name))
         os.seteuid(0)
     assert said.level is Level.PROBLEM
     assert "is not open to this user" in said.text
@@ -189,9 +189,9 @@ def test_a_device_of_others_names_the_way_in(mode: int, advice: str) -> None:
 def test_a_device_nobody_may_read_is_a_problem() -> None:
     with tempfile.NamedTemporaryFile() as file:
         os.fchmod(file.fileno(), 0)
-        assert robot_checks._device(Path(file.name)).level is Level.PROBLEM
+        assert robot_checks.device_finding(Path(file.name)).level is Level.PROBLEM
         os.fchmod(file.fileno(), 0o600)
-        assert robot_checks._device(Path(file.name)).level is Level.OK
+        assert robot_checks.device_finding(Path(file.name)).level is Level.OK
 
 
 def test_a_camera_can_be_a_file_or_an_address(tmp_path: Path) -> None:

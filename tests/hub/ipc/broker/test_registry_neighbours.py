@@ -29,7 +29,7 @@ def bench() -> Bench:
 
 
 def _number(bench: Bench, who: str) -> int:
-    return bench.registry._peers.named(f"module {who}").publisher
+    return bench.registry.peers.named(f"module {who}").publisher
 
 
 def test_publisher_is_told_of_neighbours_before_it_is_told_that_it_is_noted(bench: Bench) -> None:
@@ -92,8 +92,8 @@ def test_who_has_a_key_takes_nobodys_confirmation(bench: Bench) -> None:
 def test_keys_leave_room_for_the_confirmations_of_the_robot(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(subscription_acks, "_MAX_UNDER_WAY", 20)
-    monkeypatch.setattr(subscription_acks, "_MAX_FAR", 10)
+    monkeypatch.setattr(subscription_acks, "MAX_UNDER_WAY", 20)
+    monkeypatch.setattr(subscription_acks, "MAX_FAR", 10)
     bench.principals["e"] = Principal.of("eve", Role.OBSERVE, "its key")
     bench.connect("e")
     own = _number(bench, "e")
@@ -106,7 +106,7 @@ def test_keys_leave_room_for_the_confirmations_of_the_robot(
         assert stands.message == Subscribed(token=token)
     for count in range(10):
         bench.say("e", Ready(token=f"{own}.{count}"))
-    assert bench.registry._broadcasts._acks._far == 0
+    assert bench.registry.broadcasts.acks.far == 0
 
 
 def test_nothing_is_kept_of_who_asked_directly_and_left(bench: Bench) -> None:
@@ -120,4 +120,4 @@ def test_nothing_is_kept_of_who_asked_directly_and_left(bench: Bench) -> None:
             t.message for t in told
         ]
         bench.say("q", control.Bye())
-    assert not bench.registry._peers.named("module a").direct_askers
+    assert not bench.registry.peers.named("module a").direct_askers

@@ -73,7 +73,7 @@ def test_tokens_of_many_forged_readies_do_not_pile_up(bench: Bench) -> None:
     for number in range(10_000):
         bench.say("b", Ready(token=f"x{number}"))
     bench.say("b", Ready(token="x" * 100_000))
-    early = bench.registry._broadcasts._acks._early
+    early = bench.registry.broadcasts.acks.early
     assert len(early) <= 4096
     assert max(map(len, early)) < 1000
 
@@ -130,7 +130,7 @@ def test_one_follows_so_many_modules_and_no_more(bench: Bench) -> None:
     for number in range(100):
         bench.say("d", control.Watch(module=f"module {number}"))
     bench.say("d", control.Watch(module="module b"))
-    peer = next(p for p in bench.registry._peers if p.name == "module d")
+    peer = next(p for p in bench.registry.peers if p.name == "module d")
     assert len(peer.follows) == presence.MAX_FOLLOWED
 
 

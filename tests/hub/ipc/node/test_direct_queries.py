@@ -48,13 +48,13 @@ def _on_the_short_way(asker: Peer, central: Central) -> None:
     """Ask until central hears nothing of it any more."""
 
     def short() -> bool:
-        before = central._registry._queries._routing._last
+        before = central.registry.queries.routing.last
         for number in range(10):
             _ask(asker, number + 1)
-        return central._registry._queries._routing._last == before
+        return central.registry.queries.routing.last == before
 
     until(short, 5.0)
-    assert asker.client._pending_queries.requesters()
+    assert asker.client.session.pending_queries.requesters()
 
 
 def test_queries_go_directly_once_central_has_said_where(
@@ -84,7 +84,7 @@ def test_second_handler_brings_central_back_which_shares_the_queries(
     asker, first = connect("asker"), _responding(connect("first"))
     _on_the_short_way(asker, central)
     second = _responding(connect("second"), plus=100)
-    until(lambda: not asker.client._pending_queries.requesters(), 5.0)
+    until(lambda: not asker.client.session.pending_queries.requesters(), 5.0)
     assert _ask(asker, 1) in (1, 101)
     first.close()
 
@@ -196,7 +196,7 @@ def test_rubbish_at_the_door_is_counted_and_harms_nobody(
     context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
     with context, context.socket(zmq.DEALER) as rogue:
         rogue.linger = 0
-        rogue.connect(handler.client._session._direct_responder.address)
+        rogue.connect(handler.client.session.direct_responder.address)
         for number in range(300):
             cut = good[: chance.randrange(len(good))]
             rogue.send_multipart([cut] if number % 2 else [chance.randbytes(30), b"x"])

@@ -63,7 +63,7 @@ def test_losses_and_ages_that_subscribers_see_are_listed(connect: Connect) -> No
     one.publish_until(v.LOG, received)
 
     def skip() -> None:
-        one.client._publishers.of(v.LOG)._sequence += 5
+        one.client.session.publishers.of(v.LOG).sequence += 5
 
     one.call(skip)
     one.publish(v.LOG, Number(value=1), age=3.0)
@@ -122,9 +122,9 @@ def test_question_is_asked_again_when_central_has_forgotten_who_asks(
     connect: Connect, central: Central
 ) -> None:
     one = connect("one")
-    (peer,) = central._registry._peers
+    (peer,) = central.registry.peers
     forgotten = threading.Event()
-    central._loop.post(lambda: (central._registry.unreachable(peer.identity), forgotten.set()))
+    central.loop.post(lambda: (central.registry.unreachable(peer.identity), forgotten.set()))
     assert forgotten.wait(5.0)
     listing = one.call(lambda: one.client.directory.listing(5.0))
     assert [each.name for each in listing.peers] == ["one"]

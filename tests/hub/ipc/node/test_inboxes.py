@@ -42,7 +42,7 @@ def test_rubbish_in_an_inbox_is_counted_and_harms_nobody(make: Make) -> None:
     one.publish_until(v.LOG, received)
     context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
     rogue = context.socket(zmq.PUSH)
-    rogue.connect(other.client._subscriptions._inboxes[Plane.STATE].address)
+    rogue.connect(other.client.session.subscriptions.inboxes[Plane.STATE].address)
     randomness = random.Random(3)
     topic = frames.topic(v.LOG.name)
     for _ in range(200):
@@ -64,7 +64,7 @@ def test_another_user_cannot_send_into_an_inbox(make: Make) -> None:
     one, other = make("one"), make("other")
     received = other.collect(v.LOG)
     one.publish_until(v.LOG, received)
-    address = other.client._subscriptions._inboxes[Plane.STATE].address
+    address = other.client.session.subscriptions.inboxes[Plane.STATE].address
     program = (
         "import os, sys, zmq; os.setgid(65534); os.setuid(65534)\n"
         "push = zmq.Context().socket(zmq.PUSH); push.connect(sys.argv[1]); push.linger = 500\n"
@@ -87,7 +87,7 @@ def test_publisher_connects_to_nothing_but_inboxes(make: Make, inbox: str) -> No
     one = make("one")
     one.publish(v.LOG, Number(value=1))
     wrong = Subscriber(name="T_Log", subscriber=1, inbox=inbox)
-    one.call(lambda: one.client._publishers.subscriber(wrong))
+    one.call(lambda: one.client.session.publishers.subscriber(wrong))
     assert one.direct(v.LOG) == 0
     assert one.client.faults.counts["malformed control frame"] == 1
 
@@ -107,7 +107,7 @@ def test_every_publisher_gets_a_connection_to_a_subscriber_that_is_held_up(
         "import sys; from hub.ipc.client import Client; from tests.hub.ipc import vocabulary as v\n"
         "client = Client('held up', sys.argv[1]); client.subscribe(v.LOG, print)\n"
         "client.wait_subscribed(10.0)\n"
-        "inboxes = client._subscriptions._inboxes.values()\n"
+        "inboxes = client.session.subscriptions.inboxes.values()\n"
         "print([inbox.address for inbox in inboxes][0], flush=True)\n"
         "sys.stdin.read()"
     )
@@ -140,9 +140,11 @@ def test_publisher_that_finds_no_way_to_a_subscriber_publishes_to_the_others(mak
     one.open(v.LOG)
     number = third.client.number
     nowhere = Subscriber(name="T_Log", subscriber=number, inbox="ipc:///nowhere")
-    one.call(lambda: one.client._publishers.subscriber(nowhere))
+    one.call(lambda: one.client.session.publishers.subscriber(nowhere))
     assert one.direct(v.LOG) == 1
-    one.call(lambda: one.client._publishers.subscriber(Subscriber(name="", subscriber=number)))
+    one.call(
+        lambda: one.client.session.publishers.subscriber(Subscriber(name="", subscriber=number))
+    )
     one.publish(v.LOG, Number(value=1))
     until(lambda: values(received) == [-1, 1], 5.0)
 
@@ -187,7 +189,7 @@ def test_way_to_a_neighbour_whose_connection_ended_is_made_anew(make: Make) -> N
         inbox = context.socket(zmq.PULL)
         until(lambda inbox=inbox: _bound(inbox, address), 5.0)
         if number == 1:
-            one.call(lambda: one.client._publishers.subscriber(told))
+            one.call(lambda: one.client.session.publishers.subscriber(told))
         until(
             lambda inbox=inbox: inbox.poll(0),
             5.0,

@@ -69,7 +69,7 @@ def test_a_long_query_does_not_keep_a_client_from_saying_that_it_lives(
 
     def sleeps() -> float:
         now = one.client.loop.clock()
-        return one.client._session.due(now + 60.0) - now
+        return one.client.session.due(now + 60.0) - now
 
     assert one.call(sleeps) < 1.0
 

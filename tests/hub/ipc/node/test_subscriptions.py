@@ -88,7 +88,7 @@ def test_message_nobody_wants_is_not_sent_and_waits_for_nobody(connect: Connect)
     one, other = connect("one"), connect("other")
     for number in range(5):
         one.publish(v.LOG, Number(value=number))
-    until(lambda: not one.call(lambda: one.client._publishers.of(v.LOG)._held), 5.0)
+    until(lambda: not one.call(lambda: one.client.session.publishers.of(v.LOG).held), 5.0)
     values = _subscribed(other, v.LOG)
     one.publish(v.LOG, Number(value=7))
     until(lambda: values == [7], 5.0)
@@ -126,7 +126,7 @@ def test_queue_length_keeps_the_newest_and_says_what_it_left_out(connect: Connec
     for number in range(20):
         one.publish(v.LOG, Number(value=number))
     one.call(lambda: one.client.directory.listing(5.0))
-    until(lambda: other.client._subscriptions._files, 1.0)
+    until(lambda: other.client.session.subscriptions.files, 1.0)
     free.set()
     until(lambda: received[-1][0].value == 19, 5.0)
     values = [value.value for value, _ in received if value.value >= 0]
@@ -153,7 +153,7 @@ def test_higher_priority_is_handed_on_first(connect: Connect) -> None:
     for number in range(3):
         for definition in (v.ANSWER, v.LOG, v.STREAM):
             one.publish(definition, Number(value=number))
-    arrived = other.client._subscriptions._sockets
+    arrived = other.client.session.subscriptions.sockets
     until(lambda: arrived, 1.0)
     one.call(lambda: one.client.directory.listing(5.0))
     free.set()
@@ -284,7 +284,7 @@ def test_picture_goes_through_shared_memory_and_is_a_copy_of_its_own(connect: Co
     pictures = [value for value, _ in received]
     assert [bool((p.pixels == int(p.name)).all()) for p in pictures] == [True] * len(pictures)
     assert all(not how.missed for _, how in received)
-    assert one.client._publishers.of(v.RING_PICTURE)._ring.capacity > 0
+    assert one.client.session.publishers.of(v.RING_PICTURE).ring.capacity > 0
     last = other.call(lambda: other.client.last_value(v.RING_PICTURE, timeout=5.0))
     assert last.name == "99"
     one.publish(v.RING_PICTURE, _picture(7, size=900_000))
@@ -310,7 +310,9 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
         def gone(place: object) -> None:
             raise FileNotFoundError(str(place))
 
-        monkeypatch.setattr(other.client._subscriptions.receive_queue._reader._rings, "read", gone)
+        monkeypatch.setattr(
+            other.client.session.subscriptions.receive_queue.reader.rings, "read", gone
+        )
     received, received_too = other.collect(v.RING_PICTURE), third.collect(v.RING_PICTURE)
     for each in (other, third):
         each.call(lambda each=each: each.client.wait_subscribed(5.0))
@@ -325,7 +327,7 @@ def test_picture_comes_the_plain_way_where_there_is_no_shared_memory(
     )
     assert all((p.pixels == int(p.name) % 256).all() for p, _ in received + received_too)
     assert other.client.faults.counts["no shared memory"] == 1
-    assert not other.client._subscriptions._subscriptions[v.RING_PICTURE.name].in_ring
+    assert not other.client.session.subscriptions.subscriptions[v.RING_PICTURE.name].in_ring
 
 
 @pytest.mark.skipif(not shared_ring.available, reason="this system has no anonymous files")

@@ -50,14 +50,14 @@ def test_a_goal_ends_when_its_frame_does(
     def heard(sender: int) -> MessageInfo:
         return MessageInfo(sender, 1, 0, 0.0, time.monotonic())
 
-    navigation._report(AT_ORIGIN, heard(DRIVER))
+    navigation.reported(AT_ORIGIN, heard(DRIVER))
     goal = GoalCommand(points=(Point(x=3.0, y=0.0),))
-    navigation._go(goal, heard(OPERATOR))
-    task = navigation._pilot.task
+    navigation.go(goal, heard(OPERATOR))
+    task = navigation.pilot.task
     assert task.active
     # The driver was started again where its wheels counted from: no jump shows it.
     anew = dataclasses.replace(AT_ORIGIN, odometry=odometry)
-    navigation._report(anew, heard(NEXT_DRIVER))
+    navigation.reported(anew, heard(NEXT_DRIVER))
     assert task.active is not lost
     if lost:
         assert (task.state, task.cause) == (Task.CANCELLED, Cause.DRIVER)
