@@ -1,7 +1,7 @@
-"""The running console: puts its parts together, starts them and ends them.
+"""The running console: connects its parts, starts and ends them.
 
-Each part has a file of its own: `ui/input_events` handles inputs, `effect_runner` carries out what
-they do, `ui/frame_clock` draws, `ui/current_layout` holds the open layout.
+`ui/input_events` handles inputs, `effect_runner` executes effects, `ui/frame_clock` draws,
+`ui/current_layout` holds the open layout.
 """
 
 from __future__ import annotations
@@ -35,25 +35,25 @@ from rune_tui.ui.view_pane import ViewPane, ViewScreen
 
 _TICK_S = 0.05
 _SETTLED_S = 4.0
-"""Time after the start by which the terminal has answered all questions [s]."""
+"""Longest time from the start to the terminal's last answer [s]."""
 _SWITCH_S = 0.5e-3
-"""How long one thread may compute while another has a stick's report or a command to send [s]."""
+"""Python's thread switch interval; short, so that reports and commands do not wait [s]."""
 
 
 class Console(CoveredApp, inherit_bindings=False):
     """The console on a terminal.
 
     Attributes:
-        current: The open layout, and what was made of it.
-        inputs: Handles keys, the mouse and joysticks.
-        effects: Carries out what they do.
-        leaving: Whether it is ending.
+        current: The open layout with its view and widgets.
+        inputs: Keys, mouse and joysticks.
+        effects: Executes the effects of inputs.
+        leaving: Whether the console is ending.
     """
 
     ALLOW_SELECT = False  # the mouse drives and marks
-    ENABLE_COMMAND_PALETTE = False  # Rune's own opens where the layout does not want its key
+    ENABLE_COMMAND_PALETTE = False  # Rune has its own
     BINDINGS: ClassVar = [Binding(WAY_OUT, "quit", priority=True, show=False)]
-    """Whatever the layout says and whatever is open, this key ends the console."""
+    """This key ends the console, with any layout and any open screen."""
     CSS = "Screen { layers: view; overflow: hidden; }"
 
     def __init__(
@@ -67,11 +67,11 @@ class Console(CoveredApp, inherit_bindings=False):
         """Prepare.
 
         Args:
-            source: What is shown, what keys do, and what may come instead of it.
-            links: A connection for each robot of the layout, not yet started.
-            traits: What the terminal can do.
-            round_trip: How long it takes to answer [s].
-            trouble: What does not work from the start, for the operator; empty if all does.
+            source: The layouts on the command line.
+            links: A link for each robot of the layout, not yet started.
+            traits: Abilities of the terminal.
+            round_trip: Answer time of the terminal [s].
+            trouble: A fault at the start, for the operator; else empty.
         """
         super().__init__(driver_class=terminal_driver())
         self.title = f"Rune {source.layout.path}"
@@ -96,7 +96,7 @@ class Console(CoveredApp, inherit_bindings=False):
 
     @property
     def state(self) -> ConsoleState:
-        """What the console is doing and what it knows now."""
+        """The console's state now."""
         return self._live.now
 
     def _state(self) -> ConsoleState:
@@ -110,14 +110,14 @@ class Console(CoveredApp, inherit_bindings=False):
         return ViewScreen(id="_default")
 
     def compose(self) -> ComposeResult:
-        """One pane for everything: the layout says what is in it."""
+        """One pane, which shows all viewports of the layout."""
         yield self._pane
 
     def run_to_end(self) -> int:
-        """Run; however it ends, the robots are stopped and the links are closed.
+        """Run; stop the robots and close the links at every kind of end.
 
         Returns:
-            The exit code: 0 if somebody ended it, 1 if it ended by a fault.
+            The exit code: 0 if the operator or the system ended it, 1 after a fault.
         """
         sys.setswitchinterval(_SWITCH_S)
         for link in self._links.values():
@@ -133,7 +133,7 @@ class Console(CoveredApp, inherit_bindings=False):
         return 0 if self.leaving and not self.return_code else 1
 
     def on_mount(self) -> None:
-        """Start the clocks, and end in order when the system asks."""
+        """Start the clocks, and handle the system's signals to end."""
         loop = asyncio.get_running_loop()
         at_the_systems_end(loop, self._leave)
         self.app_resume_signal.subscribe(self, self._come_back)
@@ -146,7 +146,7 @@ class Console(CoveredApp, inherit_bindings=False):
         self.set_timer(_SETTLED_S, self.inputs.name_unreported_keys)
 
     def _come_back(self, _: App[None]) -> None:
-        """Another program had the terminal for a while."""
+        """Restart drawing after another program used the terminal."""
         self.inputs.release_all()
         self._painter.restart()
         self.screen.refresh()
@@ -160,15 +160,15 @@ class Console(CoveredApp, inherit_bindings=False):
                 part.tick(now)
 
     async def on_resize(self, event: events.Resize) -> None:
-        """Follow the terminal's size; from now on, ask for no larger pictures than it shows."""
+        """Follow the terminal's size; request pictures no larger than it shows."""
         moved = self.current.view.resize(event.size.width, event.size.height)
         if moved and self.current.dispatch.button_held:
-            self.inputs.release_all()  # what the mouse holds is elsewhere now
+            self.inputs.release_all()  # the viewport moved away from the mouse
         self.effects.ask_for_pictures()
         await self._frames.draw()
 
     def on_key(self, event: events.Key) -> None:
-        """A key went down or repeats."""
+        """Handle a press or repeat of a key."""
         if not self.covered:
             event.stop()
             event.prevent_default()
@@ -183,23 +183,23 @@ class Console(CoveredApp, inherit_bindings=False):
         self.inputs.stop(name)
 
     def on_key_moved(self, event: KeyMoved) -> None:
-        """A key moved, on a terminal that reports releases."""
+        """Handle a key's move, on a terminal that reports releases."""
         self.inputs.key_moved(event)
 
     def on_releases_reported(self, event: ReleasesReported) -> None:
-        """The terminal says whether it reports releases of keys."""
+        """Note whether the terminal reports releases of keys."""
         if not event.reported:
-            self.inputs.release_all()  # a release that is not reported would never come
+            self.inputs.release_all()  # else held keys would stay down
         self.current.change(releases_reported=event.reported)
 
     def mouse(
         self, event: events.MouseEvent, part: str, *, pressed: bool = True, value: float = 1.0
     ) -> None:
-        """A part of the mouse moved; if it says that no button is down, none is."""
+        """Handle a move of a part of the mouse."""
         self.inputs.mouse(event, part, pressed=pressed, value=value)
 
     async def on_frame_answered(self, event: FrameAnswered) -> None:
-        """The terminal shows a frame."""
+        """Note that the terminal shows a frame."""
         await self._frames.answered(event)
 
     def on_paste(self) -> None:
@@ -207,21 +207,21 @@ class Console(CoveredApp, inherit_bindings=False):
         self.inputs.release_all()
 
     def on_app_focus(self) -> None:
-        """The terminal is in front again."""
+        """Note that the terminal has the focus again."""
         self.inputs.focus()
 
     def on_app_blur(self) -> None:
-        """Releases of keys go unseen while the terminal is not in front: release all inputs."""
+        """Release all inputs: without the focus, releases of keys do not arrive."""
         self.inputs.release_all()
 
     async def action_quit(self) -> None:
-        """Ctrl-C: ask as the layout's own key does; the second time, end whatever is open."""
+        """Ctrl-C: close open screens and ask to end, as the quit key does; the second time, end."""
         while self.covered:
             self.pop_screen()
         self.effects.leave_if_sure()
 
     def _leave(self) -> None:
-        """End, in order if the terminal lets us."""
+        """End in order, or by force if the terminal blocks."""
         if self.leaving:
             return
         self.leaving = True

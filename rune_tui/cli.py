@@ -1,4 +1,4 @@
-"""`rune`: what its commands do, errors in one sentence, exit codes."""
+"""The commands of `rune`, their errors and exit codes."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ if TYPE_CHECKING:
     from rune_tui.terminal.traits import Traits
 
 _DEMO_ROBOT = "magellan"
-_INSTEAD_OF_WATCHING = "`rune joytest --list` lists what is plugged in"
+_WITHOUT_TERMINAL = "`rune joytest --list` lists what is plugged in"
 _LOG_BYTES = 1_000_000
-_OBJECTS_PER_LOOK = 10_000
-"""So many new objects later, Python looks for rubbish among them; by itself it does after 700."""
+_COLLECT_AFTER = 10_000
+"""Number of new objects between garbage collections; Python's default is 700."""
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
 
 
 class _UsageError(ConsoleError):
-    """The command cannot be carried out as it was given."""
+    """The command's arguments do not fit."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `rune`; returns the exit code."""
-    # NumPy's own threads, for products of large matrices, cost each process time at its start.
+    # NumPy's thread pool would lengthen the start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Nothing of what a start makes is rubbish: to look for some costs a tenth of it.
-    gc.set_threshold(_OBJECTS_PER_LOOK)
+    # The start makes no garbage; collections would take a tenth of its time.
+    gc.set_threshold(_COLLECT_AFTER)
     from hub.errors import CentralUnreachableError, HubError
 
     options = parser().parse_args(arguments)
@@ -71,16 +71,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if error.name not in _CONSOLE_LIBRARIES:
             raise
         text = f"{error.name} is missing; install it with pip install 'robot-user-nexus[console]'"
-        _complain(text)
+        _report(text)
         return ExitCode.USAGE
     except (TunnelError, CentralUnreachableError) as error:
-        _complain(str(error))
+        _report(str(error))
         return ExitCode.NO_HUB
     except (ConsoleError, HubError) as error:
-        _complain(str(error))
+        _report(str(error))
         return ExitCode.USAGE
     except OSError as error:
-        _complain(f"the output cannot be written: {error.strerror}")
+        _report(f"the output cannot be written: {error.strerror}")
         return ExitCode.FAULT
 
 
@@ -121,7 +121,7 @@ def _demo(options: argparse.Namespace) -> int:
 def _source(
     names: Sequence[str], variables: Sequence[tuple[str, str]], *, watched: bool
 ) -> LayoutSource:
-    """The layouts of these names; all of them are read, so that none is found bad on the way."""
+    """The layouts of these names; reads all now, so that mistakes appear at the start."""
     from rune_tui.layout.watching import LayoutSource
 
     layouts = [_load(name, variables) for name in names]
@@ -151,7 +151,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _arena(named: str) -> str:
-    """A path as the hub finds it from anywhere; the name of a shipped arena as it is."""
+    """Absolute path of an arena file; the name of a shipped arena stays as it is."""
     path = Path(named)
     if path.suffix != ".toml":
         return named
@@ -206,7 +206,7 @@ def _shot(options: argparse.Namespace) -> int:
         return ExitCode.OK
     where = " and ".join(hubs or [robot.hub for robot in layout.robots])
     text = f"no hub answered at {where}, so {path} is not written; --offline draws it all the same"
-    _complain(text)
+    _report(text)
     return ExitCode.NO_HUB
 
 
@@ -222,7 +222,7 @@ def _joytest(options: argparse.Namespace) -> int:
     elif options.learn:
         joytest.learn()
     else:
-        _need_terminal(instead=_INSTEAD_OF_WATCHING)
+        _need_terminal(instead=_WITHOUT_TERMINAL)
         joytest.watch()
     return ExitCode.OK
 
@@ -234,7 +234,7 @@ def _watch_layouts_joysticks(options: argparse.Namespace) -> None:
         text = "joytest takes a layout, or one of --list, --udev, --learn and --json, not both"
         raise _UsageError(text)
     joysticks = _load(options.layout, options.set).joysticks
-    _need_terminal(instead=_INSTEAD_OF_WATCHING)
+    _need_terminal(instead=_WITHOUT_TERMINAL)
     if not joysticks:
         text = f"{options.layout} has no joystick; leave it out to see what is plugged in"
         raise _UsageError(text)
@@ -265,8 +265,8 @@ def _console(
 ) -> int:
     from rune_tui.app import Console
 
-    traits, answers, took, _ = _asked_terminal(options)
-    gc.freeze()  # what was loaded stays: no search for rubbish, and no end, goes through it
+    traits, answers, took, _ = _ask_terminal(options)
+    gc.freeze()  # loaded modules stay: garbage collection skips them
     round_trip = took if answers.complete else 0.0
     return Console(source, links, traits, round_trip, log.trouble).run_to_end()
 
@@ -275,12 +275,12 @@ def _terminal(options: argparse.Namespace) -> int:
     from rune_tui.terminal.report import as_json, report
 
     _need_terminal(instead="there is nothing to ask, so call it in the terminal itself")
-    sys.stdout.write((as_json if options.json else report)(*_asked_terminal(options)))
+    sys.stdout.write((as_json if options.json else report)(*_ask_terminal(options)))
     return ExitCode.OK
 
 
-def _asked_terminal(options: argparse.Namespace) -> tuple[Traits, Answers, float, tuple[int, int]]:
-    """What the terminal can do, what it said, how long that took [s], and its size."""
+def _ask_terminal(options: argparse.Namespace) -> tuple[Traits, Answers, float, tuple[int, int]]:
+    """The terminal's traits, its answers, their time [s], and its size."""
     from rune_tui.terminal.questions import Answers
     from rune_tui.terminal.traits import traits_of
 
@@ -335,14 +335,14 @@ def _refuse_two_ways(options: argparse.Namespace) -> None:
 
 
 def _endpoints(hubs: Sequence[str]) -> list[str]:
-    """HOST, HOST:PORT or whole endpoints as endpoints."""
+    """Endpoints of HOST, HOST:PORT or whole endpoints."""
     from hub.ipc.endpoints import endpoint_of
 
     return [endpoint_of(hub) for hub in hubs]
 
 
 def _need_screen(layouts: Sequence[str], variables: Sequence[tuple[str, str]]) -> None:
-    """Refuse what cannot show a console; mistakes of the layouts come first, as they are nearer."""
+    """Refuse a terminal that cannot show the console; report mistakes of layouts first."""
     try:
         _need_terminal(sys.stdout, instead="`rune shot` draws a picture into a file")
     except _UsageError:
@@ -354,19 +354,19 @@ def _need_screen(layouts: Sequence[str], variables: Sequence[tuple[str, str]]) -
         raise _UsageError(text)
 
 
-def _need_terminal(*others: TextIO | None, instead: str) -> None:
-    """Refuse to go on without a terminal; `instead` says what works without one."""
-    if not all(stream and stream.isatty() for stream in (sys.stdin, sys.stderr, *others)):
+def _need_terminal(*streams: TextIO | None, instead: str) -> None:
+    """Refuse to continue without a terminal; `instead` names an alternative."""
+    if not all(stream and stream.isatty() for stream in (sys.stdin, sys.stderr, *streams)):
         text = f"this needs a terminal; without one, {instead}"
         raise _UsageError(text)
 
 
 class _Log(NamedTuple):
-    """Where the log goes.
+    """The log file.
 
     Attributes:
-        path: The file; where none can be written, the system's file for what nobody reads.
-        trouble: Why no log is kept, in one sentence; empty if it is.
+        path: The file; the null device if none can be written.
+        trouble: Why there is no log file, in one sentence; else empty.
     """
 
     path: Path
@@ -374,11 +374,7 @@ class _Log(NamedTuple):
 
 
 def log_to_file() -> _Log:
-    """Send the log to the user's log folder, away from the picture.
-
-    A folder that cannot be written to keeps nobody from driving: then no log is kept, and the
-    operator is told.
-    """
+    """Write the log to the user's log folder; if that fails, report it and continue without."""
     import platformdirs
 
     folder = Path(platformdirs.user_log_dir("rune", appauthor=False))
@@ -393,13 +389,13 @@ def log_to_file() -> _Log:
     except OSError as error:
         log = _Log(Path(os.devnull), f"no log is kept: {folder}: {error.strerror}")
         handler = logging.NullHandler()
-        _complain(log.trouble)
+        _report(log.trouble)
     handler.setFormatter(logging.Formatter("%(asctime)s console %(levelname)s %(message)s"))
     logging.basicConfig(level=logging.INFO, handlers=[handler])
-    logging.raiseExceptions = False  # a disk that is full must not write into the picture
+    logging.raiseExceptions = False  # the errors of a full disk must not appear in the picture
     return log
 
 
-def _complain(text: str) -> None:
-    """Write a sentence to standard error; names of files and words of ssh are not trusted."""
+def _report(text: str) -> None:
+    """Write a sentence to standard error, without control characters of file names or ssh."""
     sys.stderr.write(f"rune: {plain(text, lines=True)}\n")

@@ -1,4 +1,4 @@
-"""The way down: which widgets a control event wakes, and what comes of it."""
+"""Runs the widgets that a control event matches, and filters their effects."""
 
 from __future__ import annotations
 
@@ -39,17 +39,15 @@ _logger = logging.getLogger(__name__)
 _CLOSE = "escape"
 _WHEEL = MOUSE + "wheel"
 _WHEEL_LINES = 3
-"""How far a notch of the mouse's wheel moves a page."""
+"""Lines that a page moves per notch of the mouse's wheel."""
 _YES = "enter"
-_TYPED_WHILE_AWAY = "what was typed while the console was held up does not count: press it again"
-_CLICKED_TO_FOCUS = (
-    "that click brought the terminal to the front and means nothing else: click again"
-)
+_STALE_KEY = "the console ignores keys typed while it was blocked: press it again"
+_STALE_CLICK = "that click only brought the terminal to the front: click again"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Listener:
-    """An input pattern and the widget that waits for it."""
+    """An input pattern and its widget."""
 
     widget: Widget
     spec: EventSpec
@@ -57,22 +55,22 @@ class _Listener:
 
 
 class Dispatch:
-    """All widgets of a layout, by the inputs that wake them.
+    """All widgets of a layout, by their inputs.
 
-    | case | what happens |
+    | case | action |
     | --- | --- |
     | two driving widgets of a robot | the one used last drives, see `DrivingWidgets` |
-    | a stop | the robot's other widgets forget what is held |
-    | a widget fails | the operator reads it once, and it rests until its next press |
-    | a widget fails that drives | its robot gets zero speed as well |
-    | another operator has control | what only the owner may send is not sent |
-    | a new press drives a free robot | control is taken |
-    | control changes | what is held no longer counts |
-    | a page covers the view | keys of the stop, the page, the quit, the list and the shell count |
-    | a key is stale | the keys of the stop, the help and the quit count |
+    | a stop | release the held inputs of the robot |
+    | a widget fails | notify the operator once; disable the widget until its next press |
+    | a driving widget fails | also send zero speed to its robot |
+    | another operator has control | drop the messages that only the owner may send |
+    | a new press drives a free robot | take control |
+    | control changes | release the held inputs |
+    | a page covers the view | only keys of stop, page, quit, list and shell work |
+    | a key is stale | only keys of stop, help and quit work |
 
-    The caller executes the effects in order. Before it ends, and whenever it can no longer see
-    the keys, it also executes those of `released`.
+    The caller executes the effects in order. When it ends or loses sight of the keys, it executes
+    `released` too.
     """
 
     def __init__(self, layout: LayoutSpec) -> None:
@@ -94,35 +92,35 @@ class Dispatch:
 
     @property
     def button_held(self) -> bool:
-        """Whether a button of the mouse is down that somebody waits for."""
+        """Whether a button of the mouse holds a widget."""
         return bool(self._buttons)
 
     def waits_for(self, name: str) -> bool:
-        """Whether an input of this name can have an effect."""
+        """Whether the layout binds an input of this name."""
         return name in self._by_input
 
     def waits_for_hold(self, name: str) -> bool:
-        """Whether something is done for as long as an input of this name is held."""
+        """Whether a widget acts while an input of this name is held."""
         return any(each.widget.rule.held for each in self._by_input.get(name, ()))
 
     def stops(self, name: str) -> bool:
         """Whether an input of this name stops a robot."""
-        return bool(_of(self._by_input.get(name, ()), Purpose.STOP))
+        return bool(_with_purpose(self._by_input.get(name, ()), Purpose.STOP))
 
     def stopping(self, name: str, state: ConsoleState) -> tuple[Effect, ...]:
-        """The stops of a key that means nothing else now."""
+        """Effects of a key's stop widgets only."""
         event = ControlEvent(name=name, pressed=True)
-        stops = _of(self._listeners(event), Purpose.STOP)
-        return (*self.look(state), *self._woken(event, stops, state))
+        stops = _with_purpose(self._listeners(event), Purpose.STOP)
+        return (*self.look(state), *self._run_widgets(event, stops, state))
 
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
-        """Effects of an event, from every widget that it matches."""
+        """Effects of an event on all widgets that it matches."""
         return (*self.look(state), *self._handled(event, state))
 
     def handle_all(self, events: Iterable[ControlEvent], state: ConsoleState) -> tuple[Effect, ...]:
-        """Effects of events of one moment; of each robot's velocities only the last is sent.
+        """Effects of simultaneous events; only the last velocity for each robot is kept.
 
-        Of two keys that go up together, the second would else drive alone for no time.
+        If two keys go up together, the second must not drive alone in between.
         """
         effects = [effect for event in events for effect in self.handle(event, state)]
         last = {effect.driven: effect for effect in effects}
@@ -137,7 +135,7 @@ class Dispatch:
             listeners = [each for each in listeners if each.widget.rule.held]
         self._note_button(event, listeners)
         if event.stale:
-            return self._of_stale(event, state)
+            return self._stale(event, state)
         if state.leaving and fresh and not event.name.startswith((MOUSE, JOYSTICK)):
             return self._answered(event, listeners, state)
         if state.paged:
@@ -145,24 +143,24 @@ class Dispatch:
         if fresh and event.name not in self._by_input:
             own = own_key(event.name)
             return () if own is None else (own.effect,)
-        return self._woken(event, listeners, state)
+        return self._run_widgets(event, listeners, state)
 
     def _paged(
         self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """What an input does while a page lies over the view: the stop stops, whatever is typed."""
+        """Effects of an input while a page covers the view; a stop always works."""
         if event.proven:
-            return ()  # it was typed when it came; now it would only drive
-        # What goes up is still told, but for what is done only then.
+            return ()  # the page took it as text already; now it could only drive
+        # Releases pass, except to widgets that act on the release.
         safe = [
             each
             for each in listeners
             if each.widget.rule.under_help or not (event.pressed or each.spec.released)
         ]
         if not event.pressed:
-            return self._woken(event, safe, state)
-        stops = _of(safe, Purpose.STOP)
-        stopping = self._woken(event, stops, state)
+            return self._run_widgets(event, safe, state)
+        stops = _with_purpose(safe, Purpose.STOP)
+        stopping = self._run_widgets(event, stops, state)
         if event.name == _WHEEL:
             page = scrolled(state.page, round(-_WHEEL_LINES * event.value))
         elif stops and event.name != _CLOSE:
@@ -179,43 +177,46 @@ class Dispatch:
             return stopping
         if event.name == _CLOSE:
             return (close, *stopping)
-        return self._woken(event, safe, state) if own is None else (own.effect,)
+        return self._run_widgets(event, safe, state) if own is None else (own.effect,)
 
     def _answered(
         self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """What a key does while the operator is asked about the end of the console.
+        """Effects of a key while the console asks whether to end.
 
-        Enter and the key that ends the console end it, the stop stops. All other keys mean to
-        stay and do nothing else; one that drives must be released first.
+        Enter and the quit key end the console; the stop stops. All other keys mean "stay"; a key
+        that drives must be released first.
         """
         if event.name == _YES and not self.stops(_YES):
             return (QuitEffect(),)
-        safe = _of(listeners, Purpose.QUIT, Purpose.STOP)
+        safe = _with_purpose(listeners, Purpose.QUIT, Purpose.STOP)
         if safe:
-            return self._woken(event, safe, state)
+            return self._run_widgets(event, safe, state)
         stay = AskToLeave(reasons=())
         driving = any(each.widget.rule.held for each in listeners)
         return (stay, ReleaseFirst(keys=frozenset({event.name}))) if driving else (stay,)
 
-    def _of_stale(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
-        """What a key does that may have been typed long ago: stop, help and quit, or nothing."""
+    def _stale(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
+        """Effects of a key that may be old: only stop, help and quit work."""
         waiting = self._by_input.get(event.name, ())
         safe = [each for each in waiting if each.widget.rule.under_help]
         if safe:
-            return self._woken(event, safe, state)
+            return self._run_widgets(event, safe, state)
         meant = waiting or own_key(event.name) is not None
-        text = _CLICKED_TO_FOCUS if event.name.startswith(MOUSE) else _TYPED_WHILE_AWAY
+        text = _STALE_CLICK if event.name.startswith(MOUSE) else _STALE_KEY
         return (Notify.now(state, text),) if meant and not event.repeat else ()
 
     def act(self, action: Action, state: ConsoleState) -> tuple[Effect, ...]:
-        """Effects of an action that somebody chose from a list, as if its first input was used."""
+        """Effects of an action chosen from the list: a press and release of its first input."""
         spec = action.event
         chosen = [each for each in self._by_input.get(spec.name, ()) if each.spec is spec]
         press, release = (ControlEvent(name=spec.name, pressed=down) for down in (True, False))
-        return (*self._woken(press, chosen, state), *self._woken(release, chosen, state))
+        return (
+            *self._run_widgets(press, chosen, state),
+            *self._run_widgets(release, chosen, state),
+        )
 
-    def _woken(
+    def _run_widgets(
         self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
     ) -> tuple[Effect, ...]:
         effects: list[Effect] = []
@@ -230,7 +231,7 @@ class Dispatch:
             ask = partial(widget.handle, event, listener.spec, state)
             fresh = not event.repeat and event.pressed != listener.spec.released
             for effect in self._allowed(
-                widget, self._asked(widget, ask, state), state, fresh=fresh
+                widget, self._effects_of(widget, ask, state), state, fresh=fresh
             ):
                 effects.append(effect)
                 if effect.stopped:
@@ -240,16 +241,16 @@ class Dispatch:
         return tuple(effects)
 
     def _note_button(self, event: ControlEvent, listeners: Iterable[_Listener]) -> None:
-        """Keep account of the mouse's buttons that are down."""
+        """Update the set of mouse buttons that are down."""
         if not event.pressed:
             self._buttons.discard(event.name)
         elif event.name.startswith(MOUSE) and any(each.widget.rule.held for each in listeners):
             self._buttons.add(event.name)
 
     def _listeners(self, event: ControlEvent) -> list[_Listener]:
-        """Who waits for this; of the mouse, those of the nearest viewport in which somebody does.
+        """Listeners of an event; a press of the mouse goes to the nearest viewport with listeners.
 
-        A button that goes up is told to all who wait for it, wherever the mouse is by then.
+        The release of a button goes to all its listeners, wherever the mouse is.
         """
         listeners = self._by_input.get(event.name, [])
         if not event.name.startswith(MOUSE) or not event.pressed:
@@ -261,25 +262,25 @@ class Dispatch:
         return []
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """Effects of time going by; to be called 20 times a second."""
+        """Effects of a tick; the caller runs 20 ticks a second."""
         effects = self.look(state)
         for widget in self._widgets:
             if not self._silent(widget, state):
-                asked = self._asked(widget, partial(widget.tick, state), state)
+                asked = self._effects_of(widget, partial(widget.tick, state), state)
                 if asked:
                     effects += self._allowed(widget, asked, state, fresh=False)
         return tuple(effects)
 
     def look(self, state: ConsoleState) -> list[Effect]:
-        """Let go where control has changed, or the robot was stopped: keys must be released.
+        """Release held inputs of robots whose control changed or that stopped.
 
-        To be done before keys are taken for presses or repeats.
+        Runs before a key counts as a press or a repeat.
         """
         stopped = self._changes.look(state.robots.values())
         return [effect for name in stopped for effect in self._stop(name, state)]
 
     def _stop(self, robot: str, state: ConsoleState) -> list[Effect]:
-        """What drives a robot is let go, and its keys must be released before they drive."""
+        """Release what drives a robot; its keys must go up before they drive again."""
         keys = frozenset(
             name
             for name, listeners in self._by_input.items()
@@ -291,7 +292,7 @@ class Dispatch:
     def _allowed(
         self, widget: Widget, asked: list[Effect], state: ConsoleState, *, fresh: bool
     ) -> list[Effect]:
-        """What a widget wants done, if this console may; `fresh`: because of a new press."""
+        """A widget's effects that this console may execute; `fresh`: caused by a new press."""
         by_hand = frozenset(
             commanded(each, state)
             for each in self._widgets
@@ -301,14 +302,14 @@ class Dispatch:
         robot = refused(asked, state, by_hand)
         if robot is None:
             return [*taking(asked, state), *asked] if fresh else asked
-        rest = self._asked(widget, partial(widget.release, state), state)
+        rest = self._effects_of(widget, partial(widget.release, state), state)
         return [refusal(robot, state), *rest] if fresh else rest
 
     def released(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """Everything is let go (focus lost, quit, crash): one zero speed for each driven robot.
+        """Release all inputs (focus lost, quit, crash): one zero speed for each driven robot.
 
-        Axes that are not neutral then count again when all of them have been told to be neutral,
-        which the caller does at once if it lets nothing through before they are.
+        A deflected axis works again after a neutral event for each axis. A caller that holds back
+        deflected axes may send these events at once.
         """
         self._buttons.clear()
         robots = dict.fromkeys(commanded(widget, state) for widget in self._widgets)
@@ -318,39 +319,39 @@ class Dispatch:
         effects: list[Effect] = []
         for widget in self._widgets:
             if commanded(widget, state) == robot and not self._silent(widget, state):
-                effects += self._asked(widget, partial(widget.release, state), state)
+                effects += self._effects_of(widget, partial(widget.release, state), state)
         return effects
 
-    def _asked(
+    def _effects_of(
         self, widget: Widget, ask: Callable[[], Iterable[Effect]], state: ConsoleState
     ) -> list[Effect]:
-        """What a widget wants done; if it fails, that its robot stands and somebody is told."""
+        """A widget's effects; if it fails, a notice and zero speed for its robot."""
         try:
-            given = [_effect(each).addressed(state.chosen) for each in ask()]
+            given = [_checked(each).addressed(state.chosen) for each in ask()]
             return [effect for effect in given if effect is not None]
-        except Exception:  # a fault in one widget must not take the others from the operator
+        except Exception:  # a fault in one widget must not disable the rest
             name = type(widget).__name__
             _logger.exception("the widget %s failed", name)
         self._failed.add(id(widget))
         robot = commanded(widget, state)
         text = f"{name} failed; the log says why"
-        told: list[Effect] = [Notify.now(state, text, robot=robot, alarm=True)]
+        effects: list[Effect] = [Notify.now(state, text, robot=robot, alarm=True)]
         if robot and VELOCITY_COMMAND.name in widget.rule.sends:
             rest = Twist.planar(0.0, 0.0)
-            told.append(SendEffect(robot=robot, definition=VELOCITY_COMMAND, value=rest))
-        return told
+            effects.append(SendEffect(robot=robot, definition=VELOCITY_COMMAND, value=rest))
+        return effects
 
     def _silent(self, widget: Widget, state: ConsoleState) -> bool:
         return id(widget) in self._failed or self._driving.is_silent(widget, state)
 
 
-def _of(listeners: Iterable[_Listener], *purposes: Purpose) -> list[_Listener]:
-    """Those whose widgets have one of these purposes."""
+def _with_purpose(listeners: Iterable[_Listener], *purposes: Purpose) -> list[_Listener]:
+    """Listeners whose widgets have one of these purposes."""
     return [each for each in listeners if each.widget.rule.purpose in purposes]
 
 
-def _effect(given: object) -> Effect:
-    """What a widget gave; a widget of somebody else may give anything."""
+def _checked(given: object) -> Effect:
+    """Check that a widget gave an effect; a widget of a plugin may give anything."""
     if not isinstance(given, Effect):
         text = f"a widget gave {given!r:.80}, which is no effect"
         raise TypeError(text)

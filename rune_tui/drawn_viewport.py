@@ -1,10 +1,10 @@
-"""A viewport, the visualizer that draws it, and what it drew last.
+"""A viewport, its visualizer, and the last drawing.
 
-| case | what it shows |
+| case | shown |
 | --- | --- |
-| nothing of what it draws has changed | what it drew last |
-| a drawing takes too long | the last one, which says how often it is drawn; never what is vital |
-| the visualizer fails | that it failed, until it draws again |
+| the source has not changed | the last drawing |
+| a drawing took too long, and is not vital | the last drawing, with its period |
+| the visualizer fails | a notice of the failure, until a drawing succeeds |
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from rune_tui.visualizers.words.title import titled
 _logger = logging.getLogger(__name__)
 
 SLOW_S: Final = 0.25
-"""A drawing that takes more of the processor's time delays the operator's inputs [s]."""
-_REST: Final = 10.0
-"""How many times as long as such a drawing took its viewport rests."""
+"""Processor time of a drawing that delays the operator's inputs [s]."""
+_PAUSE: Final = 10.0
+"""Pause after a slow drawing, as a multiple of the drawing's time."""
 
 
 @dataclass(slots=True, kw_only=True)
 class DrawnViewport:
-    """A viewport, its visualizer, and what was drawn last."""
+    """A viewport, its visualizer, and the last drawing."""
 
     spec: ViewportSpec
     visualizer: Visualizer
@@ -47,28 +47,28 @@ class DrawnViewport:
     head: Area | None
     spent: Callable[[], float]
     scale: tuple[int, int] = (1, 1)
-    rests_until: float = -math.inf
+    paused_until: float = -math.inf
     layer: Layer | None = None
     over: Layer | None = None
     over_zpos: int | None = None
     markable: bool = False
     titled: tuple[tuple[str, bool], Layer] | None = None
     source: Hashable = None
-    drawn_of: RobotState | None = None
+    drawn_robot: RobotState | None = None
     failed: bool = False
     lost: bool = False
 
     def visible(self, state: ConsoleState) -> bool:
-        """Whether it is to be seen."""
+        """Whether the viewport is shown, by its arrangement or as the full view."""
         return is_shown(self.how, state) or state.full == self.spec.name
 
     def refresh(self, state: ConsoleState) -> bool:
-        """Draw again if that would show something else; whether it did."""
+        """Draw again if the source has changed; returns whether the picture changed."""
         if not self.visible(state):
             gone, self.layer, self.over = self.layer is not None, None, None
             return gone
         robot = self.robot(state)
-        if robot is None or (self.layer is not None and state.now < self.rests_until):
+        if robot is None or (self.layer is not None and state.now < self.paused_until):
             return False
         began = self.spent()
         try:
@@ -77,7 +77,7 @@ class DrawnViewport:
                 return False
             canvas, over = self._drawn(robot, state), self._drawn_over(robot, state)
             self.failed = False
-        except Exception:  # a fault in one picture must not take the others from the operator
+        except Exception:  # a fault in one viewport must not blank the rest
             if self.failed:
                 return False
             self.failed = True
@@ -86,9 +86,9 @@ class DrawnViewport:
             source, over = object(), None
             canvas = Canvas.blank(self.place.width, self.place.height)
             write_notice(canvas, f"{function} failed; the log says why", state.theme)
-        self._rest_after(self.spent() - began, canvas, state)
+        self._pause_after(self.spent() - began, canvas, state)
         self.source = source
-        self.drawn_of = robot
+        self.drawn_robot = robot
         self.layer = Layer(
             canvas=canvas,
             x=self.place.x,
@@ -102,16 +102,16 @@ class DrawnViewport:
             self.over = dataclasses.replace(self.layer, canvas=over, zpos=self.over_zpos)
         return True
 
-    def _rest_after(self, took: float, canvas: Canvas, state: ConsoleState) -> None:
-        """Rest after a drawing that took too long [s], and say so on it; never what is vital."""
+    def _pause_after(self, took: float, canvas: Canvas, state: ConsoleState) -> None:
+        """Pause after a slow drawing and note the period on it; never if vital."""
         if took > SLOW_S and not self.visualizer.rule.vital:
-            self.rests_until = state.now + _REST * took
+            self.paused_until = state.now + _PAUSE * took
             canvas.text(
-                0, 0, f"slow: drawn every {(1.0 + _REST) * took:.0f} s", state.theme.alarm_ink
+                0, 0, f"slow: drawn every {(1.0 + _PAUSE) * took:.0f} s", state.theme.alarm_ink
             )
 
     def layers(self, state: ConsoleState) -> Iterator[Layer]:
-        """What it shows, and its title, which is marked where its robot is the chosen one."""
+        """The drawing, and its title; the title of the chosen robot is marked."""
         if self.layer is None:
             return
         yield self.layer
@@ -123,12 +123,12 @@ class DrawnViewport:
             yield self.titled[1]
 
     def robot(self, state: ConsoleState) -> RobotState | None:
-        """The robot that it shows."""
+        """The robot that the viewport shows."""
         return state.robot(self.spec.robot)
 
     def hit(self, x: int, y: int, state: ConsoleState) -> Hit | None:
-        """Where in it a pixel of the terminal lies, if it does and somebody can see it."""
-        place, robot, rule = self.place, self.drawn_of, self.visualizer.rule
+        """The place of a terminal's pixel in this viewport; None if outside, or not shown."""
+        place, robot, rule = self.place, self.drawn_robot, self.visualizer.rule
         across, down = x - place.x, y - place.y
         inside = 0 <= across < place.width and 0 <= down < place.height
         if not inside or not self.visible(state):
@@ -141,9 +141,9 @@ class DrawnViewport:
             if robot is not None and rule.pictures:
                 picturing = cast("Picturing", self.visualizer)
                 in_picture = picturing.in_picture(pixel, size, robot, state)
-        except Exception:  # as above; then no place is known there
+        except Exception:  # as above; then the place is unknown
             if not self.lost:
-                _logger.exception("viewport %s cannot tell what was clicked", self.spec.name)
+                _logger.exception("viewport %s cannot locate a click", self.spec.name)
             self.lost = True
         if shown is not None and not shown.sayable:
             shown = None
@@ -162,7 +162,7 @@ class DrawnViewport:
         return canvas
 
     def _drawn_over(self, robot: RobotState, state: ConsoleState) -> Canvas | None:
-        """What the ranges over it must not cover; None if there is nothing."""
+        """The marks that ranges above this viewport must not cover; None if it has none."""
         if self.over_zpos is None or not self.visualizer.rule.draws_over:
             return None
         canvas = Canvas.blank(self.place.width, self.place.height)
@@ -171,5 +171,5 @@ class DrawnViewport:
 
 
 def is_shown(place: PlaceSpec, state: ConsoleState) -> bool:
-    """Whether a viewport is shown: as the operator wants it, else as its arrangement says."""
+    """Whether a viewport is shown: the operator's choice, else the arrangement's default."""
     return state.shown.get(place.viewport, place.visible)

@@ -1,4 +1,4 @@
-"""Carries out effects: in the console's state, on its screen, at robots and in files."""
+"""Executes effects: on the console's state, its screen, robots and files."""
 
 from __future__ import annotations
 
@@ -52,10 +52,10 @@ from rune_tui.ui.view_pane import ViewPane
 
 
 class EffectRunner:
-    """Carries out effects in their order; one that fails does not keep back the next.
+    """Executes effects in order; an effect that fails does not stop the next.
 
     Attributes:
-        sparing: Logs a fault and goes on.
+        sparing: Logs a fault and continues.
         filing: Writes files.
         layouts: Opens other layouts.
     """
@@ -75,12 +75,12 @@ class EffectRunner:
 
         Args:
             app: Shows lists and questions.
-            source: The layouts that the console was started with.
-            current: The open layout, and the console's own state, which effects change.
-            inputs: Are released where an effect ends what is held.
-            links: Where messages go.
-            pane: What the operator sees.
-            state: Gives the console's state now.
+            source: The layouts on the command line.
+            current: The open layout and the console's own state.
+            inputs: Keys, mouse and joysticks; some effects release them.
+            links: Links to the robots.
+            pane: The newest picture.
+            state: Returns the console's state now.
             leave: Ends the console.
         """
         self._app = app
@@ -91,12 +91,12 @@ class EffectRunner:
         self._state = state
         self._leave = leave
         self._changes = ChangeNotifier()
-        self.sparing = Sparing(self.tell)
-        self.filing = Filing(links, partial(app.run_worker, exit_on_error=False), self.tell)
-        self.layouts = LayoutFollower(source, self.open_layout, self.complain)
+        self.sparing = Sparing(self.notify)
+        self.filing = Filing(links, partial(app.run_worker, exit_on_error=False), self.notify)
+        self.layouts = LayoutFollower(source, self.open_layout, self.report_trouble)
 
     def run(self, effects: Iterable[Effect]) -> None:
-        """Carry out some effects."""
+        """Execute some effects."""
         for effect in effects:
             with self.sparing(effect):
                 if isinstance(effect, StateEffect):
@@ -104,37 +104,37 @@ class EffectRunner:
                 else:
                     self._do(effect)
 
-    def tell(self, said: Outcome) -> None:
-        """Tell the operator."""
-        self._change(Notify.now(self._state(), **dataclasses.asdict(said)))
+    def notify(self, outcome: Outcome) -> None:
+        """Show the operator a notice."""
+        self._change(Notify.now(self._state(), **dataclasses.asdict(outcome)))
 
-    def complain(self, text: str) -> None:
-        """Tell the operator of a trouble that stays."""
+    def report_trouble(self, text: str) -> None:
+        """Show the operator a trouble that stays."""
         self._current.change(trouble=text)
-        self.tell(Outcome(text=text, alarm=True))
+        self.notify(Outcome(text=text, alarm=True))
 
     async def open_layout(self, layout: LayoutSpec) -> None:
-        """Go on with another layout; links of robots that are in both stay as they are."""
+        """Open another layout; links of robots in both layouts stay open."""
         self._inputs.release_all()
         self._current.open(layout, *self._app.size)
         gone = self._links.follow(layout)
         self._app.title = f"Rune {layout.path}"
         self._inputs.follow()
         self.filing.recorder.follow(layout)
-        self.tell(Outcome(text=f"opened {layout.path}"))
+        self.notify(Outcome(text=f"opened {layout.path}"))
         self._inputs.name_unreported_keys()
         self.ask_for_pictures()
         for link in gone:
             await asyncio.to_thread(link.close)
 
     def end_recording(self) -> None:
-        """End the recording that is under way, if any; returns when its file is complete."""
+        """End a running recording; returns when its file is complete."""
         if self.filing.recorder.path:
             self.filing.recorder.end()()
 
     def tick(self, now: float) -> None:
-        """Record, tell what has changed, and let widgets act; 20 times a second."""
-        self._keep_calibrations()
+        """Record, report changes and tick the widgets; runs 20 times a second."""
+        self._save_calibrations()
         state = self._state()
         if state.display is not None:
             self.filing.recorder.note(now, state.display)
@@ -142,7 +142,7 @@ class EffectRunner:
         self.run(self._current.dispatch.tick(state))
 
     def leave_if_sure(self) -> None:
-        """End, or ask first if something would be lost or left alone; the second time, end."""
+        """End, or ask once if a recording or a mission would be lost; the second call ends."""
         reasons = reasons_to_stay(self._state())
         if reasons and not self._current.console.leaving:
             self._change(AskToLeave(reasons=reasons))
@@ -150,7 +150,7 @@ class EffectRunner:
             self._leave()
 
     def ask_for_pictures(self) -> None:
-        """Ask each robot for pictures of the size and kind that is shown."""
+        """Request pictures of the shown size and kind from each robot."""
         sizes = self._current.view.picture_sizes(self._state())
         wishes = self._current.console.wishes
         for name, link in self._links.items():
@@ -180,12 +180,12 @@ class EffectRunner:
                 self.leave_if_sure()
             case _:
                 self._current.console = ordered(self._current.console, effect, time.monotonic())
-                self._do_outside(effect)
+                self._do_external(effect)
 
     def _suspend(self) -> None:
         self._inputs.release_all()
         if not suspend():
-            self.tell(Outcome(text="Ctrl-Z does nothing here: no shell can resume the console"))
+            self.notify(Outcome(text="Ctrl-Z does nothing here: no shell can resume the console"))
 
     def _ask(self, effect: AskEffect) -> None:
         self._inputs.release_all()
@@ -200,7 +200,7 @@ class EffectRunner:
     def _act(self, action: Action) -> None:
         self.run(self._current.dispatch.act(action, self._state()))
 
-    def _do_outside(
+    def _do_external(
         self,
         effect: SendEffect
         | ControlEffect
@@ -211,7 +211,7 @@ class EffectRunner:
         | CalibrateEffect
         | NextLayoutEffect,
     ) -> None:
-        """Send, write a file, calibrate or open the next layout."""
+        """Execute an effect on robots, files, joysticks or the layout."""
         state = self._state()
         match effect:
             case SendEffect() | ControlEffect() | MissionEffect():
@@ -223,9 +223,9 @@ class EffectRunner:
                 self._inputs.joysticks.calibrate(name, control, state.now)
             case NextLayoutEffect():
                 if not self.layouts.next():
-                    self.tell(Outcome(text="the console was started with no other layout"))
+                    self.notify(Outcome(text="the console was started with no other layout"))
 
-    def _keep_calibrations(self) -> None:
+    def _save_calibrations(self) -> None:
         joysticks = self._inputs.joysticks
         if joysticks.unsaved:
             joysticks.unsaved = False
@@ -240,4 +240,4 @@ class EffectRunner:
         else:
             link.send(effect.definition, effect.value)
         if (outcome := undelivered(effect, link.state)) is not None:
-            self.tell(outcome)
+            self.notify(outcome)

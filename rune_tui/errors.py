@@ -1,16 +1,16 @@
-"""Every error the console raises on purpose.
+"""The console's errors.
 
     ConsoleError
     ├── LayoutError (ValueError)        a layout file with mistakes, all of them listed
     ├── DemoError (RuntimeError)        the demo's hub did not come up
     ├── HubChoiceError (ValueError)     one hub is named for several robots
-    ├── TunnelError (ConnectionError)   ssh does not make a way to a robot
+    ├── TunnelError (ConnectionError)   ssh cannot open a tunnel to a robot
     ├── PictureFileError (OSError)      `rune shot` cannot write its file
-    ├── DeviceChoiceError (ValueError)  a joystick is meant that is not plugged in
+    ├── DeviceChoiceError (ValueError)  the chosen joystick is not plugged in
     ├── FontError (OSError)             a font that cannot be drawn with
-    └── DescriptorError (ValueError)    a device describes its reports in a way that makes no sense
+    └── DescriptorError (ValueError)    a device's report descriptor makes no sense
 
-A lost hub, a lost joystick and a stale picture are no errors but drawn states.
+A lost hub, a lost joystick and a stale picture are drawn states, not errors.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ class LayoutProblem:
 
     Attributes:
         path: The file as the operator named it.
-        line: Line, counted from 1; 0 when the file as a whole is meant.
-        column: Column, counted from 1; 0 when it is not known.
-        message: What is wrong, the nearest known name, what is allowed.
+        line: Counted from 1; 0 for the whole file.
+        column: Counted from 1; 0 if unknown.
+        message: The mistake, the nearest known name, the allowed values.
     """
 
     path: str
@@ -50,7 +50,7 @@ class LayoutError(ConsoleError, ValueError):
 
     Attributes:
         problems: All mistakes found, in file order.
-        files: The files that were read, and those that should have been there.
+        files: Files that were read, and files that are missing.
     """
 
     def __init__(self, problems: Sequence[LayoutProblem], files: Sequence[Path] = ()) -> None:
@@ -68,7 +68,7 @@ class HubChoiceError(ConsoleError, ValueError):
 
 
 class TunnelError(ConsoleError, ConnectionError):
-    """Ssh does not make a way to a robot."""
+    """Ssh cannot open a tunnel to a robot."""
 
 
 class PictureFileError(ConsoleError, OSError):
@@ -76,12 +76,12 @@ class PictureFileError(ConsoleError, OSError):
 
 
 class DeviceChoiceError(ConsoleError, ValueError):
-    """A joystick is meant that is not plugged in."""
+    """The chosen joystick is not plugged in."""
 
 
 class FontError(ConsoleError, OSError):
-    """A font whose file cannot be read or is none, or a size that cannot be drawn."""
+    """A font file that cannot be read, or a size that cannot be drawn."""
 
 
 class DescriptorError(ConsoleError, ValueError):
-    """A report descriptor that makes no sense, or describes more than any real device has."""
+    """A report descriptor that makes no sense, or is larger than any real device's."""

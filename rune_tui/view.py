@@ -34,16 +34,16 @@ _logger = logging.getLogger(__name__)
 MIN_COLUMNS = 16
 MIN_ROWS = 4
 _INVISIBLE = 255
-"""The transparency of what cannot be seen."""
+"""Transparency of a viewport that cannot be seen."""
 MIN_PICTURE = (16, 12)
-"""Smallest picture worth asking for, width and height [pixels]."""
+"""Smallest picture that is requested: width and height [pixels]."""
 
 
 class View:
-    """Turns the states of robots into cells; nothing is drawn until `resize` was called.
+    """Turns the console's state into cells; draws nothing before the first `resize`.
 
     Attributes:
-        places: Viewports that have a place at this size, and whether they are shown there at first.
+        places: Viewports that have a place at this size, and whether each is shown at first.
     """
 
     def __init__(
@@ -56,9 +56,9 @@ class View:
         """Prepare.
 
         Args:
-            layout: What there is to see.
-            spent: The processor's time that this thread has used so far [s]. A busy machine makes
-                drawings late, and that must not make them rest as well.
+            layout: The layout to draw.
+            spent: Processor time of this thread [s]. Wall time would throttle drawings that a
+                busy machine makes slow.
             pixels_per_cell: Pixels of pictures across and down a cell, as an `Output` shows them.
         """
         self._scale = pixels_per_cell[0], pixels_per_cell[1] // 2
@@ -70,7 +70,7 @@ class View:
         self._columns = 0
         self._rows = 0
         self.panes: list[DrawnViewport] = []
-        # Some remember what they have seen, so they outlive the size of the terminal.
+        # Some keep a history of values, so a new size of the terminal does not replace them.
         self._visualizers: dict[str, Visualizer] = {}
         self._viewports = {each.name: each for each in self._spec.viewports if each.visualizer}
         self._complete = False
@@ -90,19 +90,19 @@ class View:
 
     @property
     def pictures(self) -> tuple[SeenPicture, ...]:
-        """The pictures in the newest cells that have more pixels than these."""
+        """Pictures in the newest cells that have more than one pixel per half cell."""
         return self._pictures
 
     @property
     def urgencies(self) -> Urgencies:
-        """What each cell of the newest picture shows."""
+        """Urgency of each cell of the newest picture."""
         return self._urgencies
 
     def resize(self, columns: int, rows: int) -> bool:
-        """Place everything on a terminal of this size [cells]; the next frame is drawn anew.
+        """Place all viewports on a terminal of this size [cells]; the next frame is complete.
 
         Returns:
-            Whether another arrangement of the layout is taken.
+            Whether another arrangement of the layout is now in use.
         """
         self._columns = max(0, columns)
         self._rows = max(0, rows)
@@ -139,52 +139,52 @@ class View:
         return self._arrangement is not before
 
     def _places(self) -> tuple[Placed, ...]:
-        """Where viewports stand on this terminal."""
+        """Places of the viewports on this terminal."""
         free = {
             name for name, each in self._viewports.items() if not self._visualizer(each).whole_cells
         }
         size = self._columns, self._rows
         if self._full or self._paged:
             full = "" if self._paged else self._full
-            whole, *others = filled(self._arrangement, full, self._vital, *size, free=free)
+            whole, *rest = filled(self._arrangement, full, self._vital, *size, free=free)
             self._page_rows = whole.area.height // 2
-            return (whole, *others)
+            return (whole, *rest)
         return placed(self._arrangement, *size, free=free)
 
     def _visualizer(self, viewport: ViewportSpec) -> Visualizer:
         if viewport.name not in self._visualizers:
-            self._visualizers[viewport.name] = _made(viewport, self._vocabulary)
+            self._visualizers[viewport.name] = _visualizer_of(viewport, self._vocabulary)
         return self._visualizers[viewport.name]
 
     def render(self, state: ConsoleState) -> Cells | None:
-        """The picture as it is now, or None when it is the one returned last.
+        """The picture now; None if it did not change since the last call.
 
-        If it cannot be made, it says so: an old picture must not look like a new one.
+        After a fault the picture shows the fault: an old picture must not look like a new one.
         """
         if not self._columns or not self._rows:
             return None
         try:
             cells = self._rendered(state)
-        except Exception:  # the operator still has a stop, and has to know that nothing is seen
+        except Exception:  # the operator can still stop, and must see that the picture failed
             if self._failed:
                 return None
             self._failed, self._complete = True, False
             _logger.exception("the picture cannot be made")
-            layers = [self._only("this cannot be drawn; the log says why", state)]
+            layers = [self._notice_alone("this cannot be drawn; the log says why", state)]
             self._urgencies = urgencies_of(self._columns, self._rows, layers)
             self._pictures = ()
-            return compose(self._columns, self._rows, self._ground(state.theme), layers)
+            return compose(self._columns, self._rows, self._background(state.theme), layers)
         self._failed = False
         return cells
 
     def _rendered(self, state: ConsoleState) -> Cells | None:
         self._arrange(state)
         state = dataclasses.replace(state, banner=banner_of(state))
-        # Every pane is asked: no short cut after the first that changed.
+        # Refreshes every pane: `any` over a generator would end at the first change.
         changed = [pane.refresh(state) for pane in self.panes]
-        changed.append(self._banner.refresh(self._columns, self._kept_rows, self._rows, state))
+        changed.append(self._banner.refresh(self._columns, self._uncovered_rows, self._rows, state))
         top, rows = self._page_place
-        nearest = self._nearest + 1
+        nearest = self._top_zpos + 1
         changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
         changed.append(self._refresh_notices(state))
         look = state.theme.name, state.chosen
@@ -192,19 +192,19 @@ class View:
             return None
         self._look, self._complete = look, True
         if self._too_small:
-            layers = [self._only("too small", state)]
+            layers = [self._notice_alone("too small", state)]
         else:
             layers = [layer for pane in self.panes for layer in pane.layers(state)]
             layers += [pane.over for pane in self.panes if pane.over is not None]
             layers += [*self._page.layers, *self._notices.layers, *self._banner.layers]
         self._urgencies = urgencies_of(self._columns, self._rows, layers)
-        cells = compose(self._columns, self._rows, self._ground(state.theme), layers)
+        cells = compose(self._columns, self._rows, self._background(state.theme), layers)
         make_legible(cells, state.theme.tint)
         self._pictures = seen_pictures(cells, layers, state.theme.tint)
         return tinted(cells, state.theme.tint)
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
-        """The viewports at a pixel of the terminal (column, 2 * row), the nearest first."""
+        """Viewports at a pixel of the terminal (column, 2 * row), nearest first."""
         if state.paged:
             return ()
         panes = sorted(self.panes, key=lambda pane: pane.how.zpos)
@@ -214,12 +214,11 @@ class View:
     def picture_sizes(self, state: ConsoleState) -> Mapping[str, tuple[int, int]]:
         """Width and height [pixels] of the largest 4:3 picture shown of each robot.
 
-        Robots of which no camera image is on the screen are missing; the console needs to ask
-        them for none.
+        A robot without a camera image on the screen is left out.
         """
         self._arrange(state)
         if self._paged:
-            return self._sizes  # the page is closed in a moment, and then they have to be new
+            return self._sizes  # pictures must be new when the page closes
         sizes: dict[str, tuple[int, int]] = {}
         for pane in self.panes:
             robot, shown = pane.robot(state), pane.visualizer
@@ -232,15 +231,15 @@ class View:
         return sizes
 
     def _arrange(self, state: ConsoleState) -> None:
-        """Place the viewports anew if one of them, or a page, begins to fill the view, or ends."""
+        """Place the viewports again when a viewport or a page starts or ends to fill the view."""
         full = state.full if state.full in self._viewports else ""
-        vital = tuple(self._watched(full, state)) if full or state.paged else ()
+        vital = tuple(self._vital_names(full, state)) if full or state.paged else ()
         if (full, vital, state.paged) != (self._full, self._vital, self._paged):
             self._full, self._vital, self._paged = full, vital, state.paged
             self.resize(self._columns, self._rows)
 
-    def _watched(self, full: str, state: ConsoleState) -> list[str]:
-        """The vital viewports that are shown, those of the robot that fills the view first."""
+    def _vital_names(self, full: str, state: ConsoleState) -> list[str]:
+        """Names of the vital viewports that are shown; the robot in the full view comes first."""
         robot = self._viewports[full].robot if full else state.chosen
         shown = [
             self._viewports[place.viewport]
@@ -256,8 +255,8 @@ class View:
         return self._rows
 
     @property
-    def _kept_rows(self) -> int:
-        """Rows at the upper edge that nothing may cover: they say how to stop, or what is vital."""
+    def _uncovered_rows(self) -> int:
+        """Number of rows at the upper edge that nothing may cover: heads and vital viewports."""
         lines = {
             pane.place.y // 2
             for pane in self.panes
@@ -269,12 +268,12 @@ class View:
 
     @property
     def _page_place(self) -> tuple[int, int]:
-        """First row and height of a page: below the banner, above what is vital [cells]."""
+        """First row and height of a page, between the banner and the vital viewports [cells]."""
         top = min(self._banner.rows, self._page_rows - 1)
         return max(0, top), max(1, self._page_rows - top)
 
     def within_page(self, state: ConsoleState) -> ConsoleState:
-        """The state with its page scrolled no farther than to its end."""
+        """The state with its page scrolled at most to the page's end."""
         page = self._page.within(state.page, self._columns, self._page_place[1], state)
         return dataclasses.replace(state, page=page)
 
@@ -286,27 +285,27 @@ class View:
         logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self.panes)
         return self._notices.refresh(
             (self._columns, self._rows),
-            self._kept_rows + self._banner.rows,
-            self._nearest + 2,
+            self._uncovered_rows + self._banner.rows,
+            self._top_zpos + 2,
             state,
             page_rows=self._page_rows,
             logged=logged,
         )
 
-    def _ground(self, theme: Theme) -> tuple[int, int, int]:
-        """What is behind all viewports: a layout's colour suits the theme it was made for only."""
+    def _background(self, theme: Theme) -> tuple[int, int, int]:
+        """Colour behind all viewports; the layout's own colour applies to the dark theme only."""
         given = self._spec.background if theme is DARK else None
         return given or theme.ground[:3]
 
     @property
-    def _nearest(self) -> int:
+    def _top_zpos(self) -> int:
         return max((place.zpos for place in self._arrangement.places), default=0)
 
-    def _only(self, text: str, state: ConsoleState) -> Layer:
+    def _notice_alone(self, text: str, state: ConsoleState) -> Layer:
         return notice_only(text, self._columns, self._rows, state.theme)
 
 
-def _made(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:
+def _visualizer_of(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:
     spec = viewport.visualizer
     if spec is None:
         text = f"viewport {viewport.name} has no visualizer"

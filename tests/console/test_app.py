@@ -153,7 +153,7 @@ def test_a_stop_that_was_typed_while_the_console_was_held_up_is_a_stop_and_nothi
         await desk.press("w", "space")
         await desk.until(lambda: desk.robot.stops)
         assert "w" not in desk.console.state.held
-        assert [text for text in desk.notices if "held up does not count" in text]
+        assert [text for text in desk.notices if "typed while it was blocked" in text]
 
     play(script)
 

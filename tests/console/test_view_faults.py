@@ -139,7 +139,7 @@ def test_a_visualizer_that_fails_to_tell_what_was_clicked_leaves_a_click_without
         (hit,) = view.hits(3, 3, SHOWN)
     assert (hit.viewport, hit.robot, hit.place) == ("foreign", "magellan", None)
     assert [record.message for record in caplog.records] == [
-        "viewport foreign cannot tell what was clicked"
+        "viewport foreign cannot locate a click"
     ]
 
 

@@ -56,8 +56,14 @@ NAMES_TO_AVOID = re.compile(
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
 ROOMS = (
     "hub",
+    "rune_tui/app.py",
+    "rune_tui/cli.py",
     "rune_tui/commands",
     "rune_tui/controls",
+    "rune_tui/dispatch.py",
+    "rune_tui/drawn_viewport.py",
+    "rune_tui/effect_runner.py",
+    "rune_tui/errors.py",
     "rune_tui/export",
     "rune_tui/files",
     "rune_tui/layout",
@@ -67,6 +73,7 @@ ROOMS = (
     "rune_tui/raster",
     "rune_tui/startup",
     "rune_tui/terminal",
+    "rune_tui/view.py",
     "rune_tui/visualizers",
     "rune_tui/widgets",
 )

@@ -396,7 +396,7 @@ class TerminalProcess:
         return len(set(self.colours().values())) > 100
 
     def quit(self) -> int:
-        """Press its key until it ends, as what is typed while it is held up does not count."""
+        """Press its quit key until it ends; it ignores keys typed while it was blocked."""
         end = time.monotonic() + 30.0
         while self.process.poll() is None:
             assert time.monotonic() < end, f"it did not end\n{self.text}"
