@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from hub.errors import MissionError
-from hub.gcm.mapping import InterestPoint, InterestPoints
+from hub.gcm.mapping import InterestPoint
 
 MAX_POINTS = 128
 """Points on one sheet."""
@@ -43,12 +43,6 @@ class PointBook:
     def points(self) -> tuple[InterestPoint, ...]:
         """Those of the newest sheet, in the order of their numbers."""
         return tuple(self._points[number] for number in sorted(self._points))
-
-    @property
-    def message(self) -> InterestPoints:
-        """Those of the newest sheet, as a message."""
-        points = self.points
-        return InterestPoints(points=points)
 
     def checked(self, point: InterestPoint, by: str, now: float) -> InterestPoint:
         """The point as it would be stored; nothing changes yet.

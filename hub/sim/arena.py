@@ -1,4 +1,4 @@
-"""An arena: its solids, the things to find in it, and the start of the robot."""
+"""An arena: its solids, and the start of the robot."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hub.pose import Pose
 from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import ArenaSpec
 from hub.sim.building import build
-from hub.sim.geometry import Box, Colour, Cylinder, Side, Surface
+from hub.sim.geometry import Box, Cylinder, Surface
 
 SHIPPED = Path(__file__).parent / "arenas"
 """Folder of the arenas that come with the hub."""
@@ -25,65 +25,6 @@ BODY_HEIGHT = 0.45
 """Height of the robot with its camera [m]; what begins above it is driven under."""
 LOWEST_OBSTACLE = 0.01
 """What ends below this height [m] is driven over."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Victim:
-    """A person to be found.
-
-    Attributes:
-        name: Its name in the arena file.
-        x: Position in the arena's frame [m].
-        y: Position in the arena's frame [m].
-        pose: "sitting" or "lying".
-    """
-
-    name: str
-    x: float
-    y: float
-    pose: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Landmark:
-    """A sign whose position is known.
-
-    Attributes:
-        name: Its name in the arena file.
-        x: Position in the arena's frame [m].
-        y: Position in the arena's frame [m].
-        height: Middle above the floor [m].
-        facing: Which way it looks.
-        colour: Its colour.
-    """
-
-    name: str
-    x: float
-    y: float
-    height: float
-    facing: Side
-    colour: Colour
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Ring:
-    """A Landolt C, for tests of what the operator can make out.
-
-    Attributes:
-        x: Position in the arena's frame [m].
-        y: Position in the arena's frame [m].
-        height: Middle above the floor [m].
-        facing: Which way it looks.
-        gap_width: Width of the gap [m].
-        gap: On which side the gap is, as seen by who looks at it.
-    """
-
-    x: float
-    y: float
-    height: float
-    facing: Side
-    gap_width: float
-    gap: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -129,9 +70,6 @@ class Arena:
         ceiling: Height of the ceiling [m].
         floor: The surface of the floor.
         light: Brightness, 0 (dark) to 1.
-        victims: The persons to find.
-        landmarks: The signs.
-        rings: The Landolt rings.
     """
 
     name: str
@@ -142,9 +80,6 @@ class Arena:
     ceiling: float
     floor: Surface
     light: float
-    victims: tuple[Victim, ...]
-    landmarks: tuple[Landmark, ...]
-    rings: tuple[Ring, ...]
 
 
 def shipped_arenas() -> tuple[str, ...]:
@@ -188,32 +123,6 @@ def arena_from_spec(spec: ArenaSpec) -> Arena:
         ceiling=spec.hall.ceiling,
         floor=Surface(texture=spec.hall.floor_texture, colour=spec.hall.floor_colour),
         light=spec.hall.light,
-        victims=tuple(
-            Victim(name=item.name, x=item.at[0], y=item.at[1], pose=item.pose)
-            for item in spec.victims
-        ),
-        landmarks=tuple(
-            Landmark(
-                name=item.name,
-                x=item.at[0],
-                y=item.at[1],
-                height=item.height,
-                facing=item.facing,
-                colour=item.colour,
-            )
-            for item in spec.landmarks
-        ),
-        rings=tuple(
-            Ring(
-                x=item.at[0],
-                y=item.at[1],
-                height=item.height,
-                facing=item.facing,
-                gap_width=item.gap_mm / 1000.0,
-                gap=item.gap,
-            )
-            for item in spec.rings
-        ),
     )
 
 

@@ -42,7 +42,7 @@ _CURVE = 16
 _HEIGHTS = "·▁▂▃▄▅▆▇█"
 _MEANT = 0.6
 """How far a control has to be moved to be learned."""
-_NOT_IN_LAYOUT = JoystickSpec(name="", line=0)
+_NOT_IN_LAYOUT = JoystickSpec(name="")
 _ENTER, _LEAVE = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
 _HOME, _REST_OF_LINE, _BELOW = "\x1b[H", "\x1b[K", "\x1b[J"
 
@@ -125,7 +125,7 @@ class Seat:
         self.controls: tuple[PhysicalControl, ...] = ()
         self.raws: dict[int, int | None] = {}
         self.rate = 0.0
-        self.joystick = LogicalJoystick(JoystickSpec(name="joytest", line=0))
+        self.joystick = LogicalJoystick(JoystickSpec(name="joytest"))
         self._counted = (0, 0.0)
 
     def opened(
@@ -146,9 +146,7 @@ class Seat:
         specs = tuple(
             ControlSpec(name=each.usage, kind=each.kind, usage=each.usage) for each in controls
         )
-        self.joystick = LogicalJoystick(
-            spec or JoystickSpec(name="joytest", controls=specs, line=0)
-        )
+        self.joystick = LogicalJoystick(spec or JoystickSpec(name="joytest", controls=specs))
         self.joystick.connect(controls, store.of(self.device.key))
 
     def take(self, inbox: Inbox, now: float) -> None:

@@ -59,7 +59,7 @@ class Choice:
             DeviceChoiceError: There is none of this number.
         """
         self.shown = "a joystick to be plugged in"
-        self._spec = JoystickSpec(name=_ANY, line=0)
+        self._spec = JoystickSpec(name=_ANY)
         self._last: dict[str, DeviceInfo] = {}
         if wanted.isdecimal():
             if not 1 <= int(wanted) <= len(devices):
@@ -68,11 +68,11 @@ class Choice:
             device = self._last[_ANY] = devices[int(wanted) - 1]
             self.shown = device.shown
             self._spec = JoystickSpec(
-                name=_ANY, vid=device.vid, pid=device.pid, serial=device.serial, line=0
+                name=_ANY, vid=device.vid, pid=device.pid, serial=device.serial
             )
         elif wanted:
             pattern = wanted if any(sign in wanted for sign in "*?[") else f"*{wanted}*"
-            self._spec = JoystickSpec(name=_ANY, device=pattern, line=0)
+            self._spec = JoystickSpec(name=_ANY, device=pattern)
             self.shown = f"a joystick called {wanted}"
 
     def of(self, devices: Sequence[DeviceInfo]) -> DeviceInfo | None:

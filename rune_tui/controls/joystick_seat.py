@@ -33,7 +33,6 @@ class JoystickSeat:
         controls: What the device has.
         phase: Whether it can be used.
         why: Why not, or what it lacks, in words.
-        heard: When it reported last [s].
         guide: Asks for the ends of its axes; None if that is not under way.
         absence: What became of a device of another machine.
     """
@@ -43,7 +42,6 @@ class JoystickSeat:
     controls: tuple[PhysicalControl, ...] = ()
     phase: JoystickPhase = JoystickPhase.MISSING
     why: str = ""
-    heard: float | None = None
     guide: Guide | None = None
     absence: Absence = Absence.UNPLUGGED
 
@@ -72,7 +70,6 @@ class JoystickSeat:
             why=self.why,
             values=dict(self.joystick.values),
             waiting=frozenset() if self.guide else self.joystick.waiting,
-            heard=self.heard,
             prompt=self.guide.prompt if self.guide else "",
             machine=device.machine if device else "",
             measured=measured,

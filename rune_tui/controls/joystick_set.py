@@ -150,7 +150,6 @@ class Joysticks:
             values = inbox.take() if inbox is not None else ()
             if values:
                 self._shown = None
-                seat.heard = now
                 self._waiting += self._fed(seat, values, now)
 
     def tick(self, now: float) -> list[str]:

@@ -123,7 +123,6 @@ class SpecBuilder:
                 xsize=self._whole(node, "xsize"),
                 ysize=self._whole(node, "ysize"),
                 places=tuple(self._place(each, name, each) for name, each in viewports.items()),
-                line=node.place.line,
             )
             if not node.of("arrangement")
             else None
@@ -146,7 +145,6 @@ class SpecBuilder:
             xsize=self._whole(node, "xsize"),
             ysize=self._whole(node, "ysize"),
             places=tuple(self._place(each, name, viewports[name]) for each, name in names_of),
-            line=node.place.line,
         )
 
     def _place(self, node: Node, viewport: str, otherwise: Node) -> PlaceSpec:
@@ -166,7 +164,6 @@ class SpecBuilder:
             xsize=self._whole(node, "xsize"),
             ysize=self._whole(node, "ysize"),
             scaled=how("fit") == "scale",
-            line=node.place.line,
         )
 
     def _background(self, node: Node) -> tuple[int, int, int] | None:
@@ -186,7 +183,6 @@ class SpecBuilder:
             robot=robot,
             visualizer=visualizers[0] if visualizers else None,
             widgets=tuple(self._widget(child, robot, name) for child in node.of("widget")),
-            line=node.place.line,
         )
 
     def _visualizer(self, node: Node, viewport: str) -> VisualizerSpec:
@@ -198,7 +194,6 @@ class SpecBuilder:
             option=self._decimal(node, "option"),
             text=self._text(node, "text"),
             options=self._options(node, rule.options),
-            line=node.place.line,
             viewport=viewport,
             font=self._fonts.get(self._text(node, "font")),
         )
@@ -226,7 +221,6 @@ class SpecBuilder:
                 for event in node.of("event")
                 for each in inputs_of(event, self._rules, self._joysticks)
             ),
-            line=node.place.line,
             viewport=viewport,
         )
         self._try(node, "handler", self._vocabulary.widgets[handler].from_spec, spec, robot)

@@ -109,7 +109,6 @@ class JoystickNodes:
             serial=self._rules.value(node, "serial") or "",
             device=self._rules.value(node, "device") or "",
             controls=(*described, *implied),
-            line=node.place.line,
         )
 
     def _control(self, node: Node) -> ControlSpec:

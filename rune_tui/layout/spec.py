@@ -100,7 +100,6 @@ class JoystickSpec:
         serial: The device's serial number; empty for any.
         device: Pattern of the product's name, such as "Logitech*"; empty for any.
         controls: Those that the layout describes, and then the roles that its events name.
-        line: Line in the layout file.
     """
 
     name: str
@@ -109,7 +108,6 @@ class JoystickSpec:
     serial: str = ""
     device: str = ""
     controls: tuple[ControlSpec, ...] = ()
-    line: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,14 +140,12 @@ class WidgetSpec:
         handler: Name of the handler, such as "widgetSetSpeed".
         options: Options of the handler, with those that the layout leaves out.
         events: Input patterns.
-        line: Line in the layout file.
         viewport: The viewport it belongs to; empty for a global widget.
     """
 
     handler: str
     options: Options
     events: tuple[EventSpec, ...]
-    line: int
     viewport: str = ""
 
 
@@ -176,7 +172,6 @@ class VisualizerSpec:
         option: Its numeric option; each visualizer says what it means.
         text: Text for visualizers that show one.
         options: Its other options, with those that the layout leaves out.
-        line: Line in the layout file.
         viewport: The viewport it draws into.
         font: Letters for its text; None for the terminal's own.
     """
@@ -186,7 +181,6 @@ class VisualizerSpec:
     option: float
     text: str
     options: Options
-    line: int
     viewport: str = ""
     font: FontSpec | None = None
 
@@ -200,7 +194,6 @@ class ViewportSpec:
         robot: Robot whose messages it shows, or `CHOSEN`.
         visualizer: What draws into it, if anything.
         widgets: What its inputs wake.
-        line: Line in the layout file.
         title: Stands in a rule over it; empty: there is none.
     """
 
@@ -208,7 +201,6 @@ class ViewportSpec:
     robot: str
     visualizer: VisualizerSpec | None
     widgets: tuple[WidgetSpec, ...]
-    line: int
     title: str = ""
 
 
@@ -226,7 +218,6 @@ class PlaceSpec:
         xsize: Width in design pixels.
         ysize: Height in design pixels.
         scaled: Whether place and size follow the terminal's; if not, a design pixel is a pixel.
-        line: Line in the layout file.
     """
 
     viewport: str
@@ -238,7 +229,6 @@ class PlaceSpec:
     xsize: int
     ysize: int
     scaled: bool = True
-    line: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -252,7 +242,6 @@ class ArrangementSpec:
         xsize: Design width in pixels; a terminal cell is one pixel wide.
         ysize: Design height in pixels; a terminal cell is two pixels high.
         places: In file order.
-        line: Line in the layout file.
     """
 
     name: str = ""
@@ -261,7 +250,6 @@ class ArrangementSpec:
     xsize: int
     ysize: int
     places: tuple[PlaceSpec, ...]
-    line: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

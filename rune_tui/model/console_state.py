@@ -110,7 +110,6 @@ class ConsoleState:
         tap_first: Whether those must be tapped once before they drive.
         hold_s: Duration of a hold after a repeat, where releases are not reported [s].
         releases_reported: Whether the terminal reports releases of keys.
-        run_number: The layout's run number.
         robots: The state of each robot, by name.
         chosen: The robot of viewports with `CHOSEN`.
         shown: Viewports that the operator has shown (True) or hidden (False).
@@ -149,7 +148,6 @@ class ConsoleState:
     tap_first: bool = False
     hold_s: float = 0.6
     releases_reported: bool = False
-    run_number: int = 0
     robots: Mapping[str, RobotState] = field(default_factory=dict)
     chosen: str = ""
     shown: Mapping[str, bool] = field(default_factory=dict)
@@ -185,7 +183,6 @@ class ConsoleState:
         """The state in which a layout begins; its robots are still to come."""
         return cls(
             now=now,
-            run_number=layout.run_number,
             chosen=layout.robots[0].name,
             operator=operator,
             inputs=inputs_of(layout),
@@ -248,7 +245,6 @@ def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
         state = dataclasses.replace(state, notices=notices, unconfirmed={}, overdue={})
     return dataclasses.replace(
         state,
-        run_number=layout.run_number,
         chosen=state.chosen if state.chosen in robots else layout.robots[0].name,
         shown={name: shown for name, shown in state.shown.items() if name in viewports},
         full=state.full if state.full in viewports else "",

@@ -32,7 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.vision import CameraState
-from rune_tui.model.sightings import Floats, GroundPoints, Seen, SeenPoints, Sight, Spread
+from rune_tui.model.sightings import Floats, GroundPoints, SeenPoints, Spread
 
 _LEAST_DEPRESSION: Final = 1e-9
 """Sine of the angle below the horizon from which a ray counts as meeting the ground."""
@@ -148,14 +148,6 @@ class PictureGeometry:
         size = np.array((self.width, self.height))
         inside = ((pixels >= corner) & (pixels < corner + size)).all(axis=-1)
         return SeenPoints(pixels=pixels, in_front=in_front, inside=inside)
-
-    def pixel(self, ahead: float, left: float) -> Seen:
-        """Where one point of the ground in the robot's frame [m] is seen."""
-        seen = self.pixels((ahead, left))
-        if not seen.in_front:
-            return Seen(sight=Sight.BEHIND, pixel=None)
-        x, y = seen.pixels.tolist()
-        return Seen(sight=Sight.INSIDE if seen.inside else Sight.OUTSIDE, pixel=(x, y))
 
     def spreads(self, pixels: npt.ArrayLike) -> Floats:
         """How much ground pixels cover along and across the line of sight [m], shape (..., 2) both.

@@ -42,7 +42,6 @@ class JoystickState:
         values: Position of each control, -1 to 1, by the control's name; a hat's directions are
             "pov up" and so on. Controls without a report yet are missing.
         waiting: Names of axes that are moved and must be released before they count.
-        heard: Time of the last motion of a control [s]; None: none yet.
         prompt: The instruction to the operator; empty: none.
         machine: The machine of its device; empty: this one.
         measured: Time of the newest state from that machine [s]; None: nothing comes.
@@ -55,7 +54,6 @@ class JoystickState:
     why: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
     waiting: frozenset[str] = frozenset()
-    heard: float | None = None
     prompt: str = ""
     machine: str = ""
     measured: float | None = None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,33 +9,6 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Bools = npt.NDArray[np.bool_]
-
-
-class Sight(enum.Enum):
-    """Whether a point of the ground is in the picture.
-
-    Attributes:
-        INSIDE: It is.
-        OUTSIDE: It is ahead of the camera, beyond an edge of the picture.
-        BEHIND: It is beside or behind the camera, so that no pixel shows it.
-    """
-
-    INSIDE = "inside"
-    OUTSIDE = "outside"
-    BEHIND = "behind"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Seen:
-    """Where one point of the ground is in the picture.
-
-    Attributes:
-        sight: Whether it is in the picture.
-        pixel: x and y [px]; beyond the edges if OUTSIDE, None if BEHIND.
-    """
-
-    sight: Sight
-    pixel: tuple[float, float] | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -77,9 +77,7 @@ def standing(
     """A viewport at a place: left, top, width and height [pixels]."""
     x, y, width, height = place
     return Standing(
-        ViewportSpec(
-            name=name, robot=robot, visualizer=visualizer, widgets=(), line=1, title=title
-        ),
+        ViewportSpec(name=name, robot=robot, visualizer=visualizer, widgets=(), title=title),
         PlaceSpec(viewport=name, xpos=x, ypos=y, xsize=width, ysize=height, **how),
     )
 
@@ -116,7 +114,6 @@ def visualizer_spec(
         option=option,
         text=text,
         options=Options.of(rule.options, options),
-        line=1,
     )
 
 

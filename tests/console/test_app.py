@@ -25,16 +25,16 @@ def test_a_click_on_the_floor_is_a_mark_on_the_robots_map_and_undo_takes_it_back
     async def script(desk: Desk) -> None:
         await desk.pilot.click(offset=(29, 14))
         await desk.until(lambda: desk.console.state.ghosts)
-        assert not desk.robot.book.message.points
+        assert not desk.robot.book.points
         await desk.pilot.click(offset=(29, 14))
-        await desk.until(lambda: desk.robot.book.message.points)
-        (point,) = desk.robot.book.message.points
+        await desk.until(lambda: desk.robot.book.points)
+        (point,) = desk.robot.book.points
         assert (point.x, point.y) == pytest.approx((10 * 29.5 / 60, -10 * 29.5 / 40))
         assert point.by == "jane"
         assert (point.uncertainty, point.note) == (pytest.approx(0.1), "")
         await desk.until(lambda: any("victim 1 is marked" in text for text in desk.notices))
         await desk.press("u")
-        await desk.until(lambda: not desk.robot.book.message.points)
+        await desk.until(lambda: not desk.robot.book.points)
 
     play(script)
 
@@ -44,7 +44,7 @@ def test_a_click_on_a_wall_marks_nothing_and_says_so(play: Callable[[Script], No
         await desk.pilot.click(offset=(29, 3))
         await desk.until(lambda: any("nothing tells how far" in text for text in desk.notices))
         await desk.commands(2)
-        assert not desk.robot.book.message.points
+        assert not desk.robot.book.points
 
     play(script)
 

@@ -30,7 +30,6 @@ def layout_of(folder: Path, run: int, robots: str, viewports: str) -> LayoutSpec
 def test_what_the_operator_did_to_what_is_there_again_holds(tmp_path: Path) -> None:
     state = ConsoleState(
         now=1.0,
-        run_number=1,
         chosen="b",
         shown={"v": False, "w": False, "y": True},
         full="v",
@@ -40,7 +39,7 @@ def test_what_the_operator_did_to_what_is_there_again_holds(tmp_path: Path) -> N
         trouble="1 problem",
     )
     kept = carried_over(state, layout_of(tmp_path, 2, "bc", "wxy"))
-    assert (kept.run_number, kept.chosen, kept.trouble, kept.full) == (2, "b", "", "")
+    assert (kept.chosen, kept.trouble, kept.full) == ("b", "", "")
     assert kept.shown == {"w": False, "y": True}
     assert kept.zooms == {"w": 3.0}
     assert (kept.wishes, kept.night) == ({"b": PictureWish(quality=2)}, frozenset("b"))

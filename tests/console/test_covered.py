@@ -22,22 +22,22 @@ def test_the_words_of_a_mark_are_changed_once_and_keys_do_not_drive_meanwhile(
     async def script(desk: Desk) -> None:
         await desk.pilot.click(offset=(29, 14))
         await desk.until(lambda: desk.console.state.ghosts)
-        assert not desk.robot.book.message.points
+        assert not desk.robot.book.points
         await desk.pilot.click(offset=(29, 14))
-        await desk.until(lambda: desk.robot.book.message.points)
+        await desk.until(lambda: desk.robot.book.points)
         await desk.until(lambda: any("victim 1 is marked" in text for text in desk.notices))
         await desk.pilot.click(offset=(29, 14), button=3)
         await desk.until(lambda: isinstance(desk.console.screen, Question))
         await desk.until(lambda: desk.console.screen.focused is not None)
         await desk.press("ctrl+u", "w", "e", "t", "enter")
-        await desk.until(lambda: desk.robot.book.message.points[0].note == "wet")
+        await desk.until(lambda: desk.robot.book.points[0].note == "wet")
         await desk.until(lambda: not isinstance(desk.console.screen, Question))
         await desk.pilot.click(offset=(29, 14), button=3)
         await desk.until(lambda: isinstance(desk.console.focused, Input))
         line = desk.console.screen.focused
         for _ in range(3):  # as of enters that come at once
             line.post_message(Input.Submitted(line, "dry"))
-        await desk.until(lambda: desk.robot.book.message.points[0].note == "dry")
+        await desk.until(lambda: desk.robot.book.points[0].note == "dry")
         await desk.until(lambda: not isinstance(desk.console.screen, Question))
         assert len(desk.console.screen_stack) == 1
         assert not any(desk.robot.speeds)

@@ -68,7 +68,6 @@ def view(monkeypatch: pytest.MonkeyPatch) -> View:
         option=0.0,
         text="",
         options=Options.of({}, {}),
-        line=1,
     )
     layout = LayoutSpec(
         path="",

@@ -86,7 +86,6 @@ class Loop:
         self._participants: list[Participant] = []
         self._timers = Timers()
         self._posted = CallQueue()
-        self._ended = False
         self._last_turn = math.inf
         self.watch(self._posted.file, self._posted.drain)
 
@@ -151,16 +150,6 @@ class Loop:
         wait = self.idle_for(timeout)
         # Rounded up: waking before the time would cost a useless turn.
         self.serve(math.ceil(wait * 1e3) / 1e3 if wait > 0.0 else 0.0)
-
-    def dispatch(self) -> None:
-        """Serve until `end` is called."""
-        self._ended = False
-        while not self._ended:
-            self.listen(1.0)
-
-    def end(self) -> None:
-        """Let `dispatch` return after the present turn."""
-        self._ended = True
 
     def idle_for(self, longest: float) -> float:
         """Time until the next work without input, up to `longest` [s]."""

@@ -81,13 +81,11 @@ class ReportDescriptor:
         fields: All fields in the descriptor's order.
         numbered: Whether each report begins with a byte that holds its id.
         bits: Length of each report without that byte, by id [bits].
-        applications: Usages of the application collections in order.
     """
 
     fields: tuple[InputField, ...]
     numbered: bool
     bits: Mapping[int, int]
-    applications: tuple[int, ...]
 
 
 def parse(descriptor: bytes) -> ReportDescriptor:
@@ -114,7 +112,6 @@ def parse(descriptor: bytes) -> ReportDescriptor:
         fields=tuple(parser.fields),
         numbered=parser.numbered,
         bits=parser.bits,
-        applications=tuple(parser.applications),
     )
 
 
@@ -167,7 +164,6 @@ class _Parser:
     def __init__(self) -> None:
         self.fields: list[InputField] = []
         self.bits: dict[int, int] = {}
-        self.applications: list[int] = []
         self.collections: list[int] = []
         self.numbered = False
         self.place = 0
@@ -273,7 +269,6 @@ class _Parser:
         if _unsigned(data) == _APPLICATION:
             usages = self._usages()
             application = usages[0][0] if usages else 0
-            self.applications.append(application)
         self.collections.append(application)
 
     def _end_collection(self, _: bytes) -> None:

@@ -59,7 +59,7 @@ class PadSender:
         self._pauses = OwnPauses(pad.OLDEST_S)
         self._described: PadDevice | None = None
         self._row = Row(())
-        self._joystick = LogicalJoystick(JoystickSpec(name="pad", line=0))
+        self._joystick = LogicalJoystick(JoystickSpec(name="pad"))
         self._device_sent = self._state_sent = self._changed = -math.inf
 
     @property
@@ -89,7 +89,7 @@ class PadSender:
             for each in controls
             if each.kind is not ControlKind.BALL  # which is never held
         )
-        self._joystick = LogicalJoystick(JoystickSpec(name="pad", controls=specs, line=0))
+        self._joystick = LogicalJoystick(JoystickSpec(name="pad", controls=specs))
         self._joystick.connect(controls, {})
         self._begin()
 

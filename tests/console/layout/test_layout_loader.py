@@ -148,9 +148,8 @@ def test_every_value_of_a_file_arrives(tmp_path: Path):
     assert (viewport.robot, place.visible, place.transparency) == ("blimp", False, 255)
     assert (place.xpos, place.ypos, place.zpos) == (-10, 90, -3)
     assert (place.xsize, place.ysize, place.scaled) == (40, 20, False)
-    assert viewport.line == 8
     assert viewport.visualizer is not None
-    assert (viewport.visualizer.option, viewport.visualizer.line) == (2.5, 14)
+    assert viewport.visualizer.option == 2.5
     (widget,) = viewport.widgets
     given = {"linear": 0.25, "angular": 1.0, "turbo_factor": 2.0}
     assert widget.options.values == given | {"step": 0.05, "turn_step_deg": 5.0, "fine": 0.2}

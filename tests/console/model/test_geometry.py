@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from hub.gcm.vision import CameraState
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.pose import Pose
-from rune_tui.model.sightings import Sight
 from tests.console.model.cameras import CAMERAS, SIZES, WIDE, camera, geometry, numbers
 
 
@@ -129,18 +128,13 @@ def test_a_picture_shown_elsewhere_and_larger_shows_the_same_ground(
 
 def test_points_behind_beside_and_outside_are_told_apart() -> None:
     view = geometry()
-    assert view.pixel(-1.0, 0.0).sight is Sight.BEHIND
-    assert view.pixel(-1.0, 0.0).pixel is None
-    assert view.pixel(0.05, 3.0).sight is Sight.BEHIND
-    aside = view.pixel(1.0, 3.0)
-    assert aside.sight is Sight.OUTSIDE
-    assert aside.pixel is not None
-    assert aside.pixel[0] < 0.0
-    below = view.pixel(0.2, 0.0)
-    assert below.sight is Sight.OUTSIDE
-    assert below.pixel is not None
-    assert below.pixel[1] > 120.0
-    assert view.pixel(3.0, 0.0).sight is Sight.INSIDE
+    behind, beside, aside, below, ahead = range(5)
+    seen = view.pixels([(-1.0, 0.0), (0.05, 3.0), (1.0, 3.0), (0.2, 0.0), (3.0, 0.0)])
+    assert np.flatnonzero(~seen.in_front).tolist() == [behind, beside]
+    assert np.flatnonzero(seen.inside).tolist() == [ahead]
+    assert np.isnan(seen.pixels[[behind, beside]]).all()
+    assert seen.pixels[aside, 0] < 0.0
+    assert seen.pixels[below, 1] > 120.0
     many = view.pixels([(-1.0, 0.0), (1.0, 3.0), (3.0, 0.0)])
     assert many.in_front.tolist() == [False, True, True]
     assert many.inside.tolist() == [False, False, True]

@@ -50,9 +50,8 @@ def clicked(row: float, seen: PictureGeometry | None = None, **known: object) ->
 
 
 def row_of_floor(distance: float) -> float:
-    pixel = geometry().pixel(distance, 0.0).pixel
-    assert pixel is not None
-    return pixel[1]
+    row: float = geometry().pixels((distance, 0.0)).pixels[1]
+    return row
 
 
 def test_floor_before_all_that_is_known_is_where_it_was() -> None:
@@ -109,9 +108,7 @@ def test_what_infrared_sees_ends_the_line_whatever_the_map_says() -> None:
 
 def test_a_line_that_may_pass_over_the_obstacle_says_that_it_may_be_behind_it() -> None:
     high = geometry(mount_height=1.5)
-    pixel = high.pixel(2.4, 0.0).pixel
-    assert pixel is not None
-    place = clicked(pixel[1], high, grid=wall())
+    place = clicked(high.pixels((2.4, 0.0)).pixels[1], high, grid=wall())
     assert place is not None
     assert place.height > SURE_HEIGHT_M
     assert place.uncertainty >= 2.4 - WALL_M - 0.05

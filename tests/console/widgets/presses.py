@@ -24,7 +24,7 @@ PLACE = WorldPoint(x=3.0, y=-1.0, uncertainty=0.125, distance=2.5)
 
 def spec(handler: str, /, **options: float | str) -> WidgetSpec:
     options_of_it = Options.of(WIDGETS[handler].rule.options, options)
-    return WidgetSpec(handler=handler, options=options_of_it, events=(), line=1, viewport="camera")
+    return WidgetSpec(handler=handler, options=options_of_it, events=(), viewport="camera")
 
 
 def widget_of(handler: str, robot: str = "magellan", /, **options: float | str) -> Widget:

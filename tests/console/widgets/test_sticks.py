@@ -63,7 +63,7 @@ def let_go(spec: EventSpec) -> ControlEvent:
 def speed(*events: EventSpec, **options: float) -> SetSpeed:
     rule = SetSpeed.rule
     said = WidgetSpec(
-        handler="widgetSetSpeed", options=Options.of(rule.options, options), events=events, line=1
+        handler="widgetSetSpeed", options=Options.of(rule.options, options), events=events
     )
     return SetSpeed.from_spec(said, "magellan")
 

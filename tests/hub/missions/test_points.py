@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hub.errors import MissionError
-from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, PointKind
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.missions.points import (
     MAX_BY,
     MAX_NOTE,
@@ -34,7 +34,7 @@ def point(number: int = 0, x: float = 1.0, **fields: object) -> InterestPoint:
 def test_a_point_gets_a_number_a_time_and_who_marked_it() -> None:
     book = PointBook()
     assert book.mark(point(), "console", NOW) == ""
-    (kept,) = book.message.points
+    (kept,) = book.points
     assert (kept.number, kept.stamp, kept.by) == (1, NOW, "console")
 
 
@@ -44,7 +44,7 @@ def test_what_the_point_says_itself_is_kept() -> None:
     said = point(uncertainty=0.2, distance=2.5, stamp=5.0, by="Ada", note="waves",
                  thumbnail=picture)  # fmt: skip
     book.mark(said, "console", NOW)
-    (kept,) = book.message.points
+    (kept,) = book.points
     assert (kept.uncertainty, kept.distance) == (0.2, 2.5)
     assert (kept.number, kept.stamp, kept.by, kept.note) == (1, 5.0, "Ada", "waves")
     assert np.array_equal(kept.thumbnail, picture)
@@ -55,7 +55,7 @@ def test_a_known_number_replaces_its_point_and_others_stay() -> None:
     for x in (1.0, 2.0):
         book.mark(point(x=x), "", NOW)
     assert book.mark(point(1, x=9.0, version=1), "", NOW) == ""
-    known = [(kept.number, kept.x, kept.version) for kept in book.message.points]
+    known = [(kept.number, kept.x, kept.version) for kept in book.points]
     assert known == [(1, 9.0, 2), (2, 2.0, 1)]
 
 
@@ -66,7 +66,7 @@ def test_two_who_change_a_point_do_not_overwrite_each_other() -> None:
     assert "changed meanwhile" in book.mark(point(1, note="Bob's", version=1), "", NOW)
     with pytest.raises(MissionError, match="changed meanwhile"):
         book.check_removal(1, 1)
-    assert [kept.note for kept in book.message.points] == ["Ada's"]
+    assert [kept.note for kept in book.points] == ["Ada's"]
     assert "no point 2" in book.mark(point(2, version=1), "", NOW)
 
 
@@ -78,14 +78,14 @@ def test_numbers_of_removed_points_are_not_given_again() -> None:
     with pytest.raises(MissionError, match="there is no point 1"):
         book.check_removal(1, 0)
     book.mark(point(), "", NOW)
-    assert [kept.number for kept in book.message.points] == [2]
+    assert [kept.number for kept in book.points] == [2]
 
 
 @pytest.mark.parametrize("x", [math.nan, math.inf, -1e6])
 def test_a_point_that_is_nowhere_is_refused(x: float) -> None:
     book = PointBook()
     assert "nowhere" in book.mark(point(x=x), "", NOW)
-    assert not book.message.points
+    assert not book.points
 
 
 def test_a_mark_is_never_lost_for_being_too_wordy() -> None:
@@ -93,7 +93,7 @@ def test_a_mark_is_never_lost_for_being_too_wordy() -> None:
     large = np.zeros(MAX_THUMBNAIL_BYTES + 1, np.uint8)
     said = point(note="n" * 9999, by="b" * 999, thumbnail=large, stamp=math.nan)
     assert book.mark(said, "", NOW) == ""
-    (kept,) = book.message.points
+    (kept,) = book.points
     assert (len(kept.note), len(kept.by), kept.thumbnail.size, kept.stamp) == (
         MAX_NOTE,
         MAX_BY,
@@ -107,7 +107,7 @@ def test_an_uncertainty_or_distance_that_cannot_be_is_not_known(metres: float) -
     book = PointBook()
     assert book.mark(point(uncertainty=metres, distance=2.5), "", NOW) == ""
     assert book.mark(point(uncertainty=0.2, distance=metres), "", NOW) == ""
-    first, second = book.message.points
+    first, second = book.points
     assert math.isnan(first.uncertainty)
     assert first.distance == 2.5
     assert second.uncertainty == 0.2
@@ -122,8 +122,8 @@ def test_there_is_room_for_so_many_points_and_all_of_them_can_be_sent() -> None:
         assert book.mark(full, "", NOW) == ""
     assert "already" in book.mark(full, "", NOW)
     assert book.mark(point(3, x=5.0, version=1), "", NOW) == ""
-    assert len(book.message.points) == MAX_POINTS
-    assert len(INTEREST_POINTS.encode(book.message)) < 1_000_000
+    assert len(book.points) == MAX_POINTS
+    assert len(INTEREST_POINTS.encode(InterestPoints(points=book.points))) < 1_000_000
 
 
 def test_when_the_numbers_end_known_ones_can_still_be_replaced() -> None:
@@ -137,8 +137,8 @@ def test_points_of_an_earlier_sheet_stay_known_and_their_numbers_are_not_given_a
     book = PointBook()
     book.mark(point(), "", NOW)
     book.begin_sheet(1)
-    assert not book.message.points
+    assert not book.points
     assert book.mark(point(), "", NOW) == ""
-    assert [kept.number for kept in book.message.points] == [2]
+    assert [kept.number for kept in book.points] == [2]
     assert book.earlier[1][0] == 1
     assert "on sheet 1" in book.mark(point(1, version=1), "", NOW)

@@ -35,7 +35,7 @@ def control(role: str, **more: Any) -> ControlSpec:
 
 
 def joystick(*controls: ControlSpec, name: str = "pad", **more: Any) -> JoystickSpec:
-    return JoystickSpec(name=name, controls=controls, line=1, **more)
+    return JoystickSpec(name=name, controls=controls, **more)
 
 
 ALL = joystick(

@@ -58,10 +58,10 @@ def test_lines_lie_where_the_camera_of_the_picture_saw_those_distances(made, dra
     view = geometry(made)
     for ahead in (1.0, 2.0, 3.0):
         for left in (-0.3, 0.15, 0.3):
-            assert has(canvas, DARK.ink, view.pixel(ahead, left).pixel)
-    assert has(canvas, DARK.ink, view.pixel(1.6, 0.0).pixel)
+            assert has(canvas, DARK.ink, view.pixels((ahead, left)).pixels)
+    assert has(canvas, DARK.ink, view.pixels((1.6, 0.0)).pixels)
     for ahead, left in ((1.4, 0.2), (1.6, -0.3)):
-        x, y = (int(value) for value in view.pixel(ahead, left).pixel)
+        x, y = (int(value) for value in view.pixels((ahead, left)).pixels)
         assert not canvas.pixels[y, x].any()
     small = draw(NAME, robot_at(made), (40, 30))
     golden("ground_plane", small)
@@ -71,7 +71,7 @@ def test_each_line_has_its_distance_written_where_it_begins(made, draw) -> None:
     canvas = draw(NAME, robot_at(made), SIZE)
     view = geometry(made)
     for distance in (1.0, 2.0, 3.0):
-        row = int(view.pixel(distance, 0.0).pixel[1]) // 2
+        row = int(view.pixels((distance, 0.0)).pixels[1]) // 2
         near = words(canvas)[row - 1 : row + 2]
         assert any(line.strip() == f"{distance:g} m" for line in near)
 
@@ -100,7 +100,7 @@ def test_rings_are_equally_far_from_the_robot(made, draw) -> None:
     view = geometry(made)
     for angle in (-0.3, 0.0, 0.3):
         place = 2.0 * math.cos(angle), 2.0 * math.sin(angle)
-        assert has(canvas, DARK.ink, view.pixel(*place).pixel)
+        assert has(canvas, DARK.ink, view.pixels(place).pixels)
     assert "2 m" in text(canvas)
 
 
@@ -119,7 +119,7 @@ def test_aside_the_distance_says_to_which_side_it_is(made, draw, pan, word) -> N
 def test_it_is_fitted_as_the_picture_under_it(made, draw, fit, size) -> None:
     """The line two metres ahead is where the picture's own pixel there is."""
     canvas = draw(NAME, robot_at(made), size, fit=fit)
-    x, y = geometry(made).pixel(2.0, 0.3).pixel
+    x, y = geometry(made).pixels((2.0, 0.3)).pixels
     scales = {"fit": (0.5, 0.5, 40, 0), "fill": (1.0, 1.0, 0, -30), "stretch": (0.5, 1.0, 0, 0)}
     across, down, left, top = scales[fit]
     assert has(canvas, DARK.ink, (x * across + left, y * down + top))
@@ -132,26 +132,26 @@ def test_the_way_ahead_is_as_wide_as_the_robot_and_bends_with_it(made, draw) -> 
     view = geometry(made)
     straight = draw(NAME, robot_at(made, commanded_linear=0.5), SIZE)
     for left in (0.203, -0.203):
-        assert has(straight, DARK.accent, view.pixel(1.5, left).pixel)
+        assert has(straight, DARK.accent, view.pixels((1.5, left)).pixels)
     bent = draw(NAME, robot_at(made, commanded_linear=0.5, commanded_angular=0.25), SIZE)
     # A circle of two metres around (0, 2): the right edge is 0.203 m beyond.
     turn = 0.7
     outer = 2.203 * math.sin(turn), 2.0 - 2.203 * math.cos(turn)
-    assert has(bent, DARK.accent, view.pixel(*outer).pixel)
-    assert not has(bent, DARK.accent, view.pixel(2.0, -0.203).pixel)
+    assert has(bent, DARK.accent, view.pixels(outer).pixels)
+    assert not has(bent, DARK.accent, view.pixels((2.0, -0.203)).pixels)
 
 
 def test_arrows_stand_where_the_robot_will_be_each_second(made, draw) -> None:
     view = geometry(made)
     canvas = draw(NAME, robot_at(made, commanded_linear=0.7), SIZE)
-    assert has(canvas, DARK.accent, view.pixel(1.4 + 0.11, 0.0).pixel)
-    assert not has(canvas, DARK.accent, view.pixel(1.8, 0.0).pixel)
+    assert has(canvas, DARK.accent, view.pixels((1.4 + 0.11, 0.0)).pixels)
+    assert not has(canvas, DARK.accent, view.pixels((1.8, 0.0)).pixels)
 
 
 def test_a_mark_and_words_say_where_it_stops_when_it_is_stopped_now(made, draw) -> None:
     """From 1 m/s: 0.3 s as before, then braking at 0.5 m/s^2: 1.3 m from the body's front."""
     canvas = draw(NAME, robot_at(made, commanded_linear=1.0), SIZE, braking=0.5)
-    assert has(canvas, DARK.warning, geometry(made).pixel(1.503, 0.15).pixel)
+    assert has(canvas, DARK.warning, geometry(made).pixels((1.503, 0.15)).pixels)
     assert "stop 1.3 m" in text(canvas)
     # So near that it is below the picture.
     assert "stops in 0.1 m" in text(draw(NAME, robot_at(made, commanded_linear=0.2), SIZE))
@@ -199,7 +199,7 @@ def test_the_way_begins_where_the_robot_is_by_now(made, draw) -> None:
     now = Pose(x=x, y=y, theta=0.6)
     for left in (0.203, -0.203):
         place = then.from_map(now.to_map((1.2, left))).tolist()
-        assert has(canvas, DARK.accent, geometry(made).pixel(*place).pixel)
+        assert has(canvas, DARK.accent, geometry(made).pixels(place).pixels)
 
 
 def test_an_old_command_is_faint_and_a_stale_one_is_not_shown(made, draw) -> None:
@@ -224,7 +224,7 @@ def test_lines_on_an_old_picture_are_dimmed_and_on_a_stale_one_hatched_and_marke
 def test_without_a_picture_it_shows_where_the_camera_looks(made, draw) -> None:
     camera = made.received(made.camera(**LOW))
     canvas = draw(NAME, made.robot(picture=None, camera=camera), SIZE)
-    assert has(canvas, DARK.ink, geometry(made).pixel(2.0, 0.3).pixel)
+    assert has(canvas, DARK.ink, geometry(made).pixels((2.0, 0.3)).pixels)
 
 
 @pytest.mark.parametrize("camera", [None, {"horizontal_fov": math.nan}])

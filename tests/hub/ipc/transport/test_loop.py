@@ -51,15 +51,16 @@ def test_one_loop_serves_clients_of_several_centrals(two: tuple[str, str]) -> No
         loop.close()
 
 
-def test_dispatch_serves_until_it_is_ended() -> None:
+def test_timers_are_served_as_often_as_they_want() -> None:
     loop = Loop()
     calls: list[str] = []
     loop.every(0.001, lambda: calls.append("every"), count=3)
     loop.after(0.002, lambda: calls.append("after"))
     cancelled = loop.every(0.001, lambda: calls.append("cancelled"))
     cancelled.cancel()
-    loop.after(0.05, loop.end)
-    loop.dispatch()
+    ended: list[bool] = []
+    loop.after(0.05, lambda: ended.append(True))
+    until(lambda: ended, 5.0, meanwhile=lambda: loop.listen(0.01))
     assert sorted(calls) == ["after", "every", "every", "every"]
     loop.close()
 
