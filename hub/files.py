@@ -17,8 +17,8 @@ def replace(path: Path, content: bytes, *, sync: bool = True) -> None:
 
     Args:
         path: The file.
-        content: What it shall hold.
-        sync: Whether to wait until it is on the disk; else it may be gone when the machine stops.
+        content: Its new content.
+        sync: Whether to wait until it is on the disk; else a stop of the machine may lose it.
 
     Raises:
         OSError: It cannot be written; the old file is as it was.
@@ -52,13 +52,13 @@ def sync_folder(folder: Path) -> None:
 
 
 def read(path: Path, most: int) -> bytes:
-    """What a file holds.
+    """The content of a file.
 
     Raises:
         MapFileError: It cannot be read, is no regular file, or is larger than `most` bytes.
     """
     try:
-        # Asked before it is opened: a pipe would keep us waiting for somebody to write.
+        # Checked before opening: a pipe would wait for a writer.
         regular = path.is_file() or not path.exists()
         raw = b""
         if regular:

@@ -1,4 +1,4 @@
-"""Logging that never waits: a terminal that is held or a pipe nobody reads must not stop a robot.
+"""Logging that never waits: a held terminal or an unread pipe must not stop a robot.
 
 Records go into a bounded queue and a thread writes them to standard error. When the queue is full,
 records are dropped and counted, and the next line that gets through says how many.
@@ -19,7 +19,7 @@ from hub.bucket import Bucket
 from hub.plain_text import plain
 
 LEVELS = ("debug", "info", "warning", "error")
-"""What people call how much is logged."""
+"""The names of log levels."""
 
 AT_ONCE, PER_S = 50, 1.0
 """Lines of one place in the program: in one burst, and each second; more are left out."""
@@ -35,7 +35,7 @@ class Bound:
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        """Know no place yet.
+        """Start without a place.
 
         Args:
             clock: Monotonic time [s].
@@ -55,7 +55,7 @@ class Bound:
         return self._left_out.pop(place, 0)
 
 
-class UnhurriedHandler(logging.Handler):
+class NonBlockingHandler(logging.Handler):
     """Hands records to a thread of its own."""
 
     def __init__(self) -> None:
@@ -85,7 +85,7 @@ class UnhurriedHandler(logging.Handler):
             self._dropped = 0
 
     def last_words(self) -> None:
-        """Give the thread a moment to write what is queued."""
+        """Give the thread a short time to write the queue."""
         end = time.monotonic() + _LAST_WORDS_S
         while self._queue.unfinished_tasks and time.monotonic() < end:
             time.sleep(0.005)
@@ -97,20 +97,20 @@ class UnhurriedHandler(logging.Handler):
                 sys.stderr.write(line)
                 sys.stderr.flush()
             except (OSError, ValueError, AttributeError):
-                pass  # standard error is closed or full: there is nobody to tell
+                pass  # standard error is closed or full: nothing can report this
             self._queue.task_done()
 
 
 def pass_on(line: str) -> None:
     """Write a line that another process has logged, as it is."""
     for handler in logging.getLogger().handlers:
-        if isinstance(handler, UnhurriedHandler):
+        if isinstance(handler, NonBlockingHandler):
             handler.pass_on(line)
 
 
 def start_logging(name: str, level: int) -> None:
     """Log to standard error under this name, from now to the end of the process."""
-    handler = UnhurriedHandler()
+    handler = NonBlockingHandler()
     handler.setFormatter(logging.Formatter(f"%(asctime)s {name} %(levelname)s %(message)s"))
     logging.basicConfig(level=level, handlers=[handler])
     atexit.register(handler.last_words)

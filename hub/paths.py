@@ -1,6 +1,6 @@
 """Where files of Rune belong on this machine: sockets, logs, maps, missions.
 
-The user's own folders follow the XDG base directory specification; a service has what systemd says.
+The user's own folders follow the XDG base directory specification; those of a service, systemd.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ LONGEST_FOR_SOCKETS = 60
 
 
 def for_sockets() -> Path:
-    """The folder in which a daemon makes a folder of its own for sockets."""
+    """The parent of a daemon's own folder for sockets."""
     for candidate in (os.environ.get("XDG_RUNTIME_DIR", ""), tempfile.gettempdir()):
         if candidate and len(candidate) <= LONGEST_FOR_SOCKETS and Path(candidate).is_dir():
             return Path(candidate)
@@ -58,7 +58,7 @@ def as_file_name(name: str) -> str:
 
 def _own(kind: str, name: str) -> Path:
     named = Path(os.environ.get(f"XDG_{kind}_HOME", ""))
-    if not named.is_absolute():  # the specification wants others ignored
+    if not named.is_absolute():  # the specification ignores relative paths
         home = os.path.expanduser("~")  # noqa: PTH111 - Path raises where there is none
         named = Path(home if home != "~" else tempfile.gettempdir()) / ".local" / name
     return named / "rune"

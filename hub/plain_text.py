@@ -1,4 +1,4 @@
-"""Text of others made safe to show: a terminal must not obey what a robot, a file or ssh says."""
+"""Makes text safe to show: a terminal must not obey text from a robot, a file or ssh."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def plain(text: str, *, lines: bool = False) -> str:
     r"""A text with its control characters as Python writes them, such as \x1b.
 
     Args:
-        text: Of anybody.
+        text: From any source.
         lines: Whether ends of lines and tabs stay.
     """
     if text.isprintable():

@@ -1,4 +1,4 @@
-"""Angles and poses in the plane, and how one frame lies in another; pure.
+"""Angles and poses in the plane, and transformations between frames; pure.
 
 Frames as in ROS REP 105 (`map`, `odom`, and the robot's own `base_link`), axes as in REP 103: x
 forward, y left [m], angles counter-clockwise from x [rad].
@@ -20,7 +20,7 @@ Number = TypeVar("Number", float, "npt.NDArray[np.float64]")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """A place and a heading in a frame; also how another frame lies in it.
+    """A place and a heading in a frame; also the pose of another frame in it.
 
     Attributes:
         x: Position [m].

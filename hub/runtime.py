@@ -163,7 +163,7 @@ def _serve(
     if daemon_pipe is not None:
         _stop_with_daemon(client, health, daemon_pipe)
     finish = build()
-    give_back()  # what building has left unused in the heap
+    give_back()  # unused parts of the heap after the start
 
     def announce() -> None:
         info = ModuleInfo(

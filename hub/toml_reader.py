@@ -22,7 +22,7 @@ from hub.plain_text import is_plain, plain
 
 MAX_FILE_BYTES = 1_000_000
 TOP = "top of the file"
-"""What the place outside of all tables is called."""
+"""Name of the place outside of all tables."""
 _HEADER = re.compile(r"\s*+\[++\s*+([^\[\]#]*[^\[\]#\s])\s*+\]++\s*+(?:#.*)?")
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*")
 _LINE = 1000
@@ -34,18 +34,18 @@ _TOO_DEEP = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPES
 _KEY = re.compile(r"""\s*(["']?)([\w-]+)\1\s*=""")
 
 Reader = Callable[[object], Any]
-"""Turns what TOML gives into a value, or raises `RefusedError`."""
+"""Turns a TOML value into the key's value, or raises `RefusedError`."""
 REQUIRED: Any = object()
 _DECLARED = "key"
 
 
 class RefusedError(ValueError):
-    """A value that is not what its key wants; the text says why."""
+    """A value that its key refuses; the text gives the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class Within:
-    """A reader that says which values it takes.
+    """A reader with a description of its values.
 
     Attributes:
         read: The reader.
@@ -69,7 +69,7 @@ class Key:
         default: Value where the key is absent; `REQUIRED` where it must not be.
         field: Name of the value, if it is not the key's.
         meaning: For people.
-        without: What holds where the key is absent, for people; empty: the default says it.
+        without: The value of an absent key, for people; empty: the default shows it.
     """
 
     read: Reader
@@ -116,7 +116,7 @@ def tables_of(kind: Any) -> Mapping[str, Mapping[str, Key]]:  # noqa: ANN401 - a
 
 
 def keys_of(kind: Any) -> Mapping[str, Key]:  # noqa: ANN401 - a dataclass
-    """The keys that the fields of a dataclass declare, where it stands for one table."""
+    """The keys that the fields of a dataclass declare for one table."""
     return tables_of(kind)[""]
 
 
@@ -143,7 +143,7 @@ class Problems(list[str]):
         """Add a sentence about a place, or a key there."""
         text = plain(text)
         line = self._lines.get((place, key)) or self._lines.get((place, ""))
-        if line is None and place == TOP:  # a whole table that nobody knows, or one that is none
+        if line is None and place == TOP:  # an unknown table, or a value in its place
             line = self._lines.get((f"[{key}]", ""))
         self.append((f"line {line}: " if line else "") + text)
 
@@ -266,7 +266,7 @@ def variables(longest: int, most: int) -> Reader:
 
 
 def choice(names: Iterable[str] | Mapping[str, Any]) -> Within:
-    """One of the names; what it stands for, where they are a mapping."""
+    """One of the names; the value of a name, if they are a mapping."""
     known = dict(names) if isinstance(names, Mapping) else {name: name for name in names}
 
     def read(value: object) -> Any:  # noqa: ANN401 - the mapping's type
@@ -279,7 +279,7 @@ def choice(names: Iterable[str] | Mapping[str, Any]) -> Within:
 
 
 def shown(key: Key) -> str:
-    """What holds where a key is absent, for people; empty: it must not be absent."""
+    """The value of an absent key, for people; empty: the key is required."""
     if key.default is REQUIRED or key.without:
         return key.without
     value = key.default.value if isinstance(key.default, enum.Enum) else key.default
@@ -300,7 +300,7 @@ def shorten(value: object) -> str:
 def load(
     path: Path, error: Callable[[str, list[str]], Exception]
 ) -> tuple[dict[str, Any], Problems]:
-    """What a TOML file holds, and where to put what is wrong with that: nothing yet.
+    """The content of a TOML file, and an empty list for its mistakes.
 
     Args:
         path: The file.
@@ -310,7 +310,7 @@ def load(
         Exception: Made by `error`: it cannot be read, is too large, or is not TOML.
     """
     try:
-        # Asked before it is opened: a pipe would keep us waiting for somebody to write.
+        # Checked before opening: a pipe would wait for a writer.
         regular = path.is_file() or not path.exists()
         raw = b""
         if regular:
@@ -341,9 +341,9 @@ def apply_settings(data: dict[str, Any], settings: Iterable[str], problems: Prob
     """Put values in place of a file's.
 
     Args:
-        data: What the file holds; it is changed.
-        settings: Each as "TABLE.KEY=VALUE"; what is no TOML value is taken as text.
-        problems: What is wrong with the settings is added.
+        data: The content of the file; it is changed.
+        settings: Each as "TABLE.KEY=VALUE"; a value that is no TOML counts as text.
+        problems: Gets the mistakes in the settings.
     """
     for setting in settings:
         names, is_given, text = setting.partition("=")
@@ -366,7 +366,7 @@ def read_table(
     *,
     tables: Iterable[str] = (),
 ) -> dict[str, Any]:
-    """The values of one table by field name; what is wrong is added to `problems`.
+    """The values of one table by field name; mistakes are added to `problems`.
 
     A value that is missing and has no default is None. `tables` are names that are known in this
     place as well and read elsewhere.

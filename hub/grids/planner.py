@@ -32,7 +32,7 @@ def plan(
     squeeze: float = SQUEEZE,
     tolerance: float = 0.3,
 ) -> Way | None:
-    """The cheapest path, with straight lines where they cost hardly more.
+    """The cheapest path, with straight lines of almost the same cost.
 
     Args:
         grid: The map; ground outside it is unknown.
@@ -76,7 +76,7 @@ def plan(
 
 
 def _spread(grid: Grid, start: Cell, goal: Cell, caution: Caution) -> tuple[Costs, Costs]:
-    """What crossing each cell costs, and the ways from the start, as far as the goal."""
+    """The cost of crossing each cell, and of the paths from the start up to the goal."""
     factors = crossing(grid, start, caution)
     if not math.isfinite(factors[start]):
         return factors, factors
@@ -84,7 +84,7 @@ def _spread(grid: Grid, start: Cell, goal: Cell, caution: Caution) -> tuple[Cost
 
 
 def _on_known_ground(grid: Grid, factors: Costs, costs: Costs, goal: Cell) -> bool:
-    """Whether a way leads to the goal, and only over ground that is known to be free."""
+    """Whether a path over known free ground leads to the goal."""
     if not math.isfinite(costs[goal]):
         return False
     rows, columns = np.array(way_back(factors, costs, goal)).T
@@ -105,7 +105,7 @@ def _nearest(costs: Costs, goal: Cell, reach_cells: float) -> Cell | None:
 
 
 def _straightened(factors: Costs, costs: Costs, way: list[Cell]) -> list[Cell]:
-    """Fewer cells of a way: straight lines between them cost as little."""
+    """Fewer cells of a path: straight lines between them cost as little."""
     kept = [way[0]]
     index = 0
     while index < len(way) - 1:
@@ -115,7 +115,7 @@ def _straightened(factors: Costs, costs: Costs, way: list[Cell]) -> list[Cell]:
 
 
 def _farthest_straight(factors: Costs, costs: Costs, way: list[Cell], index: int) -> int:
-    """The last cell of the way that a straight line from `index` reaches; found by bisection."""
+    """The last cell of the path that a straight line from `index` reaches; found by bisection."""
 
     def straight(other: int) -> bool:
         spent = costs[way[other]] - costs[way[index]]
@@ -132,7 +132,7 @@ def _farthest_straight(factors: Costs, costs: Costs, way: list[Cell], index: int
 
 
 def line_cost(factors: Costs, start: Cell, end: Cell) -> float:
-    """What a straight line between the middles of two cells costs [cells]; inf: it is blocked.
+    """The cost of a straight line between the middles of two cells [cells]; inf: it is blocked.
 
     The length in each cell that is crossed counts with the cell's factor.
     """

@@ -1,1 +1,1 @@
-"""Looking into a running hub: what `rune-hub list`, `echo`, `rate`, `send` and `query` do."""
+"""Commands that inspect a running hub: `rune-hub list`, `echo`, `rate`, `send` and `query`."""

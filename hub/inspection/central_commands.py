@@ -21,7 +21,7 @@ _ANSWER_S = 2.0
 
 
 def status(client: Client, *, as_json: bool) -> int:
-    """Show modules, and for each message how often it is published lately, and what failed."""
+    """Show modules, and the recent rate and the faults of each message."""
     now = client.directory.listing(_ANSWER_S)
     flows = _flows(now)
     peers = [peer for peer in now.peers if peer.name != client.name]

@@ -1,4 +1,4 @@
-"""`rune-hub control`: who has control of the robot, and to free it for somebody who stands by."""
+"""`rune-hub control`: shows the owner of control, and frees the robot."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from hub.plain_text import plain
 
 
 def show(client: Client, *, as_json: bool) -> int:
-    """Show who has control, who asks for it, and who moves the robot."""
+    """Show the owner of control, the requests for it, and the sender that moves the robot."""
     state = last_report(client, CONTROL_STATE)
     if as_json:
         put(json.dumps(value_text.plain(state)))
@@ -37,7 +37,7 @@ def release(client: Client, *, force: bool) -> int:
     """Free the robot: its owner loses control, and requests are dropped.
 
     Raises:
-        HubError: That is not what was asked for.
+        HubError: The daemon refused it.
     """
     if not force:
         text = "this takes control from whoever has it; if you stand by the robot, add --force"

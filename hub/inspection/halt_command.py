@@ -7,7 +7,7 @@ import time
 
 from hub.command_line import login_name
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
-from hub.inspection.output import complain, put
+from hub.inspection.output import print_error, put
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 
@@ -22,10 +22,10 @@ _MOVING = (MotionState.MOVING, MotionState.GOING, MotionState.NO_DRIVER)
 
 
 class Halt:
-    """What the robot has reported since the first stop; pure.
+    """The robot's reports since the first stop; pure.
 
     Attributes:
-        report: The newest report; None: none came.
+        report: The newest report; None: none arrived.
         seen: Whether the robot has reported a stop.
     """
 
@@ -35,7 +35,7 @@ class Halt:
         self._stops_before: int | None = None
 
     def take(self, report: RobotState) -> None:
-        """Look at a report of the robot."""
+        """Take a report of the robot."""
         if self._stops_before is None:
             self._stops_before = report.stops
         # A console that sends neutral ends the state STOPPED at once, but the count stays.
@@ -57,7 +57,7 @@ class Halt:
         )
 
     def problem(self) -> str:
-        """Why it does not stand, in a sentence that says what to do."""
+        """A sentence with the reason why it does not stand, and the remedy."""
         report = self.report
         if report is None:
             return (
@@ -75,7 +75,7 @@ class Halt:
 
 
 def halt(client: Client, *, as_json: bool) -> int:
-    """Stop the robot until somebody commands neutral.
+    """Stop the robot until a neutral command.
 
     Sends stops until the robot has reported one, because a single stop may be lost.
 
@@ -109,7 +109,7 @@ def halt(client: Client, *, as_json: bool) -> int:
         facts = dict(zip(("linear", "angular"), speeds, strict=True))
         put(json.dumps({"stands": course.stands, "seconds": round(lasted, 3), **facts}))
     if not course.stands:
-        complain(course.problem())
+        print_error(course.problem())
         return 1
     if not as_json:
         put(f"the robot stands, {lasted:.1f} s after the first stop; it waits for neutral")

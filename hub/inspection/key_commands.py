@@ -1,4 +1,4 @@
-"""What `rune-hub keys` does; each command returns the exit code. No hub needs to run."""
+"""The commands of `rune-hub keys`; each returns the exit code. No hub needs to run."""
 
 from __future__ import annotations
 

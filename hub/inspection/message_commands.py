@@ -1,4 +1,4 @@
-"""The commands that look into a running hub; each returns the exit code."""
+"""The commands that inspect a running hub; each returns the exit code."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from hub.gcm.catalog import BY_NAME
 from hub.gcm.common import CommonResult
 from hub.gcm.control import CONTROL_STATE, RESTRICTED
 from hub.inspection import value_text
-from hub.inspection.output import complain, outcome, put
+from hub.inspection.output import outcome, print_error, put
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo, decode
@@ -55,7 +55,7 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
 
 
 def list_all(client: Client, *, as_json: bool) -> int:
-    """Show modules, messages, and what central has dropped."""
+    """Show modules, messages, and dropped messages of central."""
     listing = client.directory.listing(_ANSWER_S)
     peers = [peer for peer in listing.peers if peer.name != client.name]
     if as_json:
@@ -82,7 +82,7 @@ def list_all(client: Client, *, as_json: bool) -> int:
 
 
 def echo(client: Client, name: str, *, count: int, as_json: bool) -> int:
-    """Show messages as they come, until `count` were shown (0: until Ctrl-C)."""
+    """Show `count` messages as they arrive (0: until Ctrl-C)."""
     definition = find(client, name)
     shown = 0
 
@@ -98,7 +98,7 @@ def echo(client: Client, name: str, *, count: int, as_json: bool) -> int:
 
 
 def rate(client: Client, name: str, *, seconds: float, as_json: bool) -> int:
-    """Show how often a message comes, each second, for `seconds` (0: until Ctrl-C)."""
+    """Show the rate of a message, each second, for `seconds` (0: until Ctrl-C)."""
     definition = find(client, name)
     arrivals: list[float] = []
     ages: list[float] = []
@@ -123,19 +123,19 @@ def rate(client: Client, name: str, *, seconds: float, as_json: bool) -> int:
 def send(
     client: Client, name: str, assignments: Sequence[str], *, rate_hz: float, zero_first: bool
 ) -> int:
-    """Publish one message, or at `rate_hz` until Ctrl-C; if wanted, one of zeros before.
+    """Publish one message, or at `rate_hz` until Ctrl-C; on request, one of zeros before.
 
     Returns:
         The exit code: 1 if no module listens, or another client has control.
     """
     definition = find(client, name)
-    value = value_text.value_from_text(definition, assignments, complain)
+    value = value_text.value_from_text(definition, assignments, print_error)
     value_text.demand_within_ranges(definition, value)
     client.demand_right(definition)
     owner = _owner(client) if name in RESTRICTED else ""
     if owner:
         text = f"{owner} has control, so the robot refuses this; `rune-hub control` says more"
-        complain(plain(text))
+        print_error(plain(text))
     client.define(definition)
     client.wait_defined(_ANSWER_S)
     if zero_first:
@@ -156,7 +156,7 @@ def send(
 
 
 def _owner(client: Client) -> str:
-    """Who has control of the robot; empty if nobody has, or the hub does not say."""
+    """The owner of control; empty: none, or the hub does not report it."""
     try:
         return client.last_value(CONTROL_STATE, timeout=_ANSWER_S).operator
     except QueryError:
@@ -166,9 +166,9 @@ def _owner(client: Client) -> str:
 def query(
     client: Client, name: str, assignments: Sequence[str], *, timeout: float, as_json: bool
 ) -> int:
-    """Ask, and show the answer; 1 if it says that what was asked for cannot be done."""
+    """Ask, and show the answer; returns 1 if it is a refusal."""
     definition = find(client, name)
-    value = value_text.value_from_text(definition, assignments, complain)
+    value = value_text.value_from_text(definition, assignments, print_error)
     value_text.demand_within_ranges(definition, value)
     try:
         frame = client.query_frame(definition, value, timeout=timeout)
@@ -182,10 +182,10 @@ def query(
 
 
 def find(client: Client, name: str) -> MessageDefinition[Any]:
-    """The definition of a message, from the vocabulary or from what central lists.
+    """The definition of a message, from GCM or from central's listing.
 
     Raises:
-        UndefinedMessageError: Neither knows it.
+        UndefinedMessageError: It is in neither.
     """
     if name in BY_NAME:
         return BY_NAME[name]

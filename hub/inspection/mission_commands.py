@@ -1,4 +1,4 @@
-"""`rune-hub mission`: what robots have kept, and the mission that runs."""
+"""`rune-hub mission`: the records of missions, and the running mission."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def list_all(robot: str, folder: str, *, as_json: bool) -> int:
 
 
 def show(mission: str, robot: str, folder: str, *, as_json: bool) -> int:
-    """Show one mission: its marks and what happened; without an id the newest.
+    """Show one mission: its marks and events; without an id the newest.
 
     Raises:
         MissionError: There is none, or it cannot be read.
@@ -140,7 +140,7 @@ def _chosen(mission: str, robot: str, folder: str) -> tuple[MissionFolder, str]:
 
 
 def _facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
-    """What is said of a mission in a list, also of one that cannot be read."""
+    """The row of a mission in a list, even of an unreadable one."""
     try:
         return mission_facts(folder, mission)
     except MissionError as error:

@@ -36,7 +36,7 @@ _MOST_LINES = 1000
 
 
 def modules(client: Client, *, as_json: bool) -> int:
-    """Show what the daemon knows of each module."""
+    """Show the daemon's report on each module."""
     reports = last_report(client, supervision.MODULE_REPORTS)
     if as_json:
         put(json.dumps(value_text.plain(reports)))
@@ -64,7 +64,7 @@ def modules(client: Client, *, as_json: bool) -> int:
 
 
 def capabilities(client: Client, *, as_json: bool) -> int:
-    """Show what the robot can do, and who wants it."""
+    """Show the robot's capabilities, and the holders that want them."""
     reports = last_report(client, supervision.CAPABILITY_REPORTS)
     if as_json:
         put(json.dumps(value_text.plain(reports)))
@@ -88,7 +88,7 @@ def order(client: Client, module: str, wanted: str) -> int:
 
 
 def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
-    """Want capabilities until Ctrl-C, or for some time (0: for ever); say what comes of it."""
+    """Want capabilities until Ctrl-C, or for some time (0: for ever), and report the result."""
     wants = supervision.CapabilityWants(holder=client.name, capabilities=" ".join(wanted))
     said: dict[str, str] = {}
 
@@ -110,7 +110,7 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
 
 
 def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
-    """Show what a module has written lately, and with `follow` what it writes from now on."""
+    """Show the recent output of a module, and with `follow` its further output."""
     shown = _lines(client, module, 0, lines)
     _show(shown)
     if not shown.text:
@@ -149,7 +149,7 @@ def _lines(client: Client, module: str, first: int, most: int) -> supervision.Lo
 
 
 def _need_known(client: Client, module: str, text: str) -> None:
-    """That something is not done may be because there is no such module: then it is wrong usage."""
+    """The exit code of a refusal: an unknown module is wrong usage."""
     reports = last_report(client, supervision.MODULE_REPORTS)
     if module not in (each.name for each in reports.modules):
         raise UnknownModuleError(plain(text))

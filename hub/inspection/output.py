@@ -10,7 +10,7 @@ from hub.plain_text import plain
 
 
 def put(line: str) -> None:
-    """Write a line, at once; what a terminal would obey in it is spelt out."""
+    """Write a line at once, with control characters spelt out."""
     sys.stdout.write(plain(line, lines=True) + "\n")
     sys.stdout.flush()
 
@@ -19,7 +19,7 @@ def outcome(result: CommonResult) -> int:
     """The exit code for an answer to a request; a refusal is printed on standard error."""
     if result.done:
         return 0
-    complain(plain(result.text))
+    print_error(plain(result.text))
     return 1
 
 
@@ -30,7 +30,7 @@ def report(result: CommonResult) -> int:
     return outcome(result)
 
 
-def complain(text: str) -> None:
+def print_error(text: str) -> None:
     """Write a sentence to standard error."""
     sys.stderr.write(f"rune-hub: {plain(text, lines=True)}\n")
 

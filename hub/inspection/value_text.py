@@ -28,7 +28,7 @@ def value_from_text(
     assignments: Sequence[str],
     warn: Callable[[str], object] = no_note,
 ) -> Any:  # noqa: ANN401 - any message
-    """The value with the fields that were given; all others are zero or empty.
+    """The value with the given fields; all others are zero or empty.
 
     Args:
         definition: Which message.
@@ -71,7 +71,7 @@ def demand_within_ranges(definition: MessageDefinition[Any], value: Any) -> None
 
 
 def plain(value: Any, record: DataclassCodec | None = None) -> Any:  # noqa: ANN401 - any message
-    """A message as JSON knows it: mappings, lists, numbers, text; NaN and infinity as text.
+    """A message as a JSON value: mappings, lists, numbers, text; NaN and infinity as text.
 
     A linked list becomes a list of its nodes without the self pointer, because JSON cannot nest as
     deep as a list is long; a message that is one itself has the field "nodes", as in its schema.
@@ -172,7 +172,7 @@ def _zero(node: formats.Format) -> Any:  # noqa: ANN401 - the value of any forma
 
 
 def _zeros(node: formats.FixedArray) -> Any:  # noqa: ANN401 - an array or a list
-    """Arrays of numbers in their shape, others flat, as a codec wants them."""
+    """Arrays of numbers in their shape, others flat, as a codec takes them."""
     if isinstance(node.element, formats.Primitive) and node.element.name in DTYPES:
         return np.zeros(node.dimensions, DTYPES[node.element.name])
     return [_zero(node.element)] * node.count
@@ -200,7 +200,7 @@ def _assigned(value: Any, path: list[str], text: str, where: str) -> Any:  # noq
 
 
 def _read(old: Any, text: str, where: str) -> Any:  # noqa: ANN401 - as the member it replaces
-    """What `text` says, in the kind of the value it replaces."""
+    """The value of `text`, in the type of the value that it replaces."""
     if isinstance(old, str):
         return text
     try:
@@ -222,7 +222,7 @@ def _unfit(old: Any, text: str, where: str) -> CodecError:  # noqa: ANN401 - any
 
 
 def _wanted(old: Any, text: str) -> str:  # noqa: ANN401 - any member
-    """What could stand in the place of a value."""
+    """The allowed replacements of a value."""
     if isinstance(old, enum.IntEnum):
         names = [member.name for member in type(old)]
         return f"one of {', '.join(names)}{did_you_mean(text.upper(), names)}"

@@ -167,7 +167,7 @@ class MissionFolder:
         return book, reading.damaged
 
     def reading(self, mission: str) -> tuple[MissionBook, journal.Reading]:
-        """A mission, and what its journal holds; nothing is written.
+        """A mission, and the records of its journal; writes nothing.
 
         Raises:
             MissionFileError: It cannot be read, or it is another robot's.
@@ -196,7 +196,7 @@ class MissionFolder:
         return book
 
     def save_grid(self, mission: str, sheet: int, grid: log_odds.LogOdds) -> None:
-        """Write a sheet of the map; what was there before stays until it is written.
+        """Write a sheet of the map; the old file stays until then.
 
         Raises:
             MissionFileError: It cannot be written.

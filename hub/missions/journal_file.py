@@ -48,7 +48,7 @@ class JournalFile:
         except OSError as fault:
             raise MissionFileError(_problem(path, fault)) from fault
         try:
-            self._mend()
+            self._repair()
         except OSError as fault:
             self.close()
             raise MissionFileError(_problem(path, fault)) from fault
@@ -85,7 +85,7 @@ class JournalFile:
         self.count += len(records)
 
     def sync(self) -> None:
-        """Wait until all that was added is on the disk.
+        """Wait until all records are on the disk.
 
         Raises:
             MissionFileError: The disk refuses.
@@ -105,7 +105,7 @@ class JournalFile:
         with contextlib.suppress(OSError):
             os.close(self._file)
 
-    def _mend(self) -> None:
+    def _repair(self) -> None:
         """Remove an unfinished line at the end, and end the last line if that was cut."""
         if os.fstat(self._file).st_size > self._length:
             os.ftruncate(self._file, self._length)

@@ -178,7 +178,7 @@ class MissionKeeper:
         """End the mission, even if the disk fails; marks stay in memory until the next one begins.
 
         Returns:
-            What is lost with its end, and why; empty: nothing.
+            Losses at its end, and the reason; empty: none.
 
         Raises:
             MissionError: None runs.
@@ -201,7 +201,7 @@ class MissionKeeper:
         return "; ".join(problems)
 
     def _loss(self) -> str:
-        """Note what an end loses now; returns it in words."""
+        """Note the losses of an end now; returns them in words."""
         self._lost = self._pending.marks
         which = marks_text(self._lost)
         return f"{self.unkept} changes{which} are not on the disk and lost: {self.fault}"
@@ -368,7 +368,7 @@ class MissionKeeper:
 
     @property
     def fault(self) -> str:
-        """What is not stored, and why; empty: all is stored."""
+        """The unstored part, and the reason; empty: all is stored."""
         return "; ".join(self._faults.values())
 
     @property

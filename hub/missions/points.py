@@ -50,11 +50,11 @@ class PointBook:
         Args:
             point: New if its number is 0, else another version of one that is there; a long note is
                 cut, a large picture is left out, and an impossible uncertainty or distance is NaN.
-            by: Who marked it, where the point does not say.
-            now: When it was marked [s since the epoch], where the point does not say.
+            by: Its operator, if the point has none.
+            now: Time of the mark [s since the epoch], if the point has none.
 
         Raises:
-            MissionError: It cannot be taken; the text says why.
+            MissionError: It is refused; the text gives the reason.
         """
         if not (abs(point.x) <= FARTHEST and abs(point.y) <= FARTHEST):
             text = f"({point.x:g}, {point.y:g}) is nowhere"
@@ -76,7 +76,7 @@ class PointBook:
         )
 
     def same(self, point: InterestPoint, by: str) -> InterestPoint | None:
-        """The point that says the same already, to the last bit; None if none does.
+        """The point that is equal to the last bit; None: there is none.
 
         A client without an answer sends a mark or a change again: it must not become two marks, and
         it must not be refused.
@@ -96,7 +96,7 @@ class PointBook:
         """Whether a point can be removed; version 0 is any.
 
         Raises:
-            MissionError: It cannot be; the text says why.
+            MissionError: It is refused; the text gives the reason.
         """
         known = self._known(number)
         if version not in (0, known.version):

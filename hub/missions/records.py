@@ -27,8 +27,8 @@ class Begun:
 
     Attributes:
         robot: Name of the robot.
-        name: What the operator calls the mission.
-        by: Who began it.
+        name: The operator's name for the mission.
+        by: The operator who started it.
         stamp: When [s since the epoch].
     """
 
@@ -44,7 +44,7 @@ class Named:
 
     Attributes:
         name: That.
-        by: Who named it.
+        by: The operator who named it.
         stamp: When [s since the epoch].
     """
 
@@ -59,7 +59,7 @@ class SheetBegun:
 
     Attributes:
         number: Of the sheet, from 1.
-        frame: Number of the frame `map`, as the robot's state says; 0: not known yet.
+        frame: Number of the frame `map`, from the robot's state; 0: not known yet.
         carries: Whether the marks of the sheet before are valid on it.
         why: For people.
         stamp: When [s since the epoch].
@@ -104,7 +104,7 @@ class Removed:
 
     Attributes:
         number: Its number.
-        by: Who removed it.
+        by: The operator who removed it.
         stamp: When [s since the epoch].
     """
 
@@ -131,7 +131,7 @@ class Ended:
     """The mission was ended; the last record.
 
     Attributes:
-        by: Who ended it.
+        by: The operator who ended it.
         stamp: When [s since the epoch].
     """
 

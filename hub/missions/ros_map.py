@@ -33,7 +33,7 @@ _FARTHEST = 1e5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapHeader:
-    """What the YAML file says.
+    """The content of the YAML file.
 
     Attributes:
         image: Name of the picture, in the same folder.
@@ -101,7 +101,7 @@ def decode_pgm(raw: bytes) -> npt.NDArray[np.uint8]:
 
 
 def decode_yaml(raw: bytes) -> MapHeader:
-    """What the YAML file says.
+    """The content of the YAML file.
 
     Raises:
         MapFileError: It is too large, no such file, or a value is missing or out of its bounds.

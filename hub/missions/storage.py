@@ -55,7 +55,7 @@ def load(folder: Path, name: str) -> tuple[OccupancyMap, tuple[InterestPoint, ..
     """Read a map; there are no points where there is no file of them.
 
     Raises:
-        MapFileError: It has a wrong name, a file cannot be read, or is not what it should be.
+        MapFileError: It has a wrong name, or a file cannot be read or is damaged.
     """
     described = folder / f"{checked_name(name)}.yaml"
     header = ros_map.decode_yaml(files.read(described, ros_map.MAX_YAML_BYTES))

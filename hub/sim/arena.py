@@ -22,9 +22,9 @@ SHIPPED = Path(__file__).parent / "arenas"
 BODY_RADIUS = 0.203
 """Radius of the robot [m], iRobot Magellan Pro."""
 BODY_HEIGHT = 0.45
-"""Height of the robot with its camera [m]; what begins above it is driven under."""
+"""Height of the robot with its camera [m]; it drives under solids above this."""
 LOWEST_OBSTACLE = 0.01
-"""What ends below this height [m] is driven over."""
+"""The robot drives over solids below this height [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

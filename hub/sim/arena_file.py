@@ -35,7 +35,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """A kind of table: what it becomes, its field of `ArenaSpec`, and how often it stands there."""
+    """A kind of table: its class, its field of `ArenaSpec`, and its number there."""
 
     spec: Callable[..., Any]
     field: str

@@ -1,4 +1,4 @@
-"""What an arena file says: a dataclass for each kind of table, and a key for each of its fields.
+"""The tables of an arena file: a dataclass for each kind, and a key for each of its fields.
 
 Lengths are in metres. The `key` of a field says how the file's value is read, which values it may
 have, and what it means; the tables of `docs/writing-an-arena.md` say the same.
@@ -41,7 +41,7 @@ Point = tuple[float, float]
 
 MAX_DOORWAYS = 16
 FARTHEST = 50.0
-"""Nothing lies farther from the origin in x or y than this [m]."""
+"""Largest distance from the origin in x or y [m]."""
 
 
 def _colour(value: object) -> Colour:
@@ -181,7 +181,7 @@ class RingSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArenaSpec:
-    """Everything an arena file says."""
+    """The content of an arena file."""
 
     name: str = key(text(64), meaning="the arena's name")
     description: str = key(text(500), "", "what it is for")

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 CAPACITY = 7.2 * 3600.0
 """Charge of the full battery [A s]."""
 IDLE_CURRENT = 1.5
-"""What computer and sensors draw [A]."""
+"""Current of computer and sensors [A]."""
 CURRENT_PER_SPEED = 4.0
-"""What driving draws [A per m/s]."""
+"""Current of driving [A per m/s]."""
 CURRENT_PER_TURN_RATE = 1.0
-"""What turning draws [A per rad/s]."""
+"""Current of turning [A per rad/s]."""
 FULL_VOLTAGE = 25.4
 EMPTY_VOLTAGE = 22.0
 RESISTANCE = 0.12

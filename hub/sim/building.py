@@ -1,4 +1,4 @@
-"""Builds the boxes and cylinders of an arena from what its file says."""
+"""Builds the boxes and cylinders of an arena from its file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from hub.sim.arena_specs import (
 from hub.sim.geometry import Box, Colour, Cylinder, Side, Surface
 
 PANEL_THICKNESS = 0.02
-"""How far signs and rings stand out from their wall [m]."""
+"""Distance of signs and rings from their wall [m]."""
 RING_PANEL_IN_GAPS = 7.0
 """Side of a ring's panel in widths of its gap; the ring itself is 5 gaps wide."""
 
@@ -45,8 +45,8 @@ def build(spec: ArenaSpec) -> tuple[tuple[Box, ...], tuple[Cylinder, ...], tuple
         ("landmark", [_landmark(item) for item in spec.landmarks]),
         ("ring", [_ring(item) for item in spec.rings]),
     )
-    for kind, makings in parts:
-        for index, making in enumerate(makings, start=1):
+    for kind, pieces in parts:
+        for index, making in enumerate(pieces, start=1):
             made = list(making)
             boxes.extend(made)
             origins.extend([f"{kind} {index}"] * len(made))
@@ -112,7 +112,8 @@ def _cylinder(cylinder: CylinderSpec) -> Cylinder:
 def _victim(victim: VictimSpec) -> Iterator[Box]:
     """A person of a head with a face, a trunk, legs and arms.
 
-    Sitting, the face looks where the victim faces; lying, the head points there and the face up.
+    Sitting, the face points in the victim's direction; lying, the head does, and the face points
+    up.
     """
     clothes = Surface(texture="fabric", colour=victim.colour)
     dark = Surface(texture="fabric", colour=(52, 56, 70))
@@ -186,7 +187,7 @@ def _sign(
     surface: Surface,
     picture: Surface,
 ) -> Box:
-    """A square panel whose back is at `at` and whose picture looks to `facing`."""
+    """A square panel with its back at `at` and its picture on the side `facing`."""
     depth = sorted((at[facing.axis], at[facing.axis] + facing.sign * PANEL_THICKNESS))
     middle = at[1 - facing.axis]
     across = [middle - size / 2, middle + size / 2]

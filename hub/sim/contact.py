@@ -1,4 +1,4 @@
-"""Contact of the round body with what stands in its way."""
+"""Contact of the round body with obstacles."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _PUSHES = 6
 
 
 class ContactBody:
-    """The robot's body among obstacles: where it can go and what it touches.
+    """The robot's body among obstacles: its possible positions and its contacts.
 
     Attributes:
         touched: Numbers of the obstacles it touches.
-        contacts: Times it has come to touch an obstacle that it did not touch before.
+        contacts: Number of new contacts with an obstacle.
     """
 
     def __init__(self, footprints: Footprints) -> None:
@@ -34,9 +34,9 @@ class ContactBody:
         self.contacts = 0
 
     def move(self, before: Pose, wanted: Pose) -> Pose:
-        """Where the body gets on a short way to a wanted pose: it slides along, or stays.
+        """The end of a short motion to a wanted pose: the body slides along obstacles, or stays.
 
-        A way counts as short when it is shorter than the body's radius.
+        A short motion is shorter than the body's radius.
         """
         self._free -= math.hypot(wanted.x - before.x, wanted.y - before.y)
         # An obstacle farther than the path since the last check cannot be reached yet.
@@ -60,7 +60,7 @@ class ContactBody:
         return bits
 
     def _pushed_out(self, before: Pose, wanted: Pose) -> tuple[float, float]:
-        """The wanted place, moved out of what it overlaps; the one before where that fails."""
+        """The wanted place, moved out of obstacles; the one before if that fails."""
         x, y = wanted.x, wanted.y
         for _ in range(_PUSHES):
             distances = self._obstacles.distances(x, y)

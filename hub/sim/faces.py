@@ -15,7 +15,7 @@ from hub.sim.textures import Atlas, make_atlas
 FLOOR = 0
 CEILING = 1
 PLANES = 2
-"""Floor and ceiling come first among the drawn things, then boxes' sides, then cylinders."""
+"""Index of the first side: floor and ceiling come first, then boxes' sides, then cylinders."""
 
 CEILING_SURFACE = Surface(texture="ceiling", colour=(122, 126, 134))
 
@@ -38,10 +38,10 @@ class Faces:
         corners: Corners of each side, counter-clockwise from outside [m], shape (f, 4, 3).
         axis: Which coordinate is constant on a side, shape (f,).
         coordinate: That coordinate [m], shape (f,).
-        sign: Whether a side looks along its axis (1) or against it (-1), shape (f,).
+        sign: Whether a side faces along its axis (1) or against it (-1), shape (f,).
         cylinders: x, y, radius, low, high of each cylinder [m], shape (c, 5).
         first_texel: Texel index of each thing's material at level 0, shape (things,).
-        flat: Whether a thing's texture lies in x and y instead of standing up, shape (things,).
+        flat: Whether a thing's texture is horizontal, shape (things,).
         across_x: Whether the texture runs along x from left to right, shape (things,).
         column_scale: Texels per metre from left to right, shape (things,).
         column_offset: Texel column at coordinate 0, shape (things,).
@@ -82,7 +82,7 @@ class _Face:
         return picture if self.pictured and picture is not None else self.box.surface
 
     def corners(self) -> npt.NDArray[np.float64]:
-        """Four corners, counter-clockwise for who looks at the side from outside, shape (4, 3)."""
+        """Four corners, counter-clockwise as seen from outside, shape (4, 3)."""
         axis, sign = self.side.axis, self.side.sign
         first, second = (axis + 1) % 3, (axis + 2) % 3
         corners = np.empty((4, 3))
@@ -95,7 +95,7 @@ class _Face:
 
 def make_faces(arena: Arena) -> Faces:
     """Prepare an arena for drawing."""
-    # The undersides of what stands on the floor are never seen.
+    # The undersides of objects on the floor are never seen.
     faces = [
         _Face(box, side)
         for box in arena.boxes
@@ -157,7 +157,7 @@ def _picture_mapping(face: _Face) -> tuple[float, float, float, float]:
     low, high = face.box.low, face.box.high
     across = 1 if face.side.axis == 0 else 0
     down = 1 if face.side.axis == 2 else 2
-    # Who looks west at an east side has north, larger y, at the right; north sides are mirrored.
+    # Seen from the east, an east side has north, larger y, at the right; north sides are mirrored.
     to_right = face.side.sign if face.side.axis != 1 else -face.side.sign
     columns = to_right * TEXELS * _SHRINK / (high[across] - low[across])
     rows = -TEXELS * _SHRINK / (high[down] - low[down])

@@ -13,7 +13,7 @@ Colour = tuple[int, int, int]
 
 
 class Side(enum.Enum):
-    """Which way one side of a box looks; the value is (axis, sign)."""
+    """The direction of one side of a box; the value is (axis, sign)."""
 
     EAST = (0, 1)
     WEST = (0, -1)
@@ -29,17 +29,17 @@ class Side(enum.Enum):
 
     @property
     def sign(self) -> int:
-        """1 when it looks along the axis, -1 when against it."""
+        """1: along the axis; -1: against it."""
         return self.value[1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """What a side looks like.
+    """The appearance of a side.
 
     Attributes:
         texture: A name from `textures.TEXTURES`.
-        colour: What the texture is tinted with.
+        colour: Tint of the texture.
     """
 
     texture: str
@@ -53,9 +53,9 @@ class Box:
     Attributes:
         low: Least x, y, z [m].
         high: Greatest x, y, z [m].
-        surface: What it looks like.
+        surface: Its appearance.
         picture_side: The side that carries `picture` once over its whole area, or None.
-        picture: What that side looks like.
+        picture: Appearance of that side.
     """
 
     low: tuple[float, float, float]
@@ -75,7 +75,7 @@ class Cylinder:
         radius: Radius [m].
         low: Height of its bottom [m].
         high: Height of its top [m].
-        surface: What it looks like.
+        surface: Its appearance.
     """
 
     x: float

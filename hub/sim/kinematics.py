@@ -22,17 +22,17 @@ class Accelerations:
 
 
 LINEAR = Accelerations(speeding_up=1.0, braking=2.0)
-"""From 0.5 m/s the robot stands after 0.25 s and 6 cm."""
+"""Largest braking [m/s^2]: from 0.5 m/s the robot stops after 0.25 s and 6 cm."""
 ANGULAR = Accelerations(speeding_up=2.0, braking=4.0)
 
 
 def limited(value: float, limit: float) -> float:
-    """The value within plus and minus the limit; 0 for what is not a number."""
+    """The value within plus and minus the limit; 0 for NaN."""
     return 0.0 if math.isnan(value) else max(-limit, min(limit, value))
 
 
 def approach(velocity: float, target: float, accelerations: Accelerations, seconds: float) -> float:
-    """The velocity after some time on the way to the target; a reversal passes through zero."""
+    """The velocity after some time of change to the target; a reversal passes through zero."""
     remaining = seconds
     goal = target if velocity * target > 0.0 else 0.0
     if abs(velocity) > abs(goal):

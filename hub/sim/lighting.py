@@ -1,4 +1,4 @@
-"""Light in an arena: what is there anyway, and the headlight beside the camera."""
+"""Light in an arena: ambient light, and the headlight beside the camera."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy.typing as npt
 from hub.sim.view import CameraFrame
 
 _LAMP = 0.9
-"""Light of the full headlight on what is very near, as a share of full daylight."""
-_HALF_WAY = 2.0
+"""Light of the full headlight on very near surfaces, as a share of full daylight."""
+_HALF_DISTANCE = 2.0
 """Distance at which half of the headlight's light is left [m]."""
 _SPREAD = 0.6
 """Tangent of the angle from the middle of the beam at which half of the light is left."""
@@ -25,7 +25,7 @@ class Lighting:
 
     Attributes:
         ambient: Light that is everywhere, 0 (none) to 1.
-        headlight: Brightness of the headlight, 0 (off) to 1; it looks where the camera looks.
+        headlight: Brightness of the headlight, 0 (off) to 1; it has the camera's direction.
     """
 
     ambient: float = 1.0
@@ -49,7 +49,7 @@ class Lighting:
         aside = (frame.across**2).astype(np.float32) + (frame.up**2).astype(np.float32)[:, None]
         share = np.square(depth)
         share *= 1.0 + aside
-        share *= 1.0 / _HALF_WAY**2
+        share *= 1.0 / _HALF_DISTANCE**2
         share += 1.0
         aside *= 1.0 / _SPREAD**2
         aside += 1.0

@@ -18,16 +18,16 @@ class OdometryNoise:
 
     Attributes:
         turn_from_turn: a1, error of a turn for each radian turned [rad/rad].
-        turn_from_way: a2, error of a turn for each metre driven [rad/m].
-        way_from_way: a3, error of the way for each metre driven [m/m].
-        way_from_turn: a4, error of the way for each radian turned [m/rad].
+        turn_from_distance: a2, error of a turn for each metre driven [rad/m].
+        distance_from_distance: a3, error of the distance for each metre driven [m/m].
+        distance_from_turn: a4, error of the distance for each radian turned [m/rad].
         slip: Least and greatest size of the constant error, as a share.
     """
 
     turn_from_turn: float = 0.2
-    turn_from_way: float = 0.01
-    way_from_way: float = 0.2
-    way_from_turn: float = 0.01
+    turn_from_distance: float = 0.01
+    distance_from_distance: float = 0.2
+    distance_from_turn: float = 0.01
     slip: tuple[float, float] = (0.01, 0.02)
 
 
@@ -39,7 +39,7 @@ A shorter time would average them out: after n chunks a relative error has shrun
 
 
 class Odometry:
-    """The pose that the encoders tell, in `odom`: the start pose is its origin.
+    """The pose by the encoders, in `odom`: the start pose is its origin.
 
     Attributes:
         pose: The dead-reckoned pose.
@@ -57,7 +57,7 @@ class Odometry:
         self.pose = Pose(x=0.0, y=0.0, theta=0.0)
 
     def moved(self, distance: float, turn: float, seconds: float) -> None:
-        """The wheels have turned for this way [m] and turn [rad] in this time [s]."""
+        """Add a motion of the wheels: distance [m] and turn [rad] in this time [s]."""
         if distance == 0.0 and turn == 0.0:
             return
         if self._chunk_left <= 0.0:
@@ -68,8 +68,10 @@ class Odometry:
         first, way, second = self._errors
         noise = self._noise
         half = abs(turn) / 2.0
-        turn_spread = noise.turn_from_turn * half + noise.turn_from_way * abs(distance)
-        way_spread = noise.way_from_way * abs(distance) + noise.way_from_turn * abs(turn)
+        turn_spread = noise.turn_from_turn * half + noise.turn_from_distance * abs(distance)
+        way_spread = noise.distance_from_distance * abs(distance) + noise.distance_from_turn * abs(
+            turn
+        )
         first_turn = turn / 2.0 * self._turn_slip + turn_spread * first
         second_turn = turn / 2.0 * self._turn_slip + turn_spread * second
         driven = distance * self._way_slip + way_spread * way

@@ -26,7 +26,7 @@ def horizontal_fov(zoom: float) -> float:
 
 
 class PanTiltZoom:
-    """Where the head is and where it goes; amounts are pan [rad], tilt [rad], zoom [0 to 1]."""
+    """The position and the target of the head: pan [rad], tilt [rad], zoom [0 to 1]."""
 
     def __init__(self) -> None:
         self._now = [0.0, 0.0, 0.0]
@@ -53,7 +53,7 @@ class PanTiltZoom:
         return self._now != self._goal
 
     def go_to(self, pan: float, tilt: float, zoom: float) -> None:
-        """Go there, as far as the limits allow; NaN leaves an amount."""
+        """Set the target, within the limits; NaN leaves an amount unchanged."""
         wanted = (pan, tilt, zoom)
         self._goal = [
             old if math.isnan(new) else max(low, min(high, new))

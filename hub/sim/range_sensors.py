@@ -31,11 +31,11 @@ The limit is our assumption; it keeps to the weak side.
 SONAR_NOISE = 0.01
 """Standard deviation of a range, as a share of it."""
 INFRARED_NEAREST = 0.10
-"""What is nearer to the rim than this [m] reads as this."""
+"""Least range from the rim [m]."""
 INFRARED_FARTHEST = 0.80
-"""What is farther from the rim than this [m] is not seen, however bright."""
+"""Largest range from the rim, even on a bright surface [m]."""
 INFRARED_NOISE = 0.02
-"""Standard deviation of a range on a bright surface, as a share of the way from the rim."""
+"""Standard deviation of a range on a bright surface, as a share of the distance from the rim."""
 
 _RAYS_PER_CONE = 13
 _DARKEST = 0.15
@@ -44,7 +44,7 @@ _FULL_BRIGHTNESS = 0.5
 """From this brightness on a surface is seen at the full distance."""
 _NO_COMPONENT = 1e-12
 _EDGE_CLEARANCE = 0.005
-"""What is met no farther than this before an edge is the edge [m]."""
+"""Largest distance between a ray's hit and an edge that count as the same [m]."""
 
 
 class RangeSensors:
@@ -82,7 +82,7 @@ class RangeSensors:
         return np.where(ranges <= SONAR_FARTHEST, ranges, np.inf).astype(np.float32)
 
     def _nearest_edges(self, obstacles: Footprints, pose: Pose) -> Floats:
-        """Distance of the nearest edge that each sonar hears [m], inf for none, shape (16,)."""
+        """Distance of the nearest edge that each sonar detects [m], inf for none, shape (16,)."""
         nearest = np.full((SENSOR_COUNT,), np.inf)
         reach = SONAR_RING + SONAR_EDGE_FARTHEST
         near = np.hypot(*(self._edges - (pose.x, pose.y)).T) <= reach
@@ -120,10 +120,10 @@ class RangeSensors:
 def first_hits(
     obstacles: Footprints, origins: Floats, directions: Floats
 ) -> tuple[Floats, Floats, npt.NDArray[np.intp]]:
-    """What rays in the plane meet first.
+    """The first hits of rays in the plane.
 
     Args:
-        obstacles: What can be met.
+        obstacles: The obstacles.
         origins: Where the rays begin, outside of all obstacles [m], shape (n, 2).
         directions: Unit vectors, shape (n, 2).
 
@@ -192,7 +192,7 @@ def _cylinder_hits(
 
 
 def _upright_edges(obstacles: Footprints) -> Floats:
-    """Where the upright edges of all boxes stand [m], shape (n, 2)."""
+    """Positions of the upright edges of all boxes [m], shape (n, 2)."""
     low, high = obstacles.low, obstacles.high
     across = np.stack((low[:, 0], high[:, 0], low[:, 0], high[:, 0]), axis=1)
     along = np.stack((low[:, 1], low[:, 1], high[:, 1], high[:, 1]), axis=1)

@@ -1,4 +1,4 @@
-"""Draws what a camera in the arena sees, exactly to the pixel, with numpy alone.
+"""Draws the view of a camera in the arena, exactly to the pixel, with numpy alone.
 
 Every ray is (across, up, 1) in the camera's frame, so depth is measured along the optical axis. On
 a plane the inverse of the depth is linear in the pixel's column and row. A side of a box is the set
@@ -17,7 +17,7 @@ from hub.sim.arena import Arena
 from hub.sim.faces import CEILING, FLOOR, PLANES, make_faces
 from hub.sim.lighting import FULL, Lighting
 from hub.sim.shading import Shader
-from hub.sim.view import FARTHEST_SEEN, CameraFrame, View
+from hub.sim.view import BACKGROUND_DEPTH, CameraFrame, View
 
 _NEAREST = 1e-6
 _STEEP = 1e-12
@@ -58,17 +58,17 @@ class RayCaster:
     def picture(
         self, view: View, width_px: int, height_px: int, lighting: Lighting = FULL
     ) -> npt.NDArray[np.uint8]:
-        """What the camera sees, shape (height, width, 3), red, green, blue."""
+        """The camera's view, shape (height, width, 3), red, green, blue."""
         frame = self._cast(view, width_px, height_px)
         return self._shader.shade(view, frame, lighting)
 
     def depth(self, view: View, width_px: int, height_px: int) -> npt.NDArray[np.float32]:
-        """Distance along the optical axis [m], shape (height, width), at most FARTHEST_SEEN."""
+        """Distance along the optical axis [m], shape (height, width), at most BACKGROUND_DEPTH."""
         frame = self._cast(view, width_px, height_px)
         return 1.0 / frame.inverse_depth
 
     def _cast(self, view: View, width_px: int, height_px: int) -> CameraFrame:
-        """Find for every pixel what it shows and how far that is."""
+        """Find the object and its depth for every pixel."""
         size = (width_px, height_px)
         frame = self._frames.get(size)
         if frame is None:
@@ -87,12 +87,12 @@ class RayCaster:
         down = -frame.ray_z
         to_floor = down / view.z
         to_ceiling = -down / (self._ceiling - view.z)
-        inverse = np.maximum(np.maximum(to_floor, to_ceiling), 1.0 / FARTHEST_SEEN)
+        inverse = np.maximum(np.maximum(to_floor, to_ceiling), 1.0 / BACKGROUND_DEPTH)
         frame.inverse_depth[:] = inverse[:, None]
         frame.thing[:] = np.where(down > 0.0, FLOOR, CEILING)[:, None]
 
     def _candidates(self, view: View, frame: CameraFrame) -> _Candidates:
-        """The sides that look at the camera and reach into the picture."""
+        """The sides that face the camera and reach into the picture."""
         faces = self._faces
         distance = (view.eye[faces.axis] - faces.coordinate) * faces.sign
         facing = np.flatnonzero(distance > _NEAREST)
@@ -115,7 +115,7 @@ class RayCaster:
             ),
             axis=1,
         )
-        # Inverse depth: component of the ray along the side's axis over the way to its plane.
+        # Inverse depth: component of the ray along the side's axis over the distance of its plane.
         axis = faces.axis[facing]
         per_metre = 1.0 / (faces.coordinate[facing] - view.eye[axis])
         along = frame.basis[:, axis] * per_metre
@@ -152,7 +152,7 @@ class RayCaster:
 
 
 def _in_sight(corners: npt.NDArray[np.float64], frame: CameraFrame) -> npt.NDArray[np.bool_]:
-    """False for sides whose corners all lie beyond one edge of the picture, shape (n,)."""
+    """False for sides with all corners beyond one edge of the picture, shape (n,)."""
     x, y, z = corners[..., 0], corners[..., 1], corners[..., 2]
     wide, high = frame.half_width * z, frame.half_height * z
     beyond = np.stack((z <= 0.0, x > wide, x < -wide, y > high, y < -high))

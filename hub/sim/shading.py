@@ -1,4 +1,4 @@
-"""Gives every pixel its colour once it is known what it shows and how far that is."""
+"""Computes the colour of every pixel from its object and its depth."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from hub.sim.textures import SIDE as TEXELS
 from hub.sim.view import CameraFrame, View
 
 _HAZE = 74.0
-"""Grey that far things fade into, 0 to 255."""
+"""Grey of very distant objects, 0 to 255."""
 _CLEAR = 1.06
 _FADE_PER_METRE = 0.055
 _LEAST_SHARE = 0.22
-"""Share of its own colour that a thing keeps: CLEAR - FADE * depth, from LEAST_SHARE to 1."""
+"""Share of an object's own colour: CLEAR - FADE * depth, from LEAST_SHARE to 1."""
 _GRAZING = 2.5
 """Floors are seen at a grazing angle: a pixel covers this many times more of them than of walls."""
 _FOOT_LIGHT = 0.72
 _FOOT_SHADE_PER_METRE = 1.1
-"""Share of light at the foot of what stands up, and how fast it grows with height."""
+"""Share of light at the foot of an upright object, and its growth with height."""
 _LIGHT_FROM = (0.8, 0.6)
-"""Where the light on cylinders comes from, in x and y, unit length."""
+"""Direction of the light on cylinders, in x and y, unit length."""
 _FAR_SIDE_LIGHT = 0.62
 
 
@@ -75,7 +75,7 @@ class Shader:
     def _points(
         self, view: View, frame: CameraFrame, depth: npt.NDArray[np.float32]
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.float32]]:
-        """What each pixel shows, in the arena's frame [m], each of shape (height, width)."""
+        """The points of all pixels in the arena's frame [m], each of shape (height, width)."""
         x = frame.ray_x * depth
         x += np.float32(view.x)
         y = frame.ray_y * depth
@@ -92,7 +92,7 @@ class Shader:
         across: npt.NDArray[np.float32],
         brightness: npt.NDArray[np.float32],
     ) -> None:
-        """Measure textures around cylinders, and light the side that looks to the light."""
+        """Measure textures around cylinders, and light the side that faces the light."""
         where = np.nonzero(frame.thing >= self._first_cylinder)
         if not len(where[0]):
             return
@@ -112,7 +112,7 @@ class Shader:
         across: npt.NDArray[np.float32],
         down: npt.NDArray[np.float32],
     ) -> npt.NDArray[np.intp]:
-        """Index into the atlas of what each pixel shows, shape (height, width)."""
+        """Index into the atlas for each pixel, shape (height, width)."""
         faces, thing = self._faces, frame.thing
         across *= faces.column_scale.take(thing)
         across += faces.column_offset.take(thing)

@@ -1,4 +1,4 @@
-"""Where a camera stands and looks, and the working memory of one size of picture."""
+"""The pose of a camera, and the working memory of one size of picture."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-FARTHEST_SEEN = 60.0
-"""Depth of what lies beyond everything [m]."""
+BACKGROUND_DEPTH = 60.0
+"""Depth of the background [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,7 +20,7 @@ class View:
         x: Position in the arena's frame [m].
         y: Position in the arena's frame [m].
         z: Height above the floor [m], below the ceiling.
-        yaw: Where it looks [rad], counter-clockwise from x.
+        yaw: Its direction [rad], counter-clockwise from x.
         pitch: Upward from the horizontal [rad], within a right angle.
         horizontal_fov: Field of view from left to right [rad].
     """
@@ -66,8 +66,8 @@ class CameraFrame:
         ray_x: Component of the rays along the arena's x, shape (height, width).
         ray_y: Component of the rays along the arena's y, shape (height, width).
         ray_z: Component of the rays along the arena's z, shape (height,).
-        inverse_depth: Inverse of the depth of what is seen [1/m], shape (height, width).
-        thing: What is seen, as numbered by `faces.Faces`, shape (height, width).
+        inverse_depth: Inverse of the depth of each pixel [1/m], shape (height, width).
+        thing: Object of each pixel, as numbered by `faces.Faces`, shape (height, width).
         scratch: Memory for one plane of numbers, shape (height, width).
     """
 

@@ -1,4 +1,4 @@
-"""`rune-hub doctor`: looks at robot file and machine, and says what is wrong and what to do."""
+"""`rune-hub doctor`: checks the robot file and the machine, and reports problems and remedies."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ MACHINE: Mapping[str, Callable[[], list[Finding]]] = {
     "memory": machine_checks.memory,
     "processors": machine_checks.processors,
 }
-SAYING: Mapping[str, Callable[[str], list[Finding]]] = {
+WITH_COMMANDS: Mapping[str, Callable[[str], list[Finding]]] = {
     "service": machine_checks.service,
     "user": machine_checks.user,
 }
-"""What says commands in which the robot file's name stands, as it was given to the doctor."""
+"""Checks with commands in their advice that contain the robot file's name."""
 ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
     "ports": port_checks.ports,
     "gateway": port_checks.gateway,
@@ -42,7 +42,7 @@ ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
 
 
 def examine(name_or_path: str, load: Callable[[str], object], *, as_json: bool) -> int:
-    """Look at everything and say it, a line each.
+    """Run all checks, and print a line for each.
 
     Args:
         name_or_path: The robot file, or the name of a shipped one.
@@ -67,7 +67,7 @@ def examine(name_or_path: str, load: Callable[[str], object], *, as_json: bool) 
 
 
 def attempt(check: Callable[[], list[Finding]]) -> list[Finding]:
-    """What a check finds; one that fails itself is a finding too, and the others go on."""
+    """The findings of a check; its own failure is a finding too."""
     try:
         return check()
     except Exception as fault:  # noqa: BLE001 - a failed check does not end the others
@@ -86,7 +86,7 @@ def _findings(name_or_path: str, load: Callable[[str], object]) -> Iterator[tupl
     for name, of_machine in MACHINE.items():
         for finding in attempt(of_machine):
             yield name, finding
-    for name, of_name in SAYING.items():
+    for name, of_name in WITH_COMMANDS.items():
         for finding in attempt(functools.partial(of_name, name_or_path)):
             yield name, finding
 
@@ -100,7 +100,7 @@ def _robot_file(name_or_path: str, load: Callable[[str], object]) -> list[Findin
 
 
 def _readable(name_or_path: str) -> RobotDescription | None:
-    """The robot, as far as its file can be read, mistakes or not."""
+    """The robot, as far as its file can be read."""
     try:
         return read_description(find_robot_file(name_or_path))[0]
     except RobotFileError:
@@ -108,9 +108,9 @@ def _readable(name_or_path: str) -> RobotDescription | None:
 
 
 def _as_line(check: str, finding: Finding) -> str:
-    said = f"{finding.level.value:8}{check}: {finding.text}"
-    said += f" -> {finding.advice}" if finding.advice else ""
-    return plain(said)
+    line = f"{finding.level.value:8}{check}: {finding.text}"
+    line += f" -> {finding.advice}" if finding.advice else ""
+    return plain(line)
 
 
 def _as_json(check: str, finding: Finding) -> str:

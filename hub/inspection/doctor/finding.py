@@ -1,4 +1,4 @@
-"""What the doctor finds: one thing that is well, or not quite, or wrong, and what to do."""
+"""A finding of the doctor: its level and its remedy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 class Level(enum.Enum):
-    """How bad it is; with a problem the hub does not run, or not as the robot file wants it."""
+    """The level of a finding; with a problem the hub does not run, or not by the robot file."""
 
     OK = "ok"
     WARNING = "warning"
@@ -20,8 +20,8 @@ class Finding:
 
     Attributes:
         level: How bad it is.
-        text: What was seen.
-        advice: What to do; empty where nothing has to be done.
+        text: The finding.
+        advice: The remedy; empty: none needed.
     """
 
     level: Level

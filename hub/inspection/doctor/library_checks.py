@@ -49,7 +49,7 @@ def extras(robot: RobotDescription) -> list[Finding]:
 
 
 def _missing(extra: str) -> list[str]:
-    """Libraries of an extra that are not installed, or in another version than we want."""
+    """Libraries of an extra that are missing or have a wrong version."""
     missing = []
     for wanted in _needs(extra):
         version = _installed(wanted.name)
@@ -61,7 +61,7 @@ def _missing(extra: str) -> list[str]:
 
 
 def _needs(extra: str) -> list[Requirement]:
-    """What an extra wants on this system; of the empty extra, what is always wanted."""
+    """The requirements of an extra on this system; of the empty extra: of Rune itself."""
     lines = map(Requirement, importlib.metadata.requires(_DISTRIBUTION) or [])
     return [
         line

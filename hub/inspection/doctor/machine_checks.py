@@ -1,4 +1,4 @@
-"""The doctor on this machine: what any hub needs of it."""
+"""The doctor on this machine: the needs of any hub."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def shared_memory() -> list[Finding]:
 
 
 def open_files() -> list[Finding]:
-    """Whether central may have as many connections as it wants."""
+    """Whether central may have enough connections."""
     _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = file_descriptors.WANTED
     advice = f"raise it: LimitNOFILE={wanted} in the unit, or /etc/security/limits.conf"
@@ -138,7 +138,7 @@ def judged_load(load: float, count: int) -> Finding:
 
 
 def service(robot_file: str) -> list[Finding]:
-    """Whether systemd can run the hub, and would go on when nobody is logged in."""
+    """Whether systemd can run the hub, even after the logout of its user."""
     if not SYSTEMD.is_dir():
         return [ok("systemd does not run this machine; start `rune-hub run` by other means")]
     if (_UNITS / "rune-hub.service").exists():
@@ -158,7 +158,7 @@ def user_name() -> str:
     """Name of the user that runs this, or the number of one without a name."""
     try:
         return pwd.getpwuid(os.geteuid()).pw_name
-    except KeyError:  # containers run as users who have no name
+    except KeyError:  # containers run as users without a name
         return str(os.geteuid())
 
 

@@ -1,4 +1,4 @@
-"""The doctor on ports: whether central and the gateway can listen where the robot file says."""
+"""The doctor on ports: whether central and the gateway can listen at the robot file's ports."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hub.ipc.endpoints import TcpEndpoint, parse_endpoint
 from hub.robots.description import RobotDescription
 
 _PORTS = 1 + 2 * len(Plane)
-"""One for control messages, and one each way for each plane."""
+"""Number of ports: one for control messages, and two for each plane."""
 _ANSWER_S = 2.0
 _LOCAL = "127.0.0.1"
 _CONNECTIONS = Path("/proc/sys/net/ipv4/ip_local_port_range")
@@ -73,7 +73,7 @@ def _overlap(place: TcpEndpoint, port: int) -> bool:
 
 
 def _crossed(port: int) -> Finding | None:
-    """That the system itself sometimes has the ports, for connections that programs make."""
+    """Warn if the system itself may use the ports, for connections of programs."""
     with contextlib.suppress(OSError, ValueError):
         low, high = (int(word) for word in _CONNECTIONS.read_text().split())
         if port + _PORTS > low and port <= high:
@@ -112,7 +112,7 @@ def _who(port: int) -> str:
 
 
 def _modules_of_hub(port: int) -> str | None:
-    """Who is connected to the hub that answers at this port; None if none does."""
+    """The clients of the hub at this port; None: no hub answers."""
     with contextlib.suppress(HubError):
         client = message_commands.connect(f"tcp://{_LOCAL}:{port}", "doctor", None)
         try:
@@ -125,7 +125,7 @@ def _modules_of_hub(port: int) -> str | None:
 
 
 def _is_of_running_hub(port: int, taken: int) -> bool:
-    """Whether who has a port also is the hub at `port`, as far as is shown to us."""
+    """Whether the owner of a port is also the hub at `port`, as far as the system shows it."""
     if port == 0 or port not in _faults(_LOCAL, port) or _modules_of_hub(port) is None:
         return False
     return owner(taken) == owner(port)

@@ -1,4 +1,4 @@
-"""The doctor on what one robot file needs: keys, folders, devices."""
+"""The doctor on the needs of one robot file: keys, folders, devices."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from hub.ipc.security.keyring import Keyring, default_folder
 from hub.paths import LONGEST_FOR_SOCKETS, for_logs, for_maps, for_sockets
 from hub.robots.description import ROBOTS_OWN, RobotDescription
 
-"""What a robot file says where the robot has a camera of its own."""
-"""As long as a folder for sockets may be; a socket's path has about 100 bytes at most."""
+"""The source in a robot file for the robot's own camera."""
+"""Longest path of a folder for sockets; a socket's path has about 100 bytes at most."""
 _DEVICE = re.compile(r"/dev/[^\s,;\"']+")
-_EVERYBODYS = ("/dev/null", "/dev/zero", "/dev/stdin", "/dev/stdout", "/dev/stderr")
+_COMMON_FILES = ("/dev/null", "/dev/zero", "/dev/stdin", "/dev/stdout", "/dev/stderr")
 _MOST_SHOWN = 8
 
 
@@ -78,7 +78,7 @@ def sockets(_robot: RobotDescription) -> list[Finding]:
 
 
 def folders(robot: RobotDescription) -> list[Finding]:
-    """Whether logs and maps can be written; a hub runs without, unless the robot file wants it."""
+    """Whether logs and maps can be written; a hub needs that only if the robot file asks for it."""
     findings = []
     for what, (folder, wanted) in written_folders(robot).items():
         if fault := _unwritable(folder):
@@ -91,7 +91,7 @@ def folders(robot: RobotDescription) -> list[Finding]:
 
 
 def written_folders(robot: RobotDescription) -> dict[str, tuple[Path, bool]]:
-    """Where logs and maps are written, and whether the robot file says so."""
+    """The folders of logs and maps, and whether they are in the robot file."""
     logs, maps = for_logs(robot.logs), for_maps(robot.map_folder)
     return {"logs": (logs, bool(robot.logs)), "maps": (maps, bool(robot.map_folder))}
 
@@ -129,11 +129,11 @@ def _unwritable(folder: Path) -> str:
 def _named_devices(robot: RobotDescription) -> list[str]:
     named = [*_texts(robot.camera_source), *_texts(robot.modules)]
     found = [device for text in named for device in _DEVICE.findall(text)]
-    return [device for device in dict.fromkeys(found) if device not in _EVERYBODYS]
+    return [device for device in dict.fromkeys(found) if device not in _COMMON_FILES]
 
 
 def _texts(value: object) -> Iterator[str]:
-    """All texts in what TOML gives."""
+    """All texts in a TOML value."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):
@@ -169,7 +169,7 @@ def _stem(name: str) -> str:
 
 
 def _way_in(path: Path, found: os.stat_result) -> str:
-    """What gives this user a device."""
+    """The remedy that gives this user a device."""
     user = str(os.geteuid())
     with contextlib.suppress(KeyError):
         user = pwd.getpwuid(os.geteuid()).pw_name

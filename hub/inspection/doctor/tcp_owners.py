@@ -1,4 +1,4 @@
-"""Who listens at a TCP port of this machine, as far as Linux shows it to this user."""
+"""The process that listens at a TCP port of this machine, as far as Linux shows it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def listening_inodes(table: str, port: int) -> set[int]:
 
 
 def owner(port: int) -> SocketOwner | None:
-    """Who listens at a TCP port; None where nobody does, or it is not shown to us."""
+    """The process that listens at a TCP port; None: there is none, or the system hides it."""
     wanted: set[int] = set()
     for table in _TABLES:
         with contextlib.suppress(OSError):

@@ -34,7 +34,7 @@ MARKED_S = 0.5
 """Delay from a mark to a save of the map [s]; several marks at once need one save."""
 ORDERS_PER_S, ORDERS_AT_ONCE = 0.2, 20.0
 """Largest rate of orders to save, load or clear maps, and their largest burst [1/s]."""
-_LOOK_S = 0.25
+_UPDATE_S = 0.25
 _REST = 20.0
 """After a mission could not be resumed, mapping waits this multiple of the time that it took."""
 
@@ -71,7 +71,7 @@ class Mapping:
         client.subscribe(navigation.ROBOT_STATE, self._state)
         client.respond(mapping.MAP_REQUEST, mapping.MAP, self._map)
         client.respond(mapping.MAP_COMMAND, COMMON_RESULT, self._command)
-        client.every(_LOOK_S, self._update)
+        client.every(_UPDATE_S, self._update)
 
     def finish(self) -> None:
         """Save the rest, and log what was left out."""
@@ -184,11 +184,11 @@ class Mapping:
         return f"the map is empty; {len(self._keeper.points.points)} points are kept"
 
     def _load(
-        self, picture: OccupancyMap, points: tuple[mapping.InterestPoint, ...], what: str
+        self, picture: OccupancyMap, points: tuple[mapping.InterestPoint, ...], subject: str
     ) -> str:
         """Begin a new sheet with the map and points of a file; the old marks stay."""
         self._save()
-        self._keeper.begin_sheet(f"{what} was loaded")
+        self._keeper.begin_sheet(f"{subject} was loaded")
         self._start_map()
         lost = self._grid.paint(picture, LOADED)
         try:
@@ -199,7 +199,7 @@ class Mapping:
         self._save()
         self._desk.publish()
         outside = f"; {lost} cells lie outside of this robot's map" if lost else ""
-        return f"{what} and {len(points)} points are loaded{outside}"
+        return f"{subject} and {len(points)} points are loaded{outside}"
 
     def _start_map(self) -> None:
         """Clear the map for a new mission or a new sheet."""

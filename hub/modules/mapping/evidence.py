@@ -145,14 +145,14 @@ class Evidence:
         reach = max(ends.max(), np.nan_to_num(echoes).max() + self._half_depth)
         count = int(np.searchsorted(self._from_middle, reach + self._resolution))
         before = np.take(flat, cells[:count], out=self._spare[:count], mode="clip")
-        self._look(count, x, y, theta)
+        self._measure(count, x, y, theta)
         change = self._change[:count]
         walls = np.flatnonzero((before > WALL) & (self._weight[:count] > 0.0))
         self._free(count, ends, walls, change)
         self._occupied(count, echoes, before, walls, change)
         return change
 
-    def _look(self, count: int, x: float, y: float, theta: float) -> None:
+    def _measure(self, count: int, x: float, y: float, theta: float) -> None:
         """Compute the range, the sensor and the weight of each cell."""
         model = self._model
         away, angle, weight = self._away[:count], self._angle[:count], self._weight[:count]
@@ -210,11 +210,11 @@ class Evidence:
         arc = np.flatnonzero((beyond <= self._half_depth) & (weight > 0.0))
         if not len(arc):
             return
-        whose = sensor[arc]
+        owner = sensor[arc]
         share = weight[arc] / (1.0 + np.exp(-before[arc]))
         best = np.full(SENSOR_COUNT, _NOTHING, np.float32)
-        np.maximum.at(best, whose, share)
-        share /= best[whose]
+        np.maximum.at(best, owner, share)
+        share /= best[owner]
         hidden = np.full(_DIRECTIONS, np.inf, np.float32)
         np.minimum.at(hidden, self._direction[walls], away[walls] + np.float32(HIDDEN))
         share[away[arc] > hidden[self._direction[arc]]] = 0.0

@@ -19,7 +19,7 @@ LOADED = 1.5
 KNOWN = 0.1
 """A cell with less evidence than this, for either side, is unknown [log-odds]."""
 BORDER = 0.5
-"""Unknown cells around what is known in a picture of the whole map [m]."""
+"""Width of the unknown border around a picture of the whole map [m]."""
 MAX_EDGE_CELLS = math.isqrt(MAX_CELLS)
 
 _PERCENT = 100.0
@@ -89,7 +89,7 @@ class OccupancyGrid:
         if not (within and math.isfinite(theta)):
             self.outside += 1
             return False
-        # Rounding may put what lies just below the upper edge into the cell beyond it.
+        # Rounding may move a point just below the upper edge into the cell beyond it.
         last = self.edge_cells - 1
         column = min(math.floor((x - self.low) / self.resolution), last)
         row = min(math.floor((y - self.low) / self.resolution), last)
@@ -109,7 +109,7 @@ class OccupancyGrid:
         return True
 
     def whole(self) -> OccupancyMap:
-        """What is known, with a border; a few unknown cells where nothing is."""
+        """The known part, with a border; a few unknown cells for an empty map."""
         known = np.abs(self.log_odds) >= KNOWN
         rows, columns = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
         middle = [self.edge_cells // 2]
@@ -147,17 +147,17 @@ class OccupancyGrid:
         )
 
     def paint(self, picture: OccupancyMap, log_odds: float) -> int:
-        """Give up what is known for what a picture shows.
+        """Replace the map by a picture.
 
-        Where cells of the two do not lie on each other, those of the picture go where their middle
+        Where cells of the two differ in place, those of the picture go where their middle
         is; a cell that gets several is occupied if one of them is.
 
         Args:
             picture: Any resolution and origin; below 50 is free, above occupied.
-            log_odds: What free and occupied cells become, minus or plus.
+            log_odds: New value of free and occupied cells, minus or plus.
 
         Returns:
-            How many known cells of the picture lie outside of the square.
+            The number of the picture's known cells outside of the square.
         """
         self.clear()
         lost = 0
@@ -177,14 +177,14 @@ class OccupancyGrid:
         return lost
 
     def kept(self) -> LogOdds:
-        """All that is known, as a mission keeps it."""
+        """The known part, for a mission."""
         return LogOdds.of(self.log_odds, self.resolution, self.low, self.low)
 
     def restore(self, kept: LogOdds) -> int:
-        """Give up what is known for what was kept.
+        """Replace the map by a stored one.
 
         Returns:
-            How many known cells of it lie outside of the square.
+            The number of its known cells outside of the square.
         """
         left = (kept.origin_x - self.low) / self.resolution
         bottom = (kept.origin_y - self.low) / self.resolution
@@ -208,7 +208,7 @@ class OccupancyGrid:
         return self.paint(picture, LOADED)
 
     def _picture(self, bottom: int, top: int, left: int, right: int) -> OccupancyMap:
-        """Rows from `bottom` and columns from `left` on, as far as there are any."""
+        """Rows from `bottom` and columns from `left` on."""
         bottom, left = max(bottom, 0), max(left, 0)
         top, right = min(top, self.edge_cells), min(right, self.edge_cells)
         part = self.log_odds[bottom:top, left:right]
@@ -224,7 +224,7 @@ class OccupancyGrid:
 
 
 def _usable(ranges: Floats) -> Floats:
-    """The ranges, those that cannot be turned into ones that say nothing; shape (16,)."""
+    """The ranges, shape (16,), with NaN for impossible ones."""
     if ranges.shape != (SENSOR_COUNT,):
         return np.full(SENSOR_COUNT, np.nan, np.float32)
     return np.where(ranges > 0.0, ranges, np.float32(np.nan)).astype(np.float32)

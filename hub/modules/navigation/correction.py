@@ -58,9 +58,9 @@ class PoseCorrection:
         """The pose in `map` of a pose in `odom` [m, m, rad]."""
         return self.odom.then(Pose(x=x, y=y, theta=theta))
 
-    def shift(self, thought: Pose, real: Pose) -> None:
+    def shift(self, assumed: Pose, real: Pose) -> None:
         """Move the robot from an assumed pose in `map` to the real one."""
-        self.odom = real.then(self.odom.seen_from(thought))
+        self.odom = real.then(self.odom.seen_from(assumed))
 
     def correct(self, landmark: LandmarkCorrection, robot: Pose, now: float) -> str:
         """Correct by a landmark that is seen now.

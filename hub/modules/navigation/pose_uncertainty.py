@@ -53,7 +53,7 @@ class PoseUncertainty:
         self._turn_variance = 0.0
         self._way_variance = 0.0
         self._turned = 0.0
-        self._gone = 0.0
+        self._driven = 0.0
 
     def moved(self, odom: Pose, now: float) -> None:
         """Take a pose by dead reckoning in `odom`, at a monotonic time [s]."""
@@ -65,7 +65,7 @@ class PoseUncertainty:
             self._turn_variance += (TURN_ERROR * turn) ** 2
             self._way_variance += (WAY_ERROR * way) ** 2
             self._turned += turn
-            self._gone += way
+            self._driven += way
         self._last, self._at = odom, now
 
     @property
@@ -79,13 +79,13 @@ class PoseUncertainty:
         """The uncertainty now."""
         turn = self._turn_variance + (SLIP * self._turned) ** 2 + _LEAST_TURN**2
         # An error of the heading that grew evenly along the path shifts the position aside.
-        way = self._way_variance + self._gone**2 * turn / 3.0 + _LEAST_WAY**2
+        way = self._way_variance + self._driven**2 * turn / 3.0 + _LEAST_WAY**2
         return Spread(turn=math.sqrt(turn), way=math.sqrt(way))
 
     def matched(self, spread: Spread) -> None:
         """Set the uncertainty after a correction of the pose."""
         self._turn_variance, self._way_variance = spread.turn**2, spread.way**2
-        self._turned = self._gone = 0.0
+        self._turned = self._driven = 0.0
 
     def met_landmark(self) -> None:
         """Set the uncertainty after a correction by a landmark; that of the heading stays."""

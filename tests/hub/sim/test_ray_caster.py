@@ -10,7 +10,7 @@ import pytest
 
 from hub.sim.arena import Arena, load_arena
 from hub.sim.ray_caster import RayCaster
-from hub.sim.view import FARTHEST_SEEN, View
+from hub.sim.view import BACKGROUND_DEPTH, View
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
 from tests.support.repetitions import repetitions
 
@@ -32,7 +32,7 @@ def slow_depth(arena: Arena, view: View, width: int, height: int) -> npt.NDArray
     eye = view.eye
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = np.where(rays[..., 2] < 0, -eye[2], arena.ceiling - eye[2]) / rays[..., 2]
-        depth = np.minimum(depth, FARTHEST_SEEN)
+        depth = np.minimum(depth, BACKGROUND_DEPTH)
         for box in arena.boxes:
             first, second = (np.array(box.low) - eye) / rays, (np.array(box.high) - eye) / rays
             enter = np.minimum(first, second).max(axis=2)

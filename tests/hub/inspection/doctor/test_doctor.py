@@ -16,7 +16,7 @@ from tests.hub.inspection.robots import robot_file
 from tests.support.command_line import rune_hub
 from tests.support.ports import free_port
 
-MACHINE = {*doctor.MACHINE, *doctor.SAYING}
+MACHINE = {*doctor.MACHINE, *doctor.WITH_COMMANDS}
 
 
 def test_a_healthy_machine_has_a_line_for_each_check_and_no_problem(tmp_path: Path) -> None:
@@ -76,7 +76,7 @@ def test_a_check_that_fails_itself_does_not_end_the_doctor(
 
     monkeypatch.setattr(doctor, "ROBOT", {"wheels": fails})
     monkeypatch.setattr(doctor, "MACHINE", {"moon": fails, "sun": lambda: [ok("it shines")]})
-    monkeypatch.setattr(doctor, "SAYING", {})
+    monkeypatch.setattr(doctor, "WITH_COMMANDS", {})
     path = robot_file(tmp_path)
     assert doctor.examine(str(path), load_robot_table, as_json=False) == 0
     _, wheels, moon, sun, last = capsys.readouterr().out.splitlines()
@@ -96,6 +96,6 @@ def test_a_reader_that_fails_does_not_end_the_doctor_either(
 
     monkeypatch.setattr(doctor, "ROBOT", {})
     monkeypatch.setattr(doctor, "MACHINE", {})
-    monkeypatch.setattr(doctor, "SAYING", {})
+    monkeypatch.setattr(doctor, "WITH_COMMANDS", {})
     assert doctor.examine(str(robot_file(tmp_path)), fails, as_json=True) == 0
     assert json.loads(capsys.readouterr().out)["level"] == Level.WARNING.value
