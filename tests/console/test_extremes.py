@@ -42,7 +42,7 @@ from tests.support import extremes
 
 ROOT = Path(__file__).parents[2]
 LAYOUTS = sorted(path.stem for path in (ROOT / "layouts").glob("*.xml"))
-ROUNDS = max(8, int(os.environ.get("RUNE_EXTREMES", "30")) // 10)
+ROUNDS = max(3, int(os.environ.get("RUNE_EXTREMES", "30")) // 10)
 """In each there is a new message of every kind; drawing takes the most time."""
 SIZE = (70, 22)
 OWN = 2

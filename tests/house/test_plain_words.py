@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import functools
 import io
 import re
 import tokenize
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -155,6 +157,19 @@ def names_in(tree: ast.AST) -> Iterator[tuple[int, str]]:
             yield node.lineno, node.attr
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Written:
+    """What is written in a source file, each with its line.
+
+    Attributes:
+        docstrings: Docstrings, those of attributes too.
+        names: Names that the file gives.
+    """
+
+    docstrings: tuple[tuple[int, str], ...]
+    names: tuple[tuple[int, str], ...]
+
+
 def docstrings_in(tree: ast.AST) -> Iterator[tuple[int, str]]:
     """Docstrings, those of attributes too."""
     for node in ast.walk(tree):
@@ -177,6 +192,13 @@ def docstring_sentences(text: str) -> Iterator[str]:
         yield from re.split(r"(?<=[:;])\s", sentence)
 
 
+@functools.cache
+def written_in(path: Path) -> Written:
+    """What is written in a source file."""
+    tree = ast.parse(path.read_text())
+    return Written(docstrings=tuple(docstrings_in(tree)), names=tuple(names_in(tree)))
+
+
 @pytest.mark.parametrize("room", ROOMS)
 def test_docstrings_and_comments_have_no_words_that_few_know(room: str) -> None:
     avoided = re.compile(rf"\b(?:{'|'.join(AVOIDED_IN_CODE)})\b", re.IGNORECASE)
@@ -184,7 +206,8 @@ def test_docstrings_and_comments_have_no_words_that_few_know(room: str) -> None:
         f"{path.relative_to(ROOT)}:{line}: {word[0]}"
         for path in python_files(room)
         for source in [path.read_text()]
-        for line, text in [*docstrings_in(ast.parse(source)), *comments_in(source)]
+        if avoided.search(source)  # to read the comments of all files would take longer
+        for line, text in (*written_in(path).docstrings, *comments_in(source))
         for word in avoided.finditer(re.sub(r"`[^`]*`", "", text))
     ]
     assert found == []
@@ -195,7 +218,7 @@ def test_sentences_of_docstrings_are_short(room: str) -> None:
     found = [
         f"{path.relative_to(ROOT)}:{line}: {sentence}"
         for path in python_files(room)
-        for line, text in docstrings_in(ast.parse(path.read_text()))
+        for line, text in written_in(path).docstrings
         for sentence in docstring_sentences(text)
         if sum(bool(re.search(r"\w", word)) for word in sentence.split()) > MOST_WORDS
     ]
@@ -207,7 +230,7 @@ def test_names_are_of_the_field(room: str) -> None:
     found = [
         f"{path.relative_to(ROOT)}:{line}: {name}"
         for path in python_files(room)
-        for line, name in names_in(ast.parse(path.read_text()))
+        for line, name in written_in(path).names
         if any(map(NAMES_TO_AVOID.fullmatch, words_of(name)))
     ]
     assert found == []

@@ -18,6 +18,7 @@ from hub.ipc.security.client_keys import ClientKeys, KeyPair
 from hub.ipc.security.keyring import Keyring
 from tests.hub.gateways.curve.gateway_stand_in import PLANES, StandIn, standing_in
 from tests.support.ports import free_port
+from tests.support.repetitions import repetitions
 from tests.support.waiting import until
 
 _Socket = zmq.Socket[bytes]
@@ -304,7 +305,7 @@ def test_close_does_not_wait_for_strangers_who_keep_knocking(tmp_path: Path) -> 
             client.reconnect_ivl = 1
             keys.apply(client)
             client.connect(f"tcp://127.0.0.1:{port}")
-        for _ in range(15):
+        for _ in range(repetitions(5, 50)):
             with standing_in(tmp_path, port) as hub:
                 until(lambda: hub.faults.counts.total() > 20, 10.0)
     finally:

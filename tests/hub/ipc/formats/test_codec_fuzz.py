@@ -23,6 +23,7 @@ from hub.ipc.formats import grammar as formats
 from tests.hub.gcm.test_wire import value_of
 from tests.hub.ipc.formats.trees import structs, values_of
 from tests.hub.ipc.ros_shape import definition_of
+from tests.support.repetitions import repetitions
 
 _ODD_ARRAYS: list[Any] = [
     np.array(["1", "x"]),
@@ -142,8 +143,8 @@ def test_any_mapping_is_encoded_or_refused(
     _encode_or_refuse(definition, value)
 
 
-@pytest.mark.parametrize("definition", MESSAGES, ids=lambda definition: definition.name)
-@given(st.data())
+@settings(max_examples=repetitions(200, 20_000))
+@given(st.sampled_from(MESSAGES), st.data())
 def test_damaged_payload_is_a_message_or_refused(
     definition: MessageDefinition[Any], data: st.DataObject
 ) -> None:

@@ -130,7 +130,7 @@ def test_no_reader_ever_sees_half_a_payload() -> None:
     reader = RingReader(places[0])
     read = 0
     try:
-        while read < repetitions(300, 2000):
+        while read < repetitions(100, 2000):
             payload = reader.read(places[-1])
             if payload is not None:
                 assert len(set(bytes(payload))) == 1

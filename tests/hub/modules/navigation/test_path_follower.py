@@ -110,7 +110,7 @@ def test_a_turn_is_turned() -> None:
 def test_behind_a_wall_it_is_blocked_without_a_map_and_touches_nothing() -> None:
     drive = Drive(YELLOW, Pose(x=6.0, y=5.0, theta=math.pi / 2.0))
     drive.push(0.0, 0.0, 0.1)
-    drive.pilot.go(goal((3.0, 0.0)), 7, drive.now)
+    drive.pilot.go(goal((3.0, 0.0), patience=1.0), 7, drive.now)
     drive.carry_out(60.0)
     assert drive.pilot.task.state is Task.BLOCKED
     assert drive.truth.contacts == 0
