@@ -42,7 +42,7 @@ def control_desk(bus: Any, _: Any) -> None:
 
 def reporting(bus: Any, robot: Any) -> None:
     supervisor = ModulePolicy(())
-    keeper = SimpleNamespace(supervisor=supervisor, look=lambda: None)
+    keeper = SimpleNamespace(supervisor=supervisor, step=lambda: None)
     outputs = SimpleNamespace(lines=lambda *_: None, remembered=dict)
     Reporting(bus, keeper, outputs, robot.body)  # type: ignore[arg-type]
 
