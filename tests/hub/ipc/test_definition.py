@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import enum
-import struct
 import types
 from dataclasses import dataclass
 from typing import Any
@@ -17,21 +15,10 @@ from hypothesis import strategies as st
 from hub.errors import CodecError, MessageFormatError
 from hub.gcm.catalog import MESSAGES
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.formats import codec
 from hub.ipc.formats import grammar as formats
 from hub.ipc.wire import control
 from hub.ipc.wire.definition_listing import from_listing, to_listing
-
-
-class Mode(enum.IntEnum):
-    OFF = 0
-    ON = 2
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
-    x: int
-    y: int
+from tests.hub.ipc.shapes import Even, Mode, Nothing, One, Open, Point, define, payload, plain
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,26 +27,6 @@ class Path:
     start: Point
     count: int
     points: tuple[Point, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class One:
-    text: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Nothing:
-    pass
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Even:
-    number: int
-
-    def __post_init__(self) -> None:
-        if self.number % 2:
-            text = "odd"
-            raise ValueError(text)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,12 +51,6 @@ class Tour:
 class Odd:
     items: int
     get: Point
-
-
-@dataclass(kw_only=True)
-class Open:
-    x: int
-    y: int
 
 
 PATH = MessageDefinition(name="Path", format="{{enum:2},{int,int},uint,<{int,int}:3>}", type=Path)
@@ -122,22 +83,14 @@ _NO_TOUR = dataclasses.replace(
 ODD = MessageDefinition(name="Odd", format="{int,{int,int}}", type=Odd)
 
 
-def _define(kind: type[Any], text: str) -> MessageDefinition[Any]:
-    return MessageDefinition(name="M", format=text, type=kind)
-
-
-def _payload(definition: MessageDefinition[Any], value: Any) -> bytes:
-    return b"".join(definition.encode(value))
-
-
 @pytest.mark.parametrize(
     ("definition", "value"),
     [
         (PATH, _VALUE),
-        (_define(One, "{string}"), One(text="a")),
-        (_define(Nothing, "{}"), Nothing()),
-        (_define(Even, "{int}"), Even(number=2)),
-        (_define(Open, "{int,int}"), Open(x=1, y=2)),
+        (define(One, "{string}"), One(text="a")),
+        (define(Nothing, "{}"), Nothing()),
+        (define(Even, "{int}"), Even(number=2)),
+        (define(Open, "{int,int}"), Open(x=1, y=2)),
         (ROUTE, _ROUTE),
         (TOUR, _TOUR),
         (TOUR, _NO_TOUR),
@@ -146,13 +99,13 @@ def _payload(definition: MessageDefinition[Any], value: Any) -> bytes:
     ids=lambda item: type(item).__name__,
 )
 def test_dataclass_comes_back_as_it_was(definition: MessageDefinition[Any], value: Any) -> None:
-    back = definition.decode(_payload(definition, value))
+    back = definition.decode(payload(definition, value))
     assert type(back) is type(value)
     assert back == value
 
 
 def test_decoded_value_is_frozen_and_hashable_like_any_other() -> None:
-    back = PATH.decode(_payload(PATH, _VALUE))
+    back = PATH.decode(payload(PATH, _VALUE))
     assert hash(back) == hash(_VALUE)
     assert type(back.mode) is Mode
     with pytest.raises(dataclasses.FrozenInstanceError):
@@ -209,7 +162,7 @@ def test_type_that_does_not_fit_its_format_is_refused(
     kind: type[Any], text: str, reason: str
 ) -> None:
     with pytest.raises(MessageFormatError, match=reason):
-        _define(kind, text)
+        define(kind, text)
 
 
 @pytest.mark.parametrize("name", ["", "a b", "1a", "a\0", "ä", "a.b", "x" * 65])
@@ -240,14 +193,14 @@ def test_value_of_another_kind_is_refused(value: Any) -> None:
 
 
 def test_enum_number_without_a_name_is_refused() -> None:
-    payload = bytearray(_payload(PATH, _VALUE))
-    payload[4] = 1
+    raw = bytearray(payload(PATH, _VALUE))
+    raw[4] = 1
     with pytest.raises(CodecError, match=r"Path.mode: 1 is none of \[0, 2\]"):
-        PATH.decode(bytes(payload))
+        PATH.decode(bytes(raw))
 
 
 def test_value_that_its_type_refuses_is_a_codec_error() -> None:
-    definition = _define(Even, "{int}")
+    definition = define(Even, "{int}")
     with pytest.raises(CodecError, match="odd"):
         definition.decode(bytes.fromhex("0001000003000000"))
 
@@ -255,7 +208,7 @@ def test_value_that_its_type_refuses_is_a_codec_error() -> None:
 @pytest.mark.parametrize("values", [(), (1,), (1, 2, 3)])
 def test_wrong_number_of_members_is_refused(values: tuple[int, ...]) -> None:
     with pytest.raises(CodecError):
-        _define(Point, "{int,int}").build(values)
+        define(Point, "{int,int}").build(values)
 
 
 @pytest.mark.parametrize("definition", [*MESSAGES, PATH, TOUR, ROUTE], ids=lambda d: d.name)
@@ -270,7 +223,7 @@ def test_listing_tells_enough_to_decode_without_the_dataclass(
 
 
 def test_generated_dataclass_holds_the_values() -> None:
-    shown = from_listing(to_listing(PATH)).decode(_payload(PATH, _VALUE))
+    shown = from_listing(to_listing(PATH)).decode(payload(PATH, _VALUE))
     assert shown.start.y == 2
     assert [point.x for point in shown.points] == [3, 5]
     assert shown.mode == 2
@@ -336,126 +289,27 @@ def test_arrays_of_a_decoded_value_are_numpy_views() -> None:
     class Scan:
         ranges: np.ndarray
 
-    definition = _define(Scan, "{[float:3]}")
-    back = definition.decode(_payload(definition, Scan(ranges=[1, 2, 3])))
+    definition = define(Scan, "{[float:3]}")
+    back = definition.decode(payload(definition, Scan(ranges=[1, 2, 3])))
     assert back.ranges.dtype == np.float32
     assert back.ranges.tolist() == [1, 2, 3]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Turn:
-    mode: Mode
-    rate: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Journey:
-    number: int
-    start: Point
-    turn: Turn
-    rest: Nothing
-
-
-JOURNEY = _define(Journey, "{ubyte,{int,long},{short,double},{}}")
-_JOURNEY = Journey(
-    number=1, start=Point(x=2, y=3), turn=Turn(mode=Mode.ON, rate=0.5), rest=Nothing()
-)
-
-
-@pytest.mark.parametrize(
-    ("definition", "value", "letters", "numbers"),
-    [
-        (JOURNEY, _JOURNEY, "Bxxxiqhxxxxxxd", (1, 2, 3, 2, 0.5)),
-        (_define(Even, "{int}"), Even(number=4), "i", (4,)),
-        (_define(Nothing, "{}"), Nothing(), "", ()),
-        (_define(Open, "{byte,ushort}"), Open(x=1, y=2), "bxH", (1, 2)),
-    ],
-    ids=lambda item: type(item).__name__,
-)
-def test_flat_message_is_one_struct_of_its_numbers(
-    definition: MessageDefinition[Any], value: Any, letters: str, numbers: tuple[Any, ...]
-) -> None:
-    assert definition.flat_values(value) == numbers
-    assert definition.flat_letters == letters
-    body = struct.pack("<" + definition.flat_letters, *numbers)
-    assert _payload(definition, value) == b"\0\1\0\0" + body
-    back = definition.receive_flat(struct.unpack("<" + definition.flat_letters, body))
-    assert back == value
-    assert type(back) is type(value)
-
-
-def test_flat_message_is_frozen_and_knows_its_enums_like_any_other() -> None:
-    back = JOURNEY.receive_flat((1, 2, 3, 2, 0.5))
-    assert type(back.turn.mode) is Mode
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        back.start.x = 3
-
-
-@pytest.mark.parametrize("numbers", [(), (1, 2, 3, 2), (1, 2, 3, 2, 0.5, 6), (1, 2, 3, 1, 0.5)])
-def test_wrong_numbers_of_a_flat_message_are_refused(numbers: tuple[Any, ...]) -> None:
-    with pytest.raises(CodecError):
-        JOURNEY.receive_flat(numbers)
-
-
-@pytest.mark.parametrize(
-    ("changes", "reason"),
-    [
-        ({"start": None}, "M.start: NoneType is not a Point, it has no x"),
-        ({"start": {"x": 1}}, "M.start needs a value for y"),
-    ],
-)
-def test_value_without_the_numbers_of_a_flat_message_is_refused(
-    changes: dict[str, Any], reason: str
-) -> None:
-    with pytest.raises(CodecError, match=reason):
-        JOURNEY.flat_values(dataclasses.replace(_JOURNEY, **changes))
-
-
-def test_numbers_of_a_flat_message_can_come_from_a_mapping() -> None:
-    assert JOURNEY.flat_values(_plain(_JOURNEY)) == (1, 2, 3, 2, 0.5)
-
-
-def test_number_that_the_type_of_a_flat_message_refuses_is_a_codec_error() -> None:
-    with pytest.raises(CodecError, match="odd"):
-        _define(Even, "{int}").receive_flat((3,))
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["{string}", "{boolean}", "{{enum:2}}", "{[int:1]}", "{*int}", "{[{int}:1]}"],
-)
-def test_message_with_more_than_numbers_is_not_flat(text: str) -> None:
-    assert codec.compiled(text).flat_letters is None
-    if "[{" not in text:
-        definition = _define(One, text)
-        with pytest.raises(CodecError, match="not of a flat format"):
-            _ = definition.flat_values
-        with pytest.raises(CodecError, match="not of a flat format"):
-            _ = definition.receive_flat
-
-
-def _plain(value: Any) -> Any:
-    """The value with a mapping for every dataclass in it."""
-    if dataclasses.is_dataclass(value):
-        return {each.name: _plain(getattr(value, each.name)) for each in dataclasses.fields(value)}
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value
-
-
 @pytest.mark.parametrize(
     ("definition", "value"),
-    [(PATH, _VALUE), (TOUR, _TOUR), (TOUR, _NO_TOUR), (ROUTE, _ROUTE), (JOURNEY, _JOURNEY)],
+    [(PATH, _VALUE), (TOUR, _TOUR), (TOUR, _NO_TOUR), (ROUTE, _ROUTE)],
     ids=lambda item: type(item).__name__,
 )
 def test_mapping_with_the_names_of_the_fields_is_as_good_as_the_dataclass(
     definition: MessageDefinition[Any], value: Any
 ) -> None:
-    assert _payload(definition, _plain(value)) == _payload(definition, value)
-    read_only = types.MappingProxyType(dict(reversed(_plain(value).items())))
-    assert _payload(definition, read_only) == _payload(definition, value)
+    assert payload(definition, plain(value)) == payload(definition, value)
+    read_only = types.MappingProxyType(dict(reversed(plain(value).items())))
+    assert payload(definition, read_only) == payload(definition, value)
 
 
 def test_fields_named_like_the_methods_of_a_mapping_are_no_trap() -> None:
-    assert _payload(ODD, {"items": 1, "get": {"x": 2, "y": 3}}).hex() == (
+    assert payload(ODD, {"items": 1, "get": {"x": 2, "y": 3}}).hex() == (
         "00010000010000000200000003000000"
     )
 
@@ -479,7 +333,7 @@ def test_fields_named_like_the_methods_of_a_mapping_are_no_trap() -> None:
 def test_mapping_with_other_names_is_refused_with_the_nearest(
     changes: dict[Any, Any], reason: str
 ) -> None:
-    members = {name: value for name, value in (_plain(_TOUR) | changes).items() if value != ...}
+    members = {name: value for name, value in (plain(_TOUR) | changes).items() if value != ...}
     with pytest.raises(CodecError, match=reason):
         TOUR.encode(members)
 
@@ -489,7 +343,7 @@ def test_long_list_comes_back_and_a_longer_one_or_a_circle_is_refused() -> None:
     for number in range(formats.MAX_NODES):
         first = Waypoint(place=Point(x=number, y=0), next=first)
     assert first is not None
-    back: Waypoint | None = ROUTE.decode(_payload(ROUTE, first))
+    back: Waypoint | None = ROUTE.decode(payload(ROUTE, first))
     places = []
     while back is not None:
         places.append(back.place.x)
@@ -519,4 +373,4 @@ def test_type_whose_hints_cannot_be_found_is_refused() -> None:
         text: Unknown  # type: ignore[name-defined]  # noqa: F821
 
     with pytest.raises(MessageFormatError, match="the types of Local's fields cannot be found"):
-        _define(Local, "{string}")
+        define(Local, "{string}")

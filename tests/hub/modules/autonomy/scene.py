@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour
+from hub.gcm.autonomy import AutonomyCommand, AutonomyState, Behaviour, DrivingMode
 from hub.gcm.navigation import (
     Cause,
     GoalCommand,
@@ -20,6 +20,7 @@ from hub.gcm.navigation import (
 from hub.grids.grid import Grid
 from hub.modules.autonomy.autonomy_driver import AutonomyDriver
 
+ASKED = [Behaviour.EXPLORE, Behaviour.GO, Behaviour.RETURN, Behaviour.WANDER]
 STEP = 0.1
 RADIUS = 0.25
 NOTHING = np.full(16, np.inf, np.float32)
@@ -159,4 +160,28 @@ def robot(x: float, y: float, motion: MotionState, theta: float = 0.0) -> RobotS
         battery_fraction=1.0,
         motion=motion,
         refused=0,
+    )
+
+
+def busy(behaviour: Behaviour = Behaviour.GO) -> Scene:
+    """A robot on its way by itself."""
+    scene = Scene()
+    scene.x = 0.5
+    scene.hears()
+    scene.ask(behaviour, *([(1.5, 0.5)] if behaviour is Behaviour.GO else []))
+    scene.wait(3.0)
+    assert scene.task is Task.GOING
+    assert scene.state.behaviour is behaviour
+    assert scene.state.pilot is DrivingMode.AUTONOMY
+    return scene
+
+
+def stands_for_good(scene: Scene) -> bool:
+    """Whether the robot is left alone from now on."""
+    before = len(scene.targets)
+    scene.wait(30.0)
+    return (
+        len(scene.targets) == before
+        and scene.state.behaviour is Behaviour.HOLD
+        and scene.task is not Task.GOING
     )
