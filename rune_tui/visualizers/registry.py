@@ -13,11 +13,10 @@ from rune_tui.visualizers.gauges.plot import Plot
 from rune_tui.visualizers.gauges.speed_gauge import Speed
 from rune_tui.visualizers.maps.map_data import MapData
 from rune_tui.visualizers.maps.range_data import RangeData
+from rune_tui.visualizers.video.angle_bars import PanData, TiltData
 from rune_tui.visualizers.video.camera_image import CameraImage
 from rune_tui.visualizers.video.ground_plane import GroundPlane
 from rune_tui.visualizers.video.night_mode import NightMode
-from rune_tui.visualizers.video.pan_data import PanData
-from rune_tui.visualizers.video.tilt_data import TiltData
 from rune_tui.visualizers.visualizer import Visualizer
 from rune_tui.visualizers.words.alarms import Alarms
 from rune_tui.visualizers.words.autonomy import VisualizeAutonomy

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rune_tui.widgets.calibrate import Calibrate
 from rune_tui.widgets.control import (
     DenyControl,
     GrantControl,
@@ -17,16 +16,13 @@ from rune_tui.widgets.marks import SetLandmark, SetVictim
 from rune_tui.widgets.mission import Mission
 from rune_tui.widgets.orders import Autonomy, GoTo, Safety
 from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoom, HomePTZ
-from rune_tui.widgets.quit import Quit
 from rune_tui.widgets.seeing import Headlight, SetImageRequest, ToggleNightMode
+from rune_tui.widgets.session import Calibrate, NextLayout, Quit, RecordWidget, Screenshot
 from rune_tui.widgets.showing import (
     ChooseRobotWidget,
     FullScreen,
     Help,
     Messages,
-    NextLayout,
-    RecordWidget,
-    Screenshot,
     ShowViewportWidget,
     ThemeWidget,
     ZoomMap,

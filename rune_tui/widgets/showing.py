@@ -9,9 +9,6 @@ from rune_tui.model.effects import (
     ChooseRobot,
     Effect,
     FillView,
-    NextLayoutEffect,
-    RecordEffect,
-    ScreenshotEffect,
     SetTheme,
     ShowViewport,
     ToggleHelp,
@@ -115,21 +112,6 @@ class ChooseRobotWidget(EffectWidget):
         return ChooseRobot(robot=self.spec.options.word("robot"))
 
 
-class NextLayout(EffectWidget):
-    """Opens the next layout."""
-
-    rule: ClassVar = HandlerRule(
-        section=Section.SESSION,
-        says={"": "Open the next layout"},
-        meaning="Opens the next of the layouts that the console was started with.",
-        needs_robot=False,
-    )
-
-    def effect(self) -> Effect:
-        """The next layout."""
-        return NextLayoutEffect()
-
-
 class ThemeWidget(EffectWidget):
     """Takes other colours."""
 
@@ -185,36 +167,3 @@ class Messages(EffectWidget):
     def effect(self) -> Effect:
         """The page of messages."""
         return ToggleLog()
-
-
-class Screenshot(EffectWidget):
-    """Writes what is shown into files."""
-
-    rule: ClassVar = HandlerRule(
-        section=Section.SESSION,
-        says={"": "Keep a picture of the screen"},
-        meaning="Writes what is shown into files in your pictures folder: PNG and text.",
-        needs_robot=False,
-    )
-
-    def effect(self) -> Effect:
-        """The files."""
-        return ScreenshotEffect()
-
-
-class RecordWidget(EffectWidget):
-    """Records, or ends it."""
-
-    rule: ClassVar = HandlerRule(
-        section=Section.SESSION,
-        says={"": "Record, or end it"},
-        meaning=(
-            "Records all that comes from the robots and goes to them into an MCAP file in your "
-            "documents folder; again: ends it."
-        ),
-        needs_robot=False,
-    )
-
-    def effect(self) -> Effect:
-        """On or off."""
-        return RecordEffect()

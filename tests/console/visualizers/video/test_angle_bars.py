@@ -11,9 +11,7 @@ from hypothesis import strategies as st
 
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK
-from rune_tui.visualizers.parts.angle_bar import bar_span
-from rune_tui.visualizers.video.pan_data import PanData
-from rune_tui.visualizers.video.tilt_data import TiltData
+from rune_tui.visualizers.video.angle_bars import PanData, TiltData, bar_span
 
 PAN, TILT = "visualizePanData", "visualizeTiltData"
 

@@ -1,4 +1,4 @@
-"""What pan and tilt share: a bar centred on the angle, as long as the field of view."""
+"""visualizePanData, visualizeTiltData: where the camera looks, as a bar as long as its view."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Hashable
 from typing import ClassVar
 
 from hub.gcm.vision import CameraState
+from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -60,6 +61,36 @@ class AngleBar(PlainVisualizer, ABC):
             return state.theme.name
         look = age_look(robot.camera, state.now)
         return self.reading(robot.camera.value), look, state.theme.name
+
+
+class PanData(AngleBar):
+    """A bar centred on the pan, as long as the field of view, against a centre line."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="where the camera looks from left to right, as a bar as wide as its field of view",
+        message="GCM_CameraState",
+    )
+    direction = Direction.ACROSS
+
+    @staticmethod
+    def reading(camera: CameraState) -> tuple[float, float, float]:
+        """Pan, field of view and largest pan [rad]."""
+        return camera.pan, camera.horizontal_fov, camera.pan_limit
+
+
+class TiltData(AngleBar):
+    """A bar centred on the tilt, as long as the field of view, against a centre line."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the same, up and down",
+        message="GCM_CameraState",
+    )
+    direction = Direction.UPWARD
+
+    @staticmethod
+    def reading(camera: CameraState) -> tuple[float, float, float]:
+        """Tilt, field of view and largest tilt [rad]."""
+        return camera.tilt, camera.vertical_fov, camera.tilt_limit
 
 
 def draw_angle_bar(
