@@ -1,4 +1,4 @@
-"""What the inputs of a layout do, in words, for the help and for the list to choose from."""
+"""The actions of a layout's inputs, in words, for the help and for the list of actions."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ class Action:
     """Something that one or several inputs do.
 
     Attributes:
-        words: What they do.
+        words: Their action.
         help: The same at length.
         inputs: Which they are, in words.
         robot: Its robot; empty: the console itself.
         event: The first of their events, as the layout has it.
         section: Where the help lists it.
         safe: Whether its inputs count while a page covers the view, as those of the stop do.
-        at_once: Whether it is done in a moment, without pointing, and in one direction, so that it
+        at_once: Whether it needs no time, no pointing and no direction, so that it
             can be chosen from a list.
     """
 
@@ -49,7 +49,7 @@ class Action:
 
 
 def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
-    """All that the inputs of a layout do, the console's own first, then robot by robot."""
+    """All actions of a layout's inputs, the console's own first, then by robot."""
     merged: dict[tuple[str, str], Action] = {}
     for action in _single_actions(layout):
         key = (action.robot, action.words)
@@ -111,7 +111,7 @@ def _both_ways(event: EventSpec) -> bool:
 
 
 def _where(viewport: ViewportSpec) -> str:
-    """Where the mouse has to be: what stands there if it is a button, or its name."""
+    """The mouse's place: the text of a button there, or the viewport's name."""
     text = viewport.visualizer.text if viewport.visualizer else ""
     return f" at {text}" if text else f" in {viewport.name}"
 
@@ -128,7 +128,7 @@ def _words(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> str:
 
 
 def _values(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> dict[str, str]:
-    """What the names in braces stand for in what a rule says."""
+    """The values of the names in braces in a rule's words."""
     values = {"direction": _direction(event, rule)}
     for name, option in rule.options.items():
         value = widget.options.values[name]
@@ -154,7 +154,7 @@ def _direction(event: EventSpec, rule: HandlerRule) -> str:
 
 
 def _options(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> Iterator[str]:
-    """The options that the layout sets, and those that say how much, which, or where."""
+    """The options that the layout sets, and those that are amounts, names or places."""
     for name, option in rule.options.items():
         value = widget.options.values[name]
         if isinstance(option, TextOption) and option.names == "viewport":

@@ -1,4 +1,4 @@
-"""What a layout must keep of where viewports stand, beyond its schema.
+"""The rules for places of viewports, beyond the schema.
 
 Either the view has a size and each viewport a place, or arrangements have both.
 """
@@ -14,7 +14,7 @@ _PLACE = ("xpos", "ypos", "xsize", "ysize")
 
 
 def arrangement_mistakes(view: Node, rules: Rules) -> Iterator[Mistake]:
-    """What is wrong with where the viewports of a view stand."""
+    """The mistakes in the places of a view's viewports."""
     yield from _unmet_by_the_mouse(view, rules)
     arrangements = view.of("arrangement")
     if not arrangements:

@@ -1,4 +1,4 @@
-"""What `rune check` says of the arrangements of a layout: which size takes which, what is doubtful.
+"""The report of `rune check` on arrangements: their sizes, and doubtful places.
 
 A note is no mistake: the console opens the layout all the same.
 """
@@ -20,7 +20,7 @@ _INVISIBLE = 255
 
 
 def arrangement_notes(layout: LayoutSpec) -> Iterator[str]:
-    """A line for each arrangement that has a name, and behind it what is doubtful in it."""
+    """A line for each arrangement with a name, and the doubts about it."""
     vital = _vital(layout)
     for arrangement in layout.view.arrangements:
         if arrangement.name:

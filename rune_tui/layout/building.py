@@ -37,8 +37,8 @@ class SpecBuilder:
     """Builds specs; the caller has checked the file.
 
     Attributes:
-        mistakes: Visualizers and widgets that refuse to be made of what the layout says of them.
-        notes: What the author should change one day, a sentence each.
+        mistakes: Visualizers and widgets that refuse their values in the layout.
+        notes: Changes that the author should make some time, a sentence each.
     """
 
     def __init__(
@@ -148,7 +148,7 @@ class SpecBuilder:
         )
 
     def _place(self, node: Node, viewport: str, otherwise: Node) -> PlaceSpec:
-        """Where a viewport stands; what the place does not say of how, the viewport says."""
+        """The place of a viewport; the viewport's own attributes fill in missing ones."""
 
         def how(attribute: str) -> str:
             given = self._rules.value(node, attribute)
@@ -201,7 +201,7 @@ class SpecBuilder:
         return spec
 
     def _try(self, node: Node, name: str, make: Callable[..., object], *said: object) -> None:
-        """Make what a layout asks for once, so that it does not fail before the operator's eyes."""
+        """Make each part of a layout once, so that none fails in use."""
         try:
             make(*said)
         except Exception as error:  # an extension may fail in any way

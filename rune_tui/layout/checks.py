@@ -1,4 +1,4 @@
-"""What a layout must keep beyond its schema: names that exist, keys that do not collide.
+"""The rules for a layout beyond its schema: existing names, keys without collisions.
 
 Values that break the schema are skipped here; the schema's own check has reported them.
 """
@@ -24,7 +24,7 @@ from rune_tui.layout.wants import Wants
 
 
 def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[Mistake]:
-    """Everything wrong with a layout that its schema cannot say."""
+    """All mistakes of a layout that its schema cannot find."""
     yield from _lacking(root, "robot")
     yield from _lacking(root, "view")
     robots = root.of("robot")
@@ -62,7 +62,7 @@ def find_mistakes(root: Node, rules: Rules, vocabulary: Vocabulary) -> Iterator[
 
 
 def _lacking(node: Node, child: str) -> Iterator[Mistake]:
-    """That something is missing which may come from a part, and so the schema cannot ask for."""
+    """Missing elements that a part may bring, so that the schema cannot require them."""
     if not node.of(child):
         yield Mistake(node.place, f"{tag(node.tag)} needs a {tag(child)} in it")
 
@@ -115,7 +115,7 @@ def _robot_mistakes(robot: Node, rules: Rules) -> Iterator[Mistake]:
 
 def _is_endpoint(text: str) -> bool:
     try:
-        connectable(text, with_keys=True)  # whether there are keys, the layout does not say
+        connectable(text, with_keys=True)  # the layout does not show whether there are keys
     except EndpointError:
         return False
     return True

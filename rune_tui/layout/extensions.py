@@ -44,7 +44,7 @@ _LONGEST_REASON = 200
 
 
 def with_installed(vocabulary: Vocabulary) -> Vocabulary:
-    """The vocabulary with what installed packages offer, and why some of that cannot be used."""
+    """The vocabulary with the offers of installed packages, and the reasons for unusable ones."""
     tables: dict[str, dict[str, Any]] = {"VISUALIZERS": {}, "WIDGETS": {}}
     faults: dict[str, str] = {}
     for table, group in GROUPS.items():
@@ -67,7 +67,7 @@ def with_installed(vocabulary: Vocabulary) -> Vocabulary:
 def extended(
     vocabulary: Vocabulary, root: Node, rules: Rules, folder: Path
 ) -> tuple[Vocabulary, tuple[Path, ...], list[Mistake]]:
-    """The vocabulary with the extensions that a layout names, their files, and what is wrong."""
+    """The vocabulary with a layout's extensions, their files, and their mistakes."""
     mistakes = []
     files: dict[Path, None] = {}
     for node in root.of("extension"):
@@ -98,7 +98,7 @@ def extended(
 
 
 class _ExtensionFault(Exception):  # noqa: N818 - it becomes a layout's mistake
-    """What is wrong with an extension, to follow its name."""
+    """The mistake of an extension, as words after its name."""
 
 
 def _joined(vocabulary: Vocabulary, tables: Mapping[str, Mapping[str, Any]]) -> Vocabulary:
@@ -133,7 +133,7 @@ def _run(path: Path) -> ModuleType:
     """The module in a file; always the file as it is now, and nothing is written beside it."""
     module = ModuleType(f"rune extension {path.resolve()}")
     module.__file__ = str(path)
-    sys.modules[module.__name__] = module  # dataclasses look there
+    sys.modules[module.__name__] = module  # dataclasses read it
     try:
         code = compile(path.read_bytes(), str(path), "exec")
         exec(code, module.__dict__)
@@ -151,7 +151,7 @@ def _why(error: BaseException) -> str:
 
 
 def _lack(table: str, found: object) -> str:
-    """What a class lacks to be what its table says; empty if nothing."""
+    """The missing parts of a class for its table; empty: none."""
     if not inspect.isclass(found):
         return "is no class"
     rule = getattr(found, "rule", None)
@@ -166,7 +166,7 @@ def _lack(table: str, found: object) -> str:
 
 
 def _complete(found: Any) -> None:  # noqa: ANN401 - a class of an extension
-    """Fill in what the rule leaves out.
+    """Fill in the missing values of a rule.
 
     A widget gets the purpose of the class from which it is derived, a visualizer the flags of its
     methods.

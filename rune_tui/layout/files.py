@@ -1,4 +1,4 @@
-"""Which files a layout may name: those in its own folder and below it."""
+"""The files that a layout may name: those in its own folder and below."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ def named_file(name: str, *, beside: str, folder: Path) -> Path | None:
     """The file that a layout or one of its parts names.
 
     Args:
-        name: What it says, relative to the file that says it.
-        beside: The file that says it.
+        name: The name, relative to the file with it.
+        beside: The file with the name.
         folder: The layout's own folder.
 
     Returns:

@@ -13,7 +13,7 @@ from rune_tui.layout.spec import FontSpec
 def named_fonts(
     root: Node, rules: Rules, folder: Path
 ) -> tuple[Mapping[str, FontSpec], list[Path], list[Mistake]]:
-    """The fonts by name, their files, and what is wrong with those; `folder` is the layout's."""
+    """The fonts by name, their files, and their mistakes; `folder` is the layout's."""
     fonts: dict[str, FontSpec] = {}
     files: list[Path] = []
     mistakes: list[Mistake] = []

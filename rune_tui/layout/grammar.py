@@ -1,6 +1,6 @@
-"""The schema read as rules, so that what breaks them can be said in plain words.
+"""The schema as rules, for mistakes in plain words.
 
-The schema is the one place that says what a layout may hold. It uses a small part of RELAX NG:
+The schema is the only definition of a layout's content. It uses a small part of RELAX NG:
 each element is defined once, and its content is a set of children with a least and a most number.
 """
 
@@ -26,7 +26,7 @@ _SPACES = " \t\n\r"
 PART = "part"
 """The outermost element of a file that layouts include."""
 REFERENCE = re.compile(r"\$\{([A-Za-z][A-Za-z0-9_]*)\}")
-"""A variable where its value is wanted."""
+"""A variable in place of its value."""
 _LONGEST_WITH_REFERENCE = 1000
 _SHOWN_LENGTH = 40
 _SHORT_SET = 12
@@ -42,7 +42,7 @@ class Node:
         children: Elements in it.
         text: Text in it, without surrounding white space.
         place: Where its start tag begins.
-        places: Where its attributes stand.
+        places: Places of its attributes.
     """
 
     tag: str
@@ -53,7 +53,7 @@ class Node:
     places: Mapping[str, Place] = field(default_factory=dict)
 
     def at(self, attribute: str) -> Place:
-        """Where an attribute stands; where it does not, the element itself."""
+        """The place of an attribute, or of the element without it."""
         return self.places.get(attribute, self.place)
 
     def of(self, tag: str) -> tuple[Node, ...]:
@@ -67,7 +67,7 @@ class Mistake:
 
     Attributes:
         place: Where.
-        message: What is wrong and what is allowed.
+        message: The mistake, and the allowed values.
     """
 
     place: Place
@@ -76,14 +76,14 @@ class Mistake:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ValueRule:
-    """What an attribute's value may be.
+    """The allowed values of an attribute.
 
     Attributes:
         allowed: In words.
         kind: Type in the schema: "string", "integer", "decimal", or "choice".
         limits: Parameters of the type: pattern, maxLength, minInclusive, maxInclusive.
         choices: The values, if it is a choice.
-        variable: Whether variables may stand in it.
+        variable: Whether it may contain variables.
     """
 
     allowed: str
@@ -93,7 +93,7 @@ class ValueRule:
     variable: bool
 
     def written(self, text: str) -> bool:
-        """Whether a file may say this: a value, or variables that may become one."""
+        """Whether a file may contain this: a value, or variables that may become one."""
         short = len(text) <= _LONGEST_WITH_REFERENCE
         open_yet = self.variable and short and REFERENCE.search(text) is not None
         return open_yet or self.accepts(text)
@@ -129,7 +129,7 @@ class AttributeRule:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ElementRule:
-    """What an element may hold.
+    """The allowed content of an element.
 
     Attributes:
         attributes: By name.

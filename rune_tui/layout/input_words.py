@@ -22,7 +22,7 @@ _CONTROL_WORDS: Mapping[str, str] = {
     **{letter: letter.upper() for letter in "abxy"},
     "dpad": "hat",
 }
-"""What controls of a role are called, where they have no name of their own."""
+"""Names of controls by role, for those without a name of their own."""
 _SIDEWAYS, _UPRIGHT, _TURNED = ("right", "left"), ("up", "down"), ("clockwise", "counter-clockwise")
 _AXIS_WORDS: Mapping[str, tuple[str, str]] = {
     **dict.fromkeys(("leftx", "rightx", "x", "rx"), _SIDEWAYS),
@@ -36,9 +36,9 @@ _ANY_AXIS = ("one way", "the other way")
 def ways(
     event: EventSpec, joysticks: Sequence[JoystickSpec], where: str = ""
 ) -> Iterator[tuple[str, EventSpec]]:
-    """What somebody does to an input, in words, and the event with the value that it then has.
+    """The use of an input, in words, and the event with its value.
 
-    An axis can be moved two ways.
+    An axis has two directions.
 
     Args:
         event: The input.
@@ -73,7 +73,7 @@ def _words(event: EventSpec, joysticks: Sequence[JoystickSpec], where: str) -> s
 
 
 def _control(event: EventSpec, joysticks: Sequence[JoystickSpec]) -> tuple[str, ControlSpec]:
-    """What a control is called, with its joystick, and what the layout says of it."""
+    """The name of a control, with its joystick, by the layout."""
     owner, name = event.name.removeprefix(JOYSTICK).split(" ")[:2]
     (joystick,) = (each for each in joysticks if each.name == owner)
     (control,) = (each for each in joystick.controls if each.name == name)

@@ -13,7 +13,7 @@ from rune_tui.layout.places import Place
 
 
 def inputs_of(event: Node, rules: Rules, joysticks: JoystickNodes) -> tuple[Input, ...]:
-    """The inputs that an event waits for; none if it is of no one kind, or what it says is wrong.
+    """The inputs that an event waits for; none if it has no single kind, or is wrong.
 
     They are several where an event means a whole hat switch.
     """
@@ -30,7 +30,7 @@ def inputs_of(event: Node, rules: Rules, joysticks: JoystickNodes) -> tuple[Inpu
 def input_mistakes(
     event: Node, rules: Rules, viewport: Node | None, joysticks: JoystickNodes
 ) -> Iterator[Mistake]:
-    """What is wrong with the input that an event names."""
+    """The mistakes in an event's input."""
     key = rules.value(event, "key")
     if key is not None and not names.is_key(key):
         yield Mistake(event.at("key"), _unknown_key(key))
@@ -78,15 +78,15 @@ _ANY = "*"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Claim:
-    """An event that wants an input.
+    """An event that uses an input.
 
     Attributes:
-        place: Where it says which.
-        shown: What it wants, in words.
+        place: Place of the input's name.
+        shown: The input, in words.
         what: The same as a key for tables; the mouse is meant where it is, so its viewport is
             part of it.
-        control: What of the widget it moves, or `_ANY`.
-        other: What else to choose.
+        control: The control of the widget that it moves, or `_ANY`.
+        other: An alternative to choose.
     """
 
     place: Place

@@ -16,7 +16,7 @@ _WHICH = ("role", "usage", "index")
 _OF_DEVICE = ("vid", "pid", "serial", "device")
 _OF_AXES = ("calibrate", "min", "max", "deadzone", "expo")
 _NUMBERED = re.compile(r"#([2-9]|[1-9][0-9]{1,2})$")
-"""What ends the usage of the second and further controls of the same."""
+"""The end of the usage of the second and further controls of the same name."""
 _ARTICLES = {
     ControlKind.AXIS: "an axis",
     ControlKind.BALL: "a ball",
@@ -26,7 +26,7 @@ _ARTICLES = {
 
 
 def joystick_mistakes(nodes: Iterable[Node], rules: Rules) -> Iterator[Mistake]:
-    """What is wrong with joysticks; that each has a name of its own is checked elsewhere."""
+    """The mistakes in joysticks; another check finds equal names."""
     of_any: Place | None = None
     for node in nodes:
         if "pid" in node.attributes and "vid" not in node.attributes:
@@ -69,7 +69,7 @@ def _has_role(kind: ControlKind, role: str) -> bool:
 
 
 def _usage_mistakes(control: Node, kind: ControlKind | None, rules: Rules) -> Iterator[Mistake]:
-    """That no device has such a control; what buttons are called is not known of all."""
+    """Report a control that no device has; names of buttons are not all known."""
     usage = rules.value(control, "usage")
     if usage is None or kind in {None, ControlKind.BUTTON}:
         return
@@ -113,7 +113,7 @@ def _binding_mistakes(bindings: Node, rules: Rules) -> Iterator[Mistake]:
 
 
 def event_mistakes(event: Node, rules: Rules, joysticks: JoystickNodes) -> Iterator[Mistake]:
-    """What is wrong with what an event says of a joystick, if it says anything of one."""
+    """The mistakes in an event's joystick, if it has one."""
     parts = [part for part in KINDS_FOR if part in event.attributes]
     if "direction" in event.attributes and "hat" not in event.attributes:
         yield Mistake(event.at("direction"), "a direction belongs to a hat, leave it out")

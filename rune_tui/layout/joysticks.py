@@ -1,4 +1,4 @@
-"""The joysticks of a layout file: what controls they have, and which inputs events mean by them."""
+"""The joysticks of a layout file: their controls, and the inputs of events."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ KINDS_FOR: Mapping[str, tuple[ControlKind, ...]] = {
     "hat": (ControlKind.HAT,),
     "ball": (ControlKind.BALL,),
 }
-"""What kinds of controls each attribute of an event may name; an axis can be used as a button."""
+"""The kinds of controls that each attribute of an event may name; an axis can act as a button."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,8 +23,8 @@ class Input:
     """An input that an event waits for.
 
     Attributes:
-        name: What `ControlEvent` calls it.
-        kind: What of a joystick it is; None for keys and the mouse.
+        name: Its name in `ControlEvent`.
+        kind: Its kind of control; None for keys and the mouse.
         pushed: Where a hat is pushed, if the event means all four of its directions.
     """
 
@@ -49,7 +49,7 @@ class JoystickNodes:
         return tuple(self._nodes)
 
     def kinds(self, joystick: str) -> dict[str, ControlKind | None]:
-        """What events may name of a joystick: its controls, and roles of controls it may have.
+        """The names of a joystick for events: its controls, and roles of possible controls.
 
         A control whose type breaks its rule has the kind None.
         """
@@ -61,7 +61,7 @@ class JoystickNodes:
         return found | {role: kind for role, kind in names.ROLES.items() if role not in found}
 
     def inputs(self, event: Node) -> tuple[Input, ...]:
-        """The inputs of a joystick that an event waits for; none if what it says is wrong."""
+        """The inputs of a joystick that an event waits for; none: it is wrong."""
         parts = [part for part in KINDS_FOR if part in event.attributes]
         joystick = self._rules.value(event, "joystick")
         if joystick not in self._nodes or len(parts) != 1:

@@ -1,4 +1,4 @@
-"""What not every terminal reports of the keys that a layout names."""
+"""Notes on keys of a layout that not every terminal reports."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ _MOST_NAMED = 3
 
 
 def key_notes(layout: LayoutSpec) -> tuple[str, ...]:
-    """A sentence for each key that does not do what the layout seems to mean.
+    """A sentence for each key that may not work as the layout intends.
 
-    Those that only some terminals tell, in the order of the file, but not where the layout binds as
-    well what other terminals report; and those that drive and do something else as well.
+    These are keys that only some terminals report, in the order of the file, unless the layout also
+    binds the report of other terminals. Further, held keys that drive and have another action too.
     """
     bound = {event.name for widget in _widgets(layout) for event in widget.events}
     return (*(_note(key, bound) for key in _without_another(layout)), *_collisions(layout))
 
 
 def _collisions(layout: LayoutSpec) -> Iterator[str]:
-    """A sentence for each key that is held to do one thing and also does another."""
+    """A sentence for each held key with another action too."""
     rules = layout.vocabulary.widgets
     users: dict[tuple[str, str], dict[str, bool]] = {}
     for widget in _widgets(layout):
@@ -36,8 +36,8 @@ def _collisions(layout: LayoutSpec) -> Iterator[str]:
             yield f"{name} wakes {' and '.join(handlers)}: holding it does both"
 
 
-def untold_keys(layout: LayoutSpec) -> str:
-    """A sentence for who uses a terminal that tells none of them; empty if nothing is amiss."""
+def unreported_keys(layout: LayoutSpec) -> str:
+    """A sentence for a terminal that reports none of them; empty: no problem."""
     keys = list(_without_another(layout))
     if not keys:
         return ""
@@ -53,7 +53,7 @@ def _widgets(layout: LayoutSpec) -> Iterator[WidgetSpec]:
 
 
 def _without_another(layout: LayoutSpec) -> Mapping[str, None]:
-    """Rare keys that do what no key does that all terminals tell, in the order of the file."""
+    """Rare keys with an action that no common key has, in the order of the file."""
     found = (
         (event.line, event.name)
         for widget in _widgets(layout)
@@ -64,7 +64,7 @@ def _without_another(layout: LayoutSpec) -> Mapping[str, None]:
 
 
 def _is_another(other: EventSpec, rare: EventSpec) -> bool:
-    """Whether an event of the same widget is what other terminals report, and means the same."""
+    """Whether an event of the same widget has the other terminals' report, with one meaning."""
     instead = RARE_KEYS[rare.name]
     reported = other.name == instead if instead else other.name not in RARE_KEYS
     return reported and _meaning(other) == _meaning(rare)

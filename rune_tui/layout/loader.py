@@ -1,6 +1,6 @@
 """Reads a layout file: bytes to XML to specs, with every mistake of the file at once.
 
-Only this file knows the XML library. Files are not trusted: no DTD, no entity, no network, and a
+Only this file uses the XML library. Files are not trusted: no DTD, no entity, no network, and a
 limit on the size.
 """
 
@@ -39,10 +39,10 @@ _MOST_ELEMENTS = 20_000
 """Elements that a file may have; a large layout has a few hundred."""
 
 _DEEPEST = 16
-"""Levels of elements that are looked at; valid layouts have five, the schema eight."""
+"""Most levels of elements; valid layouts have five, the schema eight."""
 
 _MOST_ATTRIBUTES = 100
-"""Attributes of an element that are looked at; the schema allows 11, and looking is quadratic."""
+"""Most attributes of an element; the schema allows 11, and the check is quadratic."""
 
 # Atomic and possessive, so that a hostile file cannot make the search backtrack.
 _DOCTYPE = re.compile(r"(?>\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<!DOCTYPE", re.DOTALL)
@@ -91,7 +91,7 @@ def load_layout(
 
 
 def _traced(mistakes: Iterable[Mistake], given: Mapping[Place, str]) -> list[Mistake]:
-    """Mistakes, those said to be of `--set` that stand where it has put a value."""
+    """The mistakes; those at a value of `--set` name that option."""
     return [
         dataclasses.replace(each, message=f"{each.message}; that is from --set {source}")
         if (source := given.get(each.place))
@@ -215,14 +215,14 @@ def _plain(reason: str) -> str:
 
 @functools.cache
 def schema_rules() -> Rules:
-    """The rules of the schema; they refuse what a RELAX NG validator refuses, in plain words."""
+    """The rules of the schema; they refuse the same as a RELAX NG validator, in plain words."""
     data = importlib.resources.files("rune_tui.layout").joinpath("schema.rng").read_bytes()
     document = etree.fromstring(data, etree.XMLParser(remove_comments=True))
     return read_rules(to_node(document, data.decode(), "schema.rng"))
 
 
 def to_node(document: etree._Element, text: str, shown: str) -> Node:
-    """The elements as nodes that know their places."""
+    """The elements as nodes with their places."""
     if sum(1 for _ in document.iter()) > _MOST_ELEMENTS:
         message = f"the file has more than {_MOST_ELEMENTS} elements; a layout has a few hundred"
         raise _refusal(shown, message)

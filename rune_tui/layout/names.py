@@ -21,14 +21,14 @@ CAPABILITY_INTERVALS_MS: Mapping[str, int] = {
 """Known capabilities and their shortest time between two requests [ms]."""
 
 MOUSE = "mouse "
-"""What the names of the mouse's inputs begin with; no key's name does."""
+"""Prefix of the mouse's inputs; no key's name has it."""
 
 JOYSTICK = "joystick "
-"""What the names of joysticks' inputs begin with; no key's name does."""
+"""Prefix of joysticks' inputs; no key's name has it."""
 DIRECTIONS = ("up", "right", "down", "left")
 """Where a hat switch can be pushed, in the order of a layout's bindings."""
 PRESSED = "pressed"
-"""What ends the name of an axis that is used as a button."""
+"""Suffix of an axis that acts as a button."""
 
 TRIGGERS = frozenset({"lefttrigger", "righttrigger"})
 """Roles of axes that are buttons on some pads."""
@@ -54,9 +54,9 @@ AXIS_USAGES = (
     *("elevator trim", "rudder", "throttle", "toe brake", "wing flaps", "accelerator", "brake"),
     *("clutch", "shifter", "steering", "dive plane", "ballast"),
 )
-"""What devices call their axes and balls."""
+"""Names of axes and balls at devices."""
 HAT_USAGE = "hat switch"
-"""What devices call their hats."""
+"""Names of hats at devices."""
 
 NAMED_KEYS = (
     *("up", "down", "left", "right", "space", "enter", "escape", "tab", "backspace"),
@@ -72,7 +72,7 @@ KEYS_REPORTED_AS: Mapping[str, str] = {
     "ctrl+i": "tab",
     "ctrl+m": "enter",
 }
-"""Keys that a terminal cannot tell from others, and what it reports instead."""
+"""Keys that a terminal cannot distinguish from others, and its report instead."""
 
 CONTROL_KEYS = tuple(
     key for letter in string.ascii_lowercase if (key := f"ctrl+{letter}") not in KEYS_REPORTED_AS
@@ -84,7 +84,7 @@ KEYPAD_KEYS: Mapping[str, str] = {
     **dict(zip((f"kp_{mark}" for mark in _PAD_MARKS), (*"./*-+", "enter", "="), strict=True)),
     **{f"kp_{move}": move for move in (*_PAD_MOVES, "delete")},
 }
-"""Keys of the keypad, and what terminals report that do not tell them from others."""
+"""Keys of the keypad, and the report of terminals that cannot distinguish them."""
 MODIFIER_KEYS = tuple(
     f"{side}_{name}" for side in ("left", "right") for name in ("shift", "control", "alt", "super")
 )
@@ -93,7 +93,7 @@ RARE_KEYS: Mapping[str, str] = {
     **dict.fromkeys(MODIFIER_KEYS, ""),
     **{f"f{number}": "" for number in range(13, 25)},
 }
-"""Keys that only terminals with the kitty keyboard protocol tell, and what the others say."""
+"""Keys that only terminals with the kitty keyboard protocol report, and the others' report."""
 
 KEYS = (*NAMED_KEYS, *FUNCTION_KEYS, *CONTROL_KEYS, *RARE_KEYS)
 """Keys with a name; every single printable character in lower case is a key as well."""

@@ -1,7 +1,7 @@
 """Puts a layout together: takes in the parts that it includes, and the values of its variables.
 
 A file's variables hold for it and for all that it includes, and win over those of the same name
-there; so a part's variables are what holds where nobody says otherwise. The variables of an
+there; so a part's variables are defaults. The variables of an
 `<include>` hold for that part alone.
 """
 
@@ -31,7 +31,7 @@ class _Variable:
     """A variable as one file sees it.
 
     Attributes:
-        value: What is put in its place.
+        value: Its replacement.
         declared: Where it was declared, here and in the files that include this one.
         given: Whether the command line gives it, and no file.
     """
@@ -48,7 +48,7 @@ class Assembly:
     """A layout file and all its parts as one tree.
 
     Attributes:
-        mistakes: What is wrong with how they are put together.
+        mistakes: The mistakes in their composition.
         files: The files that were read, or would have been if they were there.
         given: Which values that were not those of a file went where, such as run=2.
     """
@@ -57,7 +57,7 @@ class Assembly:
         """Prepare.
 
         Args:
-            rules: What the schema says.
+            rules: The rules of the schema.
             read: Reads a part.
             path: The layout file.
             largest: How large all files may be together, values put in included [characters].
@@ -75,7 +75,7 @@ class Assembly:
         self._used: set[Place] = set()
 
     def whole(self, root: Node, size: int, given: Mapping[str, str]) -> Node:
-        """The layout with its parts in it; an `<include>` stays, in front of what it brings.
+        """The layout with its parts; an `<include>` stays, in front of its content.
 
         Args:
             root: The layout file.
@@ -125,7 +125,7 @@ class Assembly:
         return found
 
     def _plain(self, name: str, value: str, place: Place) -> None:
-        """Values are taken as they stand, so that they cannot grow out of each other."""
+        """Values are literal, so they cannot grow from each other."""
         if "${" in value:
             message = f"the value of variable {quoted(name)} may not use variables itself"
             self._wrong(place, message)
@@ -176,11 +176,11 @@ class Assembly:
         return self._room >= 0
 
     def _part(self, include: Node, scope: _Scope, chain: tuple[Path, ...]) -> Iterable[Node]:
-        """What stands in the part that an `<include>` names."""
+        """The content of an `<include>`'s part."""
         root = self._root(include, chain)
         if root is None:
             return ()
-        # Its children are looked at where they come to stand, its variables have no other place.
+        # Its children are checked at their new place; its variables have no other place.
         head = dataclasses.replace(root, children=root.of("variable"))
         self.mistakes += self._rules.mistakes(head, outermost=PART)
         scope = {**scope, **self._declared(include, {})}

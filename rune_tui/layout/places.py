@@ -1,7 +1,7 @@
-"""Where in a file its elements and their attributes stand.
+"""The places of a file's elements and their attributes.
 
-The parser tells lines only, and of a start tag the last one. Its verdict that a text is well-formed
-makes the rest easy: every `<` begins one of a few things, and quotes are in pairs.
+The parser reports only lines, and for a start tag the last one. In a well-formed text the rest is
+easy: every `<` starts one of a few constructs, and quotes are in pairs.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-# Each alternative ends where the thing does, so that nothing within it is taken for a start tag.
+# Each alternative ends with its construct, so no text within it looks like a start tag.
 _THING = re.compile(
     r"""<!--.*?-->|<\?.*?\?>|<!\[CDATA\[.*?\]\]>|</[^>]*>
     |<(?P<name>[^\s/>]+)(?P<attributes>(?:[^"'>]|"[^"]*"|'[^']*')*+)>""",

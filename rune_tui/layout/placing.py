@@ -1,4 +1,4 @@
-"""Which arrangement a terminal takes, and where viewports stand on it; pure."""
+"""The arrangement for a terminal, and the places of viewports on it; pure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SHARE_OF_STRIP = 4
 _NARROW_ROWS = 2
 """Rows of a vital viewport in full screen that is not a line over the whole view."""
 _LEAST_COLUMNS = 24
-"""Vital viewports in full screen that are narrower say nothing of use [cells]."""
+"""Least width of vital viewports in full screen [cells]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +32,7 @@ class Area:
         return across and down
 
     def touches(self, other: Area) -> bool:
-        """Whether they stand side by side, or one on the other, with nothing between."""
+        """Whether they touch, side by side or one above the other."""
         if self.meets(other):
             return False
         across = self.x <= other.x + other.width and other.x <= self.x + self.width
@@ -47,7 +47,7 @@ class Placed:
     """A viewport on the terminal.
 
     Attributes:
-        spec: What the arrangement says of it.
+        spec: The arrangement's values for it.
         area: Where it is.
     """
 
@@ -75,14 +75,14 @@ def arrangement_for(
 def area_of(
     place: PlaceSpec, design: tuple[int, int], columns: int, rows: int, *, whole_cells: bool
 ) -> Area:
-    """Where a place of a design lies on a terminal.
+    """The place of a design on a terminal.
 
     Edges scale, so viewports that touch in the design touch on the terminal; unscaled viewports
-    keep their size and scale their upper left corner. What lies wholly inside the design is kept
+    keep their size and scale their upper left corner. A place wholly inside the design is kept
     wholly inside the terminal, if it fits.
 
     Args:
-        place: What to place.
+        place: The place.
         design: Width and height of the design [pixels].
         columns: Width of the terminal [cells].
         rows: Height of the terminal [cells].
@@ -103,10 +103,10 @@ def area_of(
 def placed(
     arrangement: ArrangementSpec, columns: int, rows: int, *, free: Collection[str] = ()
 ) -> tuple[Placed, ...]:
-    """Where all viewports of an arrangement stand.
+    """The places of all viewports of an arrangement.
 
     Args:
-        arrangement: What is placed where.
+        arrangement: The places.
         columns: Width of the terminal [cells].
         rows: Height of the terminal [cells].
         free: Viewports that need not be made of whole cells.
@@ -125,13 +125,13 @@ def filled(
     *,
     free: Collection[str] = (),
 ) -> tuple[Placed, ...]:
-    """Where viewports stand while one of them fills the view.
+    """The places of viewports while one of them fills the view.
 
-    What lies over it goes on lying over it. The vital viewports that do not lie over it get a strip
+    Viewports over it stay over it. The other vital viewports get a strip
     at the lower edge; nothing else is shown.
 
     Args:
-        arrangement: What is placed where otherwise.
+        arrangement: The usual places.
         full: The viewport that fills the view.
         vital: Viewports that the operator must see, the most important first.
         columns: Width of the terminal [cells].
@@ -174,7 +174,7 @@ def _on_design(
 
 
 def _lying_over(ground: PlaceSpec, places: Sequence[PlaceSpec]) -> Iterator[PlaceSpec]:
-    """The places nearer to the eye whose middle lies over another place."""
+    """The places above another place, with their middle over it."""
     behind = places.index(ground)
     for number, place in enumerate(places):
         nearer = (place.zpos, number) > (ground.zpos, behind)

@@ -69,7 +69,7 @@ def _unknown(
 def _missing(
     owner: Node, name: str, options: Mapping[str, Option], rules: Rules
 ) -> Iterator[Mistake]:
-    """A widget in no viewport has none of its own to be meant by silence."""
+    """A widget in no viewport has no default viewport."""
     given = {rules.value(node, "name") for node in owner.of("option") if rules.value(node, "value")}
     for option, rule in options.items():
         if isinstance(rule, TextOption) and rule.names == "viewport" and option not in given:

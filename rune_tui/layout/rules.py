@@ -1,4 +1,4 @@
-"""What layouts may say of a visualizer or a widget handler; each class states its own rule."""
+"""The rules for visualizers and widget handlers in layouts; each class states its own rule."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DECIMAL = re.compile(r"[+-]?([0-9]{1,18}(\.[0-9]{0,99})?|\.[0-9]{1,99})")
 
 
 class Section(enum.Enum):
-    """What kind of thing an input does; the values are the help's headings, in its order."""
+    """The kind of an input's action; the values are the help's headings, in its order."""
 
     DRIVE = "Stop and drive"
     LOOK = "Look"
@@ -28,7 +28,7 @@ class Section(enum.Enum):
 
 
 class Purpose(enum.Enum):
-    """Effects of a widget that the rest of the console must know.
+    """Effects of a widget that matter to the rest of the console.
 
     Attributes:
         DRIVE: Commands velocities all the time. Only one of a robot's such widgets acts at a time;
@@ -61,7 +61,7 @@ class NumberOption:
         least: Smallest value allowed.
         most: Largest value allowed.
         unit: Its unit; empty for a plain number.
-        meaning: What it does, for the reference.
+        meaning: Its meaning, for the reference.
     """
 
     default: float
@@ -72,7 +72,7 @@ class NumberOption:
 
     @property
     def allowed(self) -> str:
-        """What may be given, in words."""
+        """The allowed values, in words."""
         return f"{self.least:g} to {self.most:g} {self.unit}".rstrip()
 
     def accepts(self, text: str) -> bool:
@@ -80,7 +80,7 @@ class NumberOption:
         return bool(_DECIMAL.fullmatch(text)) and self.least <= float(text) <= self.most
 
     def value(self, text: str) -> float:
-        """What a text that is accepted means."""
+        """The value of an accepted text."""
         return float(text)
 
     def shown(self, value: float) -> str:
@@ -94,10 +94,10 @@ class ChoiceOption:
 
     Attributes:
         default: Its value where the layout is silent.
-        choices: All that are allowed.
-        meaning: What it does, for the reference.
-        renamed: What older spellings are called now; they are still allowed.
-        words: What people call a choice, where that is not its name.
+        choices: All allowed values.
+        meaning: Its meaning, for the reference.
+        renamed: New names of older spellings, which are still allowed.
+        words: Names of choices for people, if they differ.
     """
 
     default: str
@@ -108,7 +108,7 @@ class ChoiceOption:
 
     @property
     def allowed(self) -> str:
-        """What may be given, in words."""
+        """The allowed values, in words."""
         return " or ".join(self.choices)
 
     def accepts(self, text: str) -> bool:
@@ -116,7 +116,7 @@ class ChoiceOption:
         return text in self.choices or text in self.renamed
 
     def value(self, text: str) -> str:
-        """What a text that is accepted means."""
+        """The value of an accepted text."""
         return self.renamed.get(text, text)
 
     def shown(self, value: str) -> str:
@@ -133,7 +133,7 @@ class TextOption:
         longest: How many characters are allowed.
         names: What of the layout it names, or that it names a field of the message that is drawn;
             empty if it may be any words.
-        meaning: What it does, for the reference.
+        meaning: Its meaning, for the reference.
     """
 
     default: str = ""
@@ -143,7 +143,7 @@ class TextOption:
 
     @property
     def allowed(self) -> str:
-        """What may be given, in words."""
+        """The allowed values, in words."""
         if self.names == "field":
             return "a number of the message"
         if self.names:
@@ -155,7 +155,7 @@ class TextOption:
         return len(text) <= self.longest and text.isprintable()
 
     def value(self, text: str) -> str:
-        """What a text that is accepted means."""
+        """The value of an accepted text."""
         return text
 
     def shown(self, value: str) -> str:
@@ -180,7 +180,7 @@ class Options:
     def of(
         cls, rules: Mapping[str, Option], given: Mapping[str, float | str] | None = None
     ) -> Options:
-        """The given values, and the defaults of the others."""
+        """The given values, and defaults for the rest."""
         return cls(values={name: rule.default for name, rule in rules.items()} | dict(given or {}))
 
     def number(self, name: str) -> float:
@@ -195,21 +195,21 @@ class Options:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VisualizerRule:
-    """What a layout may say of a visualizer.
+    """The rule for a visualizer in layouts.
 
     Attributes:
-        meaning: What it draws, for the reference.
+        meaning: Its picture, for the reference.
         message: The message it draws; empty if it draws none.
-        others: Further messages that it makes use of where there are any.
+        others: Further messages that it uses if they exist.
         any_message: Whether the layout may name any message of the vocabulary instead.
         text: Whether it shows the attribute `text`.
         font: Whether it can show that in a font of the layout.
         option: Its numeric option, if it has one.
         options: Its other options, by name.
-        vital: Whether it shows what keeps people and robots safe: its drawing never rests, and it
-            stays to be seen while another viewport fills the view.
+        vital: Whether it matters for the safety of people and robots: its drawing never rests, and
+            it stays to be seen while another viewport fills the view.
         pictures: Whether it shows the camera's pictures; it is a `Picturing`.
-        locates: Whether it knows the place that a pixel shows; it is a `Locating`.
+        locates: Whether it has the place of a pixel; it is a `Locating`.
         draws_over: Whether a part of it must be seen over those with `above`; it is an
             `Overlaying`.
         above: Whether a visualizer below it with `draws_over` is drawn again over it.
@@ -236,26 +236,26 @@ class VisualizerRule:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandlerRule:
-    """What a layout may say of a widget handler.
+    """The rule for a widget handler in layouts.
 
     Attributes:
-        meaning: What it does, for the reference.
-        controls: What its events move; empty if there is nothing to choose.
+        meaning: Its meaning, for the reference.
+        controls: The controls that its events move; empty: no choice.
         options: Its options, by name.
         needs_robot: Whether it commands a robot, and so belongs into a viewport.
         sends: Names of the messages that it sends.
         uses: Names of the messages that it makes use of.
-        pointed: Whether it wants to know where the mouse was, and so needs events of the mouse.
-        words: What a positive and a negative value do, by control (empty where there is none),
-            for the help; those that have none know no amounts, and so no axes.
+        pointed: Whether it needs the place of the mouse, and so events of the mouse.
+        words: Effect of a positive and a negative value, by control (empty: none), for the help;
+        a handler without them takes no amounts, and so no axes.
         plane: The controls that a whole hat switch moves: the one with left as positive,
             and the one whose positive is up or forward; None if it cannot.
         held: Whether it acts while an input is held, so that a mere moment of it is nothing.
         under_help: Whether its keys count while the help covers everything.
         section: Where the help lists it; None: with the robot if it commands one, else the screen.
-        says: What its inputs do, in a few plain words, by control. In braces stand `direction` and
-            names of options, for their values. Empty: made of its meaning.
-        purpose: What the rest of the console has to know of it; None for most.
+        says: The action of its inputs, in a few plain words, by control. In braces are `direction`
+            and names of options, for their values. Empty: made of its meaning.
+        purpose: Its meaning for the rest of the console; None for most.
     """
 
     meaning: str
@@ -275,22 +275,22 @@ class HandlerRule:
 
 
 class RuledVisualizer(Protocol):
-    """What a layout needs to know of a visualizer's class."""
+    """The interface of a visualizer's class for layouts."""
 
     rule: ClassVar[VisualizerRule]
 
     @classmethod
-    def from_spec(cls, spec: Any) -> Any:  # noqa: ANN401 - layouts do not know what is made
+    def from_spec(cls, spec: Any) -> Any:  # noqa: ANN401 - layouts accept any class
         """The visualizer that a layout asks for."""
 
 
 class RuledWidget(Protocol):
-    """What a layout needs to know of a widget's class."""
+    """The interface of a widget's class for layouts."""
 
     rule: ClassVar[HandlerRule]
 
     @classmethod
-    def from_spec(cls, spec: Any, robot: str) -> Any:  # noqa: ANN401 - layouts do not know what is made
+    def from_spec(cls, spec: Any, robot: str) -> Any:  # noqa: ANN401 - layouts accept any class
         """The widget that a layout asks for."""
 
 
@@ -301,7 +301,7 @@ class Vocabulary:
     Attributes:
         visualizers: Classes by function name.
         widgets: Classes by handler name.
-        faults: What is wrong with what an installed package offers, by the name that it offers.
+        faults: The mistakes of installed packages, by offered name.
     """
 
     visualizers: Mapping[str, type[RuledVisualizer]]

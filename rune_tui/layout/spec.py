@@ -1,4 +1,4 @@
-"""What a layout file says, as frozen values; only the loader makes them from XML."""
+"""The content of a layout file as frozen values; only the loader makes them from XML."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CHOSEN = "*"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CapabilitySpec:
-    """A capability that the console wants of a robot.
+    """A capability of a robot that the console wants.
 
     Attributes:
         name: Name from `hub.gcm.capability`.
@@ -30,9 +30,9 @@ class RobotSpec:
     """A robot that the console connects to.
 
     Attributes:
-        name: What viewports call it.
+        name: Its name for viewports.
         hub: Endpoint of its central, such as "tcp://127.0.0.1:1381".
-        capabilities: What the console wants of it, by capability name.
+        capabilities: Its wanted capabilities, by name.
         messages: Names of the messages that its viewports and widgets make use of.
         commands: Names of the messages that its widgets send.
         keys: File of the operator's key for it; empty: the one of the command line, if any.
@@ -47,7 +47,7 @@ class RobotSpec:
 
 
 class ControlKind(enum.Enum):
-    """What kind of control a joystick has; the values are the words that layouts use."""
+    """The kind of a joystick's control; the values are the words of layouts."""
 
     AXIS = "axis"
     BALL = "ball"
@@ -57,19 +57,19 @@ class ControlKind(enum.Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlSpec:
-    """A control of a joystick; its role, usage or index says which, the other two are not given.
+    """A control of a joystick; only one of role, usage and index is given.
 
     Attributes:
-        name: What events call it.
-        kind: What it is.
-        role: What it is for on any device, such as "leftx"; empty if not given.
-        usage: What the device's report calls it, such as "rz" or "slider#2"; empty if not given.
+        name: Its name for events.
+        kind: Its kind.
+        role: Its role on any device, such as "leftx"; empty: not given.
+        usage: Its name in the device's report, such as "rz" or "slider#2"; empty: not given.
         index: Which of its kind it is in the report, from 0.
         calibrate: Whether the operator is asked to move it to its ends.
-        minimum: Raw value at one end; None for what the device says.
-        maximum: Raw value at the other end; None for what the device says.
+        minimum: Raw value at one end; None: the device's own.
+        maximum: Raw value at the other end; None: the device's own.
         invert: Whether its directions are exchanged; a button is then pressed while it is up.
-        deadzone: Share of its way that counts as neutral, 0 to 0.9; None for the device's own.
+        deadzone: Neutral share of its range, 0 to 0.9; None: the device's own.
         expo: How much finer it is about its neutral, 0 (linear) to 1; None for the device's own.
         bindings: Raw values of a hat that is pushed up, right, down and left; None for those of
             the device.
@@ -91,10 +91,10 @@ class ControlSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JoystickSpec:
-    """A joystick that a layout knows; without vid, pid, serial and device it is any.
+    """A joystick of a layout; without vid, pid, serial and device it is any device.
 
     Attributes:
-        name: What events call it.
+        name: Its name for events.
         vid: The vendor's number.
         pid: The product's number.
         serial: The device's serial number; empty for any.
@@ -117,8 +117,8 @@ class EventSpec:
     Attributes:
         name: The input, such as "w", "up", "ctrl+c", "mouse left", "mouse wheel",
             "joystick pad lefty".
-        released: Whether it wakes when the input goes up, not down.
-        control: What the input stands for where a handler has several controls, such as
+        released: Whether it wakes when the input is released, not when it is pressed.
+        control: The control that the input moves, if a handler has several, such as
             "translate" or "rotate"; empty where it has one.
         value: How far the control is moved while the key is down, -1 to 1.
         line: Line in the layout file.
@@ -164,12 +164,12 @@ class FontSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VisualizerSpec:
-    """What draws into a viewport.
+    """The visualizer of a viewport.
 
     Attributes:
         function: Name of the function, such as "visualizeCameraImage".
         message: Message it draws, such as "GCM_Common_Image".
-        option: Its numeric option; each visualizer says what it means.
+        option: Its numeric option; its meaning depends on the visualizer.
         text: Text for visualizers that show one.
         options: Its other options, with those that the layout leaves out.
         viewport: The viewport it draws into.
@@ -187,14 +187,14 @@ class VisualizerSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ViewportSpec:
-    """Something to see, and what keys, mouse and joysticks do there; arrangements place it.
+    """A visualizer, and the actions of keys, mouse and joysticks there; arrangements place it.
 
     Attributes:
         name: Name in messages to the operator.
-        robot: Robot whose messages it shows, or `CHOSEN`.
-        visualizer: What draws into it, if anything.
-        widgets: What its inputs wake.
-        title: Stands in a rule over it; empty: there is none.
+        robot: Robot of the shown messages, or `CHOSEN`.
+        visualizer: Its visualizer, if any.
+        widgets: The widgets of its inputs.
+        title: Text of the rule above it; empty: no rule.
     """
 
     name: str
@@ -210,7 +210,7 @@ class PlaceSpec:
 
     Attributes:
         viewport: The viewport's name.
-        visible: Whether it is drawn until the operator wants it otherwise.
+        visible: Whether it is drawn at the start.
         transparency: 0 is opaque, 255 cannot be seen.
         xpos: Left edge in design pixels of the arrangement; may be negative.
         ypos: Top edge in design pixels of the arrangement; may be negative.
@@ -233,7 +233,7 @@ class PlaceSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArrangementSpec:
-    """Where viewports stand on terminals that are large enough for it.
+    """The places of viewports on terminals of sufficient size.
 
     Attributes:
         name: Name in messages to the operator; empty for the only one of a view.
@@ -281,7 +281,7 @@ class LayoutSpec:
         view: The whole picture.
         files: The file itself, the parts that it includes, its extensions and its fonts.
         notes: Old spellings in it that still work, a sentence each.
-        vocabulary: The visualizers and widgets that it names, and all others there are.
+        vocabulary: All visualizers and widgets.
     """
 
     path: str

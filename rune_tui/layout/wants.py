@@ -1,4 +1,4 @@
-"""Whether a robot is asked for what its viewports draw and its widgets command."""
+"""Whether a layout wants the capabilities behind its viewports and widgets."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Wants:
     def undrawn(
         self, message: str, function: str, robot: str | None, place: Place
     ) -> Iterator[Mistake]:
-        """That nothing wanted of the robot brings what a visualizer draws."""
+        """Report a visualizer whose messages no wanted capability publishes."""
         if not self._met([message], robot, PROVIDED_BY):
             what = f"{function} draws {message}, which no wanted capability"
             yield self._mistake(place, what, "brings", robot, PROVIDED_BY[message][0])
@@ -35,7 +35,7 @@ class Wants:
     def unheard(
         self, messages: Iterable[str], handler: str, robot: str | None, place: Place
     ) -> Iterator[Mistake]:
-        """That nothing wanted of the robot takes anything of what a widget sends."""
+        """Report a widget whose messages no wanted capability receives."""
         if not self._met(messages, robot, TAKEN_BY):
             first = next(name for name in messages if name in TAKEN_BY)
             what = f"{handler} sends {first}, which no wanted capability"

@@ -1,6 +1,6 @@
 """The layouts that a console was started with: which one is open, and whether it was saved since.
 
-Files are looked at a few times a second, which costs microseconds and works on every file system,
+Files are checked a few times a second, which costs microseconds and works on every file system,
 network mounts and editors that replace files included.
 """
 
@@ -13,11 +13,11 @@ from pathlib import Path
 from rune_tui.errors import LayoutError
 from rune_tui.layout.spec import LayoutSpec
 
-LOOK_S = 0.25
-"""Time between two looks [s]."""
+CHECK_S = 0.25
+"""Time between two checks [s]."""
 
 _Mark = tuple[int, int, int] | None
-"""What changes when a file is saved; None while there is no file."""
+"""The marks of a file that change when it is saved; None: there is no file."""
 
 
 class LayoutSource:
@@ -40,8 +40,8 @@ class LayoutSource:
         Args:
             names: Of all layouts.
             read: Reads the layout of a name; raises LayoutError.
-            layout: What it read of the first name.
-            watched: Whether `look` looks at the files.
+            layout: The layout of the first name.
+            watched: Whether `check` checks the files.
         """
         self.layout = layout
         self._names = names
@@ -49,7 +49,7 @@ class LayoutSource:
         self._watched = watched
         self._open = self._tried = 0
         self._seen = _marks(layout.files)
-        self._unsettled: Mapping[Path, _Mark] | None = None
+        self._changing: Mapping[Path, _Mark] | None = None
 
     @property
     def changes(self) -> bool:
@@ -61,19 +61,19 @@ class LayoutSource:
         """Whether there is a next layout."""
         return len(self._names) > 1
 
-    def look(self) -> LayoutSpec | LayoutError | None:
-        """The layout as it was saved, or what is wrong with it; None if nothing was saved.
+    def check(self) -> LayoutSpec | LayoutError | None:
+        """The saved layout, or its mistakes; None: nothing was saved.
 
-        What still changed since the last look is left until the next: it may be half written.
+        A file that still changed since the last check waits for the next: it may be half written.
         """
         if not self._watched:
             return None
         marks = _marks(self._seen)
         if marks == self._seen:
-            self._unsettled = None
+            self._changing = None
             return None
-        if marks != self._unsettled:
-            self._unsettled = marks
+        if marks != self._changing:
+            self._changing = marks
             return None
         return self._opened(self._open, marks)
 
@@ -83,7 +83,7 @@ class LayoutSource:
         return self._opened(self._tried, {})
 
     def _opened(self, index: int, before: Mapping[Path, _Mark]) -> LayoutSpec | LayoutError:
-        self._unsettled = None
+        self._changing = None
         try:
             layout = self._read(self._names[index])
         except LayoutError as error:
@@ -91,7 +91,7 @@ class LayoutSource:
                 # Marks come before the reading: a file that is saved meanwhile counts as changed.
                 self._seen = {**_marks(error.files), **before}
             return error
-        except Exception:  # an extension's code may fail in any way; not again until it is saved
+        except Exception:  # an extension may fail in any way; tried again after the next save
             self._seen |= before
             raise
         self._open = self._tried = index
@@ -102,7 +102,7 @@ class LayoutSource:
 
 
 def first_problem(error: LayoutError) -> str:
-    """What is wrong with a layout, in a line or two: how many problems, and the first of them."""
+    """The mistakes of a layout in a line or two: their number, and the first of them."""
     first = error.problems[0]
     where = dataclasses.replace(first, path=Path(first.path).name)
     count = "1 problem" if len(error.problems) == 1 else f"{len(error.problems)} problems, first"

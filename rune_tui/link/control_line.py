@@ -1,4 +1,4 @@
-"""What a link says and hears of control of its robot; used by the link's thread."""
+"""The control of a link's robot: heartbeats, requests and refusals; used by the link's thread."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from rune_tui.model.control import Standing, standing
 from rune_tui.model.robot_state import RobotState
 
 ATTENDED_S = 1.0
-"""A console that was not looked after for this long says no more that it lives [s]."""
+"""Time without a turn of the console after which its heartbeats end [s]."""
 _ANSWER_S = 2.0
 
 
 class ControlLine:
-    """Says that this console lives, asks for control, and hears what is refused.
+    """Sends heartbeats and requests for control, and reports refusals.
 
     Attributes:
-        attended: When the console itself was last seen at work [s]; any thread may set it. The
-            thread of a link goes on when the console hangs, but its heartbeat must not.
+        attended: Time of the console's last turn [s]; any thread may set it. The thread of a link
+        goes on when the console hangs, but its heartbeat must not.
     """
 
     def __init__(
@@ -46,9 +46,9 @@ class ControlLine:
 
         Args:
             client: The link's.
-            operator: Who sits here.
-            state: What is known of the robot.
-            say: Gets in words what was refused.
+            operator: Operator of this console.
+            state: State of the robot.
+            say: Gets refusals in words.
         """
         self.attended = -math.inf
         self._client = client
@@ -57,7 +57,7 @@ class ControlLine:
         self._say = say
         client.define(CONSOLE_HEARTBEAT, CONTROL_REQUEST, COMMON_RESULT)
         client.subscribe(CONTROL_REFUSAL, self._refused)
-        client.every(1.0 / HEARTBEAT_HZ, self._beat)
+        client.every(1.0 / HEARTBEAT_HZ, self._next_heartbeat)
 
     def want(self, action: ControlAction, *, by_driving: bool) -> None:
         """Ask the robot's hub for something; any thread may."""
@@ -84,7 +84,7 @@ class ControlLine:
             failed=failed,
         )
 
-    def _beat(self) -> None:
+    def _next_heartbeat(self) -> None:
         lives = self._client.loop.clock() - self.attended < ATTENDED_S
         if lives and self._client.connected:
             holds = standing(self._state()) is Standing.MINE

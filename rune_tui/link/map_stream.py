@@ -1,4 +1,4 @@
-"""Asks a robot for its map as long as the layout shows it; used by the link's thread."""
+"""Requests a robot's map while the layout shows it; used by the link's thread."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rune_tui.link.requests import Requester
 
 
 class MapStream:
-    """Requests the whole map as often as the layout says."""
+    """Requests the whole map at the layout's rate."""
 
     def __init__(
         self,
@@ -39,10 +39,10 @@ class MapStream:
             fail=lambda _: None,
             clock=clock,
         )
-        self.look = self._requests.look
+        self.step = self._requests.step
 
     def follow(self, spec: RobotSpec) -> None:
-        """Ask for what a layout shows."""
+        """Set the layout's maps."""
         self._wanted = MAP.name in spec.messages
         for capability in spec.capabilities:
             if capability.name == Capability.PRO_MAP:

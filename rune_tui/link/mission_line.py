@@ -1,4 +1,4 @@
-"""What a link asks and hears of its robot's mission; used by the link's thread."""
+"""The mission of a link's robot: orders and refusals; used by the link's thread."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ _ANSWER_S = 5.0
 
 
 class MissionLine:
-    """Asks to begin, name or end the mission, and hears which marks are refused."""
+    """Sends orders to start, name or end the mission, and reports refused marks."""
 
     def __init__(self, client: Client, operator: str, say: Callable[[str], None]) -> None:
         """Begin.
 
         Args:
             client: The link's.
-            operator: Who sits here.
-            say: Gets in words what was refused.
+            operator: Operator of this console.
+            say: Gets refusals in words.
         """
         self._client, self._operator, self._say = client, operator, say
         client.define(MISSION_COMMAND, COMMON_RESULT)

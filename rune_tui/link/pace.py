@@ -1,8 +1,8 @@
 """How often a link can be asked for large data without a queue building up in it; pure.
 
 The robot and the link are taken for a single server: an answer takes the bare round trip, waits for
-the one before it, and keeps the server busy for its own time, the service. Who asks at intervals no
-shorter than the service never waits, so that no answer grows old on its way.
+the one before it, and keeps the server busy for its own time, the service. With intervals of at
+least the service, requests never wait, and no answer grows old on its way.
 """
 
 from __future__ import annotations
@@ -11,25 +11,25 @@ import math
 
 LEAST_S = 1.0 / 30.0
 """Shortest time between two requests [s]: the console draws no more often."""
-MOST_UNDER_WAY = 12
+MAX_OPEN = 12
 """Enough for 15 pictures a second over a round trip of 0.7 s."""
 TIMEOUT_S, LONGEST_TIMEOUT_S = 1.0, 8.0
-"""Answers that take longer do not come [s]; after one that did not, longer ones are waited for."""
+"""Longest wait for an answer [s]; after a missing one, the wait grows."""
 _LONG_ROUND_TRIP_S = 0.01
 _SHOWN_WITHIN_S = 0.05
 """An answer is on the screen within this time [s]."""
 _MARGIN = 1.1
-"""How much longer than the service intervals are, so that what has queued up runs off."""
+"""Factor of intervals on the service, so that queues drain."""
 _USUAL_PARTS = 4.0
 _RISING, _FALLING = 0.5, 0.2
-"""Parts of the way to each new measurement: what takes longer is believed sooner."""
+"""Weights of a new measurement: a longer one counts more."""
 
 
 class Pace:
     """Learns from the times of answers.
 
     Attributes:
-        interval: Shortest time wanted between two requests [s].
+        interval: Shortest time between two requests [s].
         service: How long robot and link are busy with one answer [s]; NaN before the first.
     """
 
@@ -37,7 +37,7 @@ class Pace:
         self.interval = 0.0
         self.service = math.nan
         self._bare = 0.0
-        self._came = -math.inf
+        self._arrived = -math.inf
         self._timeout = TIMEOUT_S
 
     @property
@@ -47,15 +47,14 @@ class Pace:
 
     @property
     def window(self) -> int:
-        """How many requests may be open at once: under way, or their answers not shown yet.
+        """Most open requests: under way, or with an answer that is not shown yet.
 
-        One, as the report's `handled` has it, unless the round trip alone is long and so few
-        would not make the wanted rate.
+        One, unless the round trip alone is too long for the wanted rate.
         """
         whole = self._bare + self._busy + _SHOWN_WITHIN_S
         if self._bare < _LONG_ROUND_TRIP_S or whole <= self.spacing:
             return 1
-        return min(MOST_UNDER_WAY, 1 + math.ceil(whole / self.spacing))
+        return min(MAX_OPEN, 1 + math.ceil(whole / self.spacing))
 
     @property
     def timeout(self) -> float:
@@ -63,35 +62,35 @@ class Pace:
         usual = _USUAL_PARTS * (self._bare + self._busy)
         return min(LONGEST_TIMEOUT_S, max(self._timeout, usual))
 
-    def answered(self, asked: float, came: float, round_trip: float) -> tuple[float, float]:
-        """An answer has come.
+    def answered(self, asked: float, arrived: float, round_trip: float) -> tuple[float, float]:
+        """Note an answer.
 
         Args:
             asked: When it was asked for [s].
-            came: When it came [s].
+            arrived: Its arrival [s].
             round_trip: How long an empty message takes there and back [s]; NaN: not known.
 
         Returns:
             How long robot and link were busy with it, and how long it waited before that [s].
         """
-        self._bare = min(came - asked, 0.0 if math.isnan(round_trip) else round_trip)
-        arrived = asked + self._bare
-        waited = max(0.0, min(came, self._came) - arrived)
-        service = came - arrived - waited
+        self._bare = min(arrived - asked, 0.0 if math.isnan(round_trip) else round_trip)
+        began = asked + self._bare
+        waited = max(0.0, min(arrived, self._arrived) - began)
+        service = arrived - began - waited
         if math.isnan(self.service):
             self.service = service
         part = _RISING if service > self.service else _FALLING
         self.service += part * (service - self.service)
-        self._came = came
+        self._arrived = arrived
         self._timeout = TIMEOUT_S
         return service, waited
 
     def timed_out(self) -> None:
-        """An answer did not come in time."""
+        """Note a missing answer."""
         self._timeout = min(LONGEST_TIMEOUT_S, 2.0 * self._timeout)
 
     def forget(self) -> None:
-        """What is asked for from now on is of another size."""
+        """Forget the service: later requests have another size."""
         self.service = math.nan
 
     @property

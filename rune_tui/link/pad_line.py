@@ -21,22 +21,22 @@ from rune_tui.controls.remote_pad.far_pads import FarPads
 class PadLine:
     """Used by the link's thread alone."""
 
-    def __init__(self, client: Client, robot: str, *, tells: bool) -> None:
-        """Prepare; nothing comes yet.
+    def __init__(self, client: Client, robot: str, *, publishes: bool) -> None:
+        """Start without a receiver.
 
         Args:
             client: The link's.
             robot: The robot's name.
-            tells: Whether to say who sits here and whose pads are used: not every key may.
+            publishes: Whether to publish the operator and the used pads: not every key may.
         """
         self._client = client
         self._robot = robot
         self._pads: FarPads | None = None
-        if tells:
+        if publishes:
             client.every(1.0 / CONSOLE_HZ, self._announce)
 
     def follow(self, pads: FarPads | None) -> None:
-        """Put what comes in there from now on; None: let nothing come."""
+        """Set the receiver of states; None: none."""
         before, self._pads = self._pads, pads
         if pads is not None and before is None:
             self._client.subscribe(PAD_DEVICE, self._device)

@@ -1,8 +1,8 @@
-"""What pictures to ask for on a link that carries only so much; pure.
+"""The choice of pictures on a link of limited capacity; pure.
 
 Measured, not assumed: how long robot and link are busy with one picture decides. Where that is too
-long for 15 pictures a second, quality goes first, then the rate down to 5 a second, and the size
-last and never below what is useful.
+long for 15 pictures a second, the quality drops first, then the rate to 5 a second, and last the
+size, to a useful least size.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ _DWELL_S: Final = 1.0
 _BAR_S, _LONGEST_BAR_S = 5.0, 120.0
 """Time until a failed step is tried again [s]; it doubles each time."""
 _NEW: Final = 0.3
-"""Part of the way from the mean to each new measurement."""
+"""Weight of each new measurement in the mean."""
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One way of asking.
+    """One step of quality, rate and size.
 
     Attributes:
         size: Bytes, compared with the other steps.
         service: How long robot and link may be busy with one picture [s].
         quality: Of the file.
-        scale: Width and height, compared with what is shown.
+        scale: Width and height, relative to the shown picture.
         exact: Whether run lengths of the wished quality are sent, not a file.
     """
 
@@ -75,10 +75,10 @@ START: Final = 4
 
 
 class PictureChoice:
-    """Goes up and down the steps as measurements say.
+    """Goes up and down the steps by measurements.
 
     Attributes:
-        interval: Shortest time wanted between two pictures [s].
+        interval: Shortest time between two pictures [s].
     """
 
     def __init__(self) -> None:
@@ -91,13 +91,13 @@ class PictureChoice:
 
     @property
     def shrunk(self) -> bool:
-        """Whether pictures are smaller than what is shown."""
+        """Whether pictures are smaller than their viewport."""
         return STEPS[self._at].scale < 1.0
 
     def request(
         self, size: tuple[int, int], wish: PictureWish, *, near: bool = False
     ) -> ImageRequest:
-        """What to ask for now.
+        """The request for the next picture.
 
         Args:
             size: Width and height that are shown [pixels].
@@ -129,7 +129,7 @@ class PictureChoice:
         """Learn how long an answer to `request` kept robot and link busy.
 
         Args:
-            request: What was asked.
+            request: The request.
             service: How long it took of their time [s].
             now: Monotonic time [s].
 
@@ -152,7 +152,7 @@ class PictureChoice:
         return False
 
     def timed_out(self, now: float) -> None:
-        """An answer did not come in time: what is asked for is perhaps far too much."""
+        """Note a missing answer: the request may be far too large."""
         self._mean.clear()
         self._enter(max(0, min(self._at, START) - 1), now)
 
@@ -169,7 +169,7 @@ class PictureChoice:
         return max(STEPS[at].service, min(_USE * self.interval, _LEAST_RATE_S))
 
     def _limit(self, at: int) -> float:
-        """The same, or longer if lower steps take hardly less."""
+        """The same, or longer if lower steps save almost nothing."""
         lower = min((mean for step, mean in self._mean.items() if step < at), default=0.0)
         return max(self._service(at), _NO_HELP * lower)
 

@@ -28,7 +28,7 @@ class PictureStream:
         """Ask for nothing yet.
 
         Args:
-            client: Who asks.
+            client: The client that asks.
             take: Gets each picture, and returns its number for `shown`.
             fail: Gets in words why there is none; empty when there is one.
             clock: Monotonic time [s].
@@ -57,7 +57,7 @@ class PictureStream:
 
     @property
     def round_trip(self) -> float:
-        """How long the newest picture took to come [s]; NaN before the first."""
+        """Delay of the newest picture [s]; NaN before the first."""
         return self._requests.round_trip
 
     def follow(self, interval: float | None) -> None:
@@ -74,9 +74,9 @@ class PictureStream:
         """The picture of this number is on the screen."""
         self._requests.shown = number
 
-    def look(self) -> None:
+    def step(self) -> None:
         """Ask for one if it is time to."""
-        self._requests.look()
+        self._requests.step()
 
     def flow(self, seconds: float) -> PictureFlow | None:
         """Statistics of the pictures since the last call."""
@@ -95,7 +95,7 @@ class PictureStream:
 
     @property
     def _measured(self) -> bool:
-        """Whether what is asked for depends on what the link carries."""
+        """Whether the requests depend on the link's capacity."""
         return self._wish.coding is None and not self._client.near
 
     def _ask(self) -> vision.ImageRequest | None:

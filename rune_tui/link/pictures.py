@@ -25,7 +25,7 @@ def picture_of(image: Image) -> Picture:
     """The picture in a message.
 
     Raises:
-        CodecError: It is not what it says.
+        CodecError: It is damaged.
     """
     shape = image.height_px, image.width_px, image.channels
     sized = image.height_px >= 1 and image.width_px >= 1

@@ -1,6 +1,6 @@
 """Requests for large data: the next only when the last answer has been shown.
 
-Where the round trip is long, more are under way at once, as many as the wanted rate needs.
+On a long round trip, more are under way at once, as many as the wanted rate needs.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rune_tui.link.pace import Pace
 RETRY_S = 0.25
 """Pause after a request that failed [s]."""
 _LATE_S = 0.02
-"""Who looks so late at what is due lowers the rate [s]; who looks sooner does not."""
+"""Largest delay of a turn that does not lower the rate [s]."""
 
 Q = TypeVar("Q")
 A = TypeVar("A")
@@ -30,7 +30,7 @@ class Requester(Generic[Q, A]):
     Attributes:
         pace: How often is asked.
         shown: Number of the newest answer that is on the screen; another thread may set it.
-        round_trip: How long the newest answer took to come [s]; NaN before the first.
+        round_trip: Delay of the newest answer [s]; NaN before the first.
     """
 
     def __init__(
@@ -49,15 +49,15 @@ class Requester(Generic[Q, A]):
         """Prepare; nothing is asked yet.
 
         Args:
-            client: Who asks.
-            request: What is sent.
-            response: What comes back.
-            ask: What to ask for now; None for nothing.
+            client: The client that asks.
+            request: Message of the request.
+            response: Message of the answer.
+            ask: The next request; None: none.
             take: Gets the answer, and returns its number for `shown`.
             fail: Gets in words why there is none; empty when there is one.
             clock: Monotonic time [s].
-            busy: Gets for each answer what was asked, and how long robot and link needed [s].
-            refused: Gets what was asked, and why there is no answer that can be taken.
+            busy: Gets for each answer its request, and the time of robot and link [s].
+            refused: Gets the request, and the reason for a missing or wrong answer.
         """
         self._client = client
         self._request = request
@@ -73,7 +73,7 @@ class Requester(Generic[Q, A]):
         self.round_trip = math.nan
         self._asked = self._newest = 0
         self._open: dict[int, float] = {}
-        """Requests that are not over, in order, and the numbers of their answers if they came."""
+        """Open requests in order, and the numbers of their answers, if any."""
         self._due = 0.0
 
     @property
@@ -87,7 +87,7 @@ class Requester(Generic[Q, A]):
             del self._open[request]
         return len(self._open) < self.pace.window
 
-    def look(self) -> None:
+    def step(self) -> None:
         """Ask if it is time to."""
         now = self._clock()
         if now < self._due or not self.handled or not self._client.connected:

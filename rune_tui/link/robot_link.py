@@ -1,6 +1,6 @@
 """The connection to one robot's hub: a thread of its own, newest values in, messages out.
 
-Nobody is called from here: the console reads `state` when it wants to, and hands in what to send.
+It calls no other thread: the console reads `state` at any time, and hands in messages.
 """
 
 from __future__ import annotations
@@ -70,11 +70,11 @@ _ALWAYS = frozenset(
 )
 """Messages that are subscribed to with every layout."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
-"""What comes on request only."""
+"""Messages that come only on request."""
 
 
 class RobotLink:
-    """A thread that keeps a `RobotState` up to date; it mends the connection by itself."""
+    """A thread that keeps a `RobotState` up to date, and reconnects by itself."""
 
     def __init__(
         self,
@@ -94,10 +94,10 @@ class RobotLink:
             spec: The robot.
             hub: Endpoint instead of the one in the layout.
             keys: File of the operator's key, for a hub on another machine.
-            operator: Who sits here.
+            operator: Operator of this console.
             near: Whether messages may pass the endpoint by, from modules of this machine.
-            tunnel: The way to the hub, if there is one; `hub` is its end then.
-            pads: Gets what gamepads at other machines say at this hub.
+            tunnel: The tunnel to the hub, if there is one; then `hub` is its end.
+            pads: Gets the states of gamepads at other machines.
             clock: Monotonic time [s].
 
         Raises:
@@ -131,7 +131,7 @@ class RobotLink:
         )
         self._maps = MapStream(self._client, self._take_map, clock)
         self._streams = Streams(self._client, self._store, clock)
-        self._pads = PadLine(self._client, spec.name, tells=link.may_command)
+        self._pads = PadLine(self._client, spec.name, publishes=link.may_command)
         self._pads.follow(pads)
         self._wants = WantsLine(self._client, clock)
         self._adopt(spec)
@@ -139,20 +139,20 @@ class RobotLink:
             self._wants.begin()
             self._control = ControlLine(self._client, operator, lambda: self._state, self._say)
             self._mission = MissionLine(self._client, operator, self._say)
-        self._client.every(_REQUEST_CHECK_S, self._pictures.look)
-        self._client.every(_REQUEST_CHECK_S, self._maps.look)
-        self._client.every(_REQUEST_CHECK_S, self._streams.look)
+        self._client.every(_REQUEST_CHECK_S, self._pictures.step)
+        self._client.every(_REQUEST_CHECK_S, self._maps.step)
+        self._client.every(_REQUEST_CHECK_S, self._streams.step)
         self._client.every(_COUNT_S, self._count)
         self._thread = threading.Thread(target=self._run, name=f"link-{spec.name}", daemon=True)
 
     @property
     def state(self) -> RobotState:
-        """What is known of the robot now; any thread may read it."""
+        """The present state of the robot; any thread may read it."""
         return self._state
 
     @property
     def spec(self) -> RobotSpec:
-        """What the layout says of the robot."""
+        """The layout's values for the robot."""
         return self._spec
 
     def start(self) -> None:
@@ -160,13 +160,13 @@ class RobotLink:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread; what was sent before still goes out."""
+        """End the thread, after all sent messages have left."""
         self._stopping.set()
         self._client.post(lambda: None)
         self._thread.join()
 
     def follow(self, spec: RobotSpec, pads: FarPads | None = None) -> None:
-        """Do what another layout wants of the same robot, without a break in the connection."""
+        """Switch to another layout with the same robot, without a break in the connection."""
         self._client.post(lambda: self._adopt(spec))
         self._client.post(lambda: self._pads.follow(pads))
 
@@ -194,7 +194,7 @@ class RobotLink:
             self._mission.want(action, name)
 
     def attend(self) -> None:
-        """Somebody looks after this console: it keeps control for a second more, if it has it."""
+        """Note a turn of the console: an owner keeps control for a second more."""
         if self._control is not None:
             self._control.attended = self._clock()
 
@@ -217,7 +217,7 @@ class RobotLink:
         self._pictures.shown(number)
 
     def _adopt(self, spec: RobotSpec) -> None:
-        """Take over what a layout wants of the robot."""
+        """Set a layout's wants."""
         self._spec = spec
         wanted = {capability.name: capability for capability in spec.capabilities}
         self._wants.follow(spec)
@@ -234,7 +234,7 @@ class RobotLink:
         kept = {n: r for n, r in self._state.messages.items() if n in messages}
         self._state = self._state.with_(messages=kept)
         self._streams.follow(messages)
-        # Defined before they are used, so that a stop is on its way as soon as it is wanted.
+        # Defined before use, so that a stop leaves without delay.
         commands = filter(self._state.link.may_send, sorted(spec.commands))
         self._client.define(*(BY_NAME[name] for name in commands))
 
@@ -252,12 +252,12 @@ class RobotLink:
             self._note_owner(value)
 
     def _too_soon(self, name: str, measured: float) -> bool:
-        """Whether the layout wants no message of this kind yet, as one has just come."""
+        """Whether a message of this kind arrived too recently for the layout's rate."""
         newest = self._state.messages.get(name)
         return newest is not None and 0.0 <= measured - newest.measured < self._least_s.get(name, 0)
 
     def received(self, value: T, reception: MessageInfo) -> Received[T]:
-        """A message with a number of its own and the time it was measured."""
+        """A message with its own number and its time of measurement."""
         self._numbers += 1
         return Received(value=value, measured=reception.measured, number=self._numbers)
 
@@ -278,7 +278,7 @@ class RobotLink:
         self._client.listen(_LISTEN_S)
 
     def _note_fault(self, error: Exception) -> None:
-        """Log a fault and tell the operator; each only once, as it may come with every message."""
+        """Log a fault and show it to the operator, once: it may occur with every message."""
         frames = list(traceback.walk_tb(error.__traceback__))
         where = (type(error), frames[-1][0].f_code if frames else None)
         if where not in self._faults:
@@ -289,7 +289,7 @@ class RobotLink:
     def _note_phase(self) -> None:
         link = self._state.link
         if self._client.connected:
-            # What a failed request said holds until one succeeds, what a lost link said ends here.
+            # The error of a request stays until one succeeds; that of a lost link ends here.
             known = link.detail if link.phase is LinkPhase.CONNECTED else ""
             phase, detail = LinkPhase.CONNECTED, known
             if link.phase is not LinkPhase.CONNECTED and link.may_command:
@@ -323,7 +323,7 @@ class RobotLink:
         self._change_link(said=text[:_MOST_LETTERS], said_count=link.said_count + 1)
 
     def _why_not(self) -> str:
-        """What is known of why there is no connection."""
+        """The reason for the missing connection, if known."""
         tunnel = self._tunnel.trouble if self._tunnel else ""
         return tunnel or str(self._client.refusal or "")
 
@@ -343,7 +343,7 @@ class RobotLink:
             self._change_link(lacking=lacking)
 
     def _count(self) -> None:
-        """Note how much has come in since the last time."""
+        """Note the traffic since the last call."""
         now = self._clock()
         if now > self._counted:
             self._change_link(

@@ -1,4 +1,4 @@
-"""The connections to all robots of a layout, and what becomes of them with another layout."""
+"""The connections to all robots of a layout, and their change with another layout."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class RobotLinks(Mapping[str, RobotLink]):
     """A connection for each robot, by its name.
 
     Attributes:
-        pads: Gamepads at other machines, as they come through the robots' hubs.
+        pads: Gamepads at other machines, through the robots' hubs.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class RobotLinks(Mapping[str, RobotLink]):
                 one for each.
             keys: File of the operator's key, for hubs on other machines.
             operator: The operator's name, as robots get it.
-            tunnels: Open ways to the hubs, instead of `hubs`.
+            tunnels: Open tunnels to the hubs, instead of `hubs`.
 
         Raises:
             HubChoiceError: There are not as many endpoints as robots.
@@ -68,10 +68,10 @@ class RobotLinks(Mapping[str, RobotLink]):
         return len(self._links)
 
     def follow(self, layout: LayoutSpec) -> list[RobotLink]:
-        """Take up what another layout wants; who is in both keeps the connection.
+        """Switch to another layout; a robot in both keeps its connection.
 
         Returns:
-            The links that nobody wants any more, to be closed.
+            The unused links, to be closed.
 
         Raises:
             HubChoiceError, EndpointError, KeyFileError: As above; then nothing has changed.

@@ -1,6 +1,6 @@
-"""What a robot broadcasts: subscribed to, or asked for where a link cannot carry all of it.
+"""A robot's broadcasts: subscribed to, or requested if a link cannot carry all of them.
 
-A broadcast knows nothing of the link: where it is too much, it waits in it, older and older. Then
+Broadcasts have no flow control: too many wait in the link and grow old. Then
 the streams that keep the newest are asked for instead, each again only when its answer is there.
 """
 
@@ -18,12 +18,12 @@ from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.message_info import MessageInfo
 
 LATE_S: Final = 0.3
-"""What is older when it comes, and not for the round trip, has waited in the link [s]."""
+"""Age at arrival, beyond the round trip, that shows a wait in the link [s]."""
 _LATE_FOR_S: Final = 0.5
 _LATE_MESSAGES: Final = 5
 _SHARE: Final = 0.8
 """Part of the link's time that streams may take from pictures."""
-_STAY_S, _LONGEST_STAY_S = 10.0, 300.0
+_POLL_TIME_S, _LONGEST_POLL_TIME_S = 10.0, 300.0
 """Time until broadcasts are tried again [s]; it doubles each time."""
 _TIMEOUT_S: Final = 2.0
 _NEW: Final = 0.2
@@ -35,7 +35,7 @@ class _Stream:
 
     Attributes:
         definition: Which.
-        handler: What takes it.
+        handler: Its receiver.
         waits: Whether it was asked for, and there is no answer yet.
         due: When it may be asked for again [s].
     """
@@ -68,8 +68,8 @@ class Streams:
         """Subscribe to nothing yet.
 
         Args:
-            client: Who subscribes and asks.
-            store: Gets each message: its name, value, and how it came.
+            client: The client that subscribes and asks.
+            store: Gets each message: its name, value and origin.
             clock: Monotonic time [s].
         """
         self.asking = False
@@ -80,21 +80,21 @@ class Streams:
         self._late_since = math.inf
         self._late = 0
         self._busy = 0.0
-        self._stay, self.asked_until = _STAY_S, -math.inf
+        self._poll_time, self.asked_until = _POLL_TIME_S, -math.inf
 
     def follow(self, names: Set[str]) -> None:
-        """Have these messages stored from now on, and no others."""
+        """Store only these messages from now on."""
         for name in self._streams.keys() - names:
             stream = self._streams.pop(name)
             self._client.unsubscribe(stream.definition, stream.handler)
         for name in sorted(names - self._streams.keys()):
-            handler = functools.partial(self._came, name)
+            handler = functools.partial(self._arrivals, name)
             self._streams[name] = stream = _Stream(BY_NAME[name], handler)
             if not (self.asking and stream.can_be_asked_for):
                 self._subscribe(stream)
 
-    def look(self) -> None:
-        """Ask for what is due, or go back to broadcasts."""
+    def step(self) -> None:
+        """Send the requests that are due, or return to broadcasts."""
         now = self._clock()
         if not self.asking or not self._client.connected:
             return
@@ -123,7 +123,7 @@ class Streams:
     def _asked_for(self) -> list[_Stream]:
         return [stream for stream in self._streams.values() if stream.can_be_asked_for]
 
-    def _came(self, name: str, value: Any, reception: MessageInfo) -> None:  # noqa: ANN401 any message
+    def _arrivals(self, name: str, value: Any, reception: MessageInfo) -> None:  # noqa: ANN401 any message
         """A broadcast."""
         stream = self._streams.get(name)
         if stream is None:
@@ -144,7 +144,10 @@ class Streams:
         self.asking = True
         self._late_since, self._late = math.inf, 0
         self._busy = 0.0
-        self.asked_until, self._stay = now + self._stay, min(_LONGEST_STAY_S, 2.0 * self._stay)
+        self.asked_until, self._poll_time = (
+            now + self._poll_time,
+            min(_LONGEST_POLL_TIME_S, 2.0 * self._poll_time),
+        )
         for stream in self._asked_for():
             self._client.unsubscribe(stream.definition, stream.handler)
 

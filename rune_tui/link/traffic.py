@@ -1,4 +1,4 @@
-"""How much comes in over a link; used by the link's thread."""
+"""Measures the traffic of a link; used by the link's thread."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ class Traffic:
     """Counts messages and bytes."""
 
     def __init__(self, now: float) -> None:
-        """Nothing has come by now [s]."""
+        """Start at `now` [s] with no traffic."""
         self._messages = self._bytes = 0
         self._before = now, 0, 0
 
     def add(self, size: int = 0) -> None:
-        """A message of this size came [bytes]; 0 where the size does not matter."""
+        """Add a message of this size [bytes]; 0: the size does not matter."""
         self._messages += 1
         self._bytes += size
 

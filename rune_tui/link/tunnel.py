@@ -40,7 +40,7 @@ _OPTIONS: Final = {
     "StreamLocalBindUnlink": "yes",
     "StreamLocalBindMask": "0177",
     "ConnectTimeout": "10",
-    # A link that is dead is noticed within 9 s; the console itself notices within 1.5 s.
+    # ssh detects a dead link within 9 s; the console itself within 1.5 s.
     "ServerAliveInterval": "3",
     "ServerAliveCountMax": "3",
     "TCPKeepAlive": "yes",
@@ -72,7 +72,7 @@ _DESTINATION: Final = re.compile(r"([^\s:@-][^\s:]*?)(?::([0-9]{1,5}))?")
 
 
 class Tunnel:
-    """A way to one robot, kept open by a thread.
+    """A tunnel to one robot, kept open by a thread.
 
     Attributes:
         destination: As the operator wrote it: USER@HOST, HOST, with :PORT behind it if needed.
@@ -83,8 +83,8 @@ class Tunnel:
         """Prepare.
 
         Args:
-            destination: Where ssh goes, [USER@]HOST[:PORT].
-            hub: The hub's endpoint as the robot itself knows it.
+            destination: Destination of ssh, [USER@]HOST[:PORT].
+            hub: The hub's endpoint on the robot itself.
 
         Raises:
             TunnelError: This is no destination, or there is no ssh.
@@ -116,7 +116,7 @@ class Tunnel:
 
     @property
     def trouble(self) -> str:
-        """Why there is no way just now, in one sentence; empty while there is one."""
+        """Why the tunnel is closed now, in one sentence; empty: it is open."""
         return self._trouble
 
     def open(self) -> None:
@@ -146,7 +146,7 @@ class Tunnel:
         for path in self._sockets():
             path.unlink(missing_ok=True)
         with (self._folder / "ssh.log").open("wb") as log:
-            # The shell has this thread's signals, and hears of no end of ssh if they are blocked.
+            # The shell has this thread's signals, and misses the end of ssh if they are blocked.
             if hasattr(signal, "pthread_sigmask"):
                 signal.pthread_sigmask(signal.SIG_UNBLOCK, signal.valid_signals())
             self._process = subprocess.Popen(
@@ -188,7 +188,7 @@ class Tunnel:
                 return
 
     def _keep(self) -> None:
-        """Open it again and again when ssh ends, without asking anybody for anything."""
+        """Reopen it each time that ssh ends, without questions."""
         pause = _RETRY_S
         while self._ended():
             self._trouble = f"ssh to {self.destination} ended: {self._last_words()}; trying again"
@@ -206,7 +206,7 @@ class Tunnel:
         self._stop()
 
     def _ended(self) -> bool:
-        """Wait for ssh to end; whether it was not us who ended it."""
+        """Wait for ssh to end; whether it ended by itself."""
         if self._process is not None:
             self._process.wait()
         return not self._ending.is_set()
@@ -227,12 +227,12 @@ class Tunnel:
 def open_tunnels(
     destinations: Sequence[str], layout: LayoutSpec, hubs: Sequence[str] = ()
 ) -> Iterator[list[Tunnel]]:
-    """Ways to the robots of a layout, open inside the `with`.
+    """Tunnels to the robots of a layout, open inside the `with`.
 
     Args:
-        destinations: Where ssh goes, in the order of the robots; none for no tunnels.
+        destinations: Destinations of ssh, in the order of the robots; empty: no tunnels.
         layout: Which robots.
-        hubs: Hubs as the robots know them, instead of those in the layout.
+        hubs: Endpoints on the robots, instead of those in the layout.
 
     Raises:
         HubChoiceError: There are not as many destinations, or hubs, as robots.

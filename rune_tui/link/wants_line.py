@@ -1,11 +1,11 @@
-"""Tells a robot which capabilities the layout wants, and knows which of them it lacks.
+"""Sends the layout's wants to a robot, and keeps its missing capabilities.
 
-A want holds for a few intervals only, so it is repeated:
+A want lasts for a few intervals only, so it is repeated:
 
 | event | sent next |
 | --- | --- |
-| the layout wants something new, or the link is up again | at once, and each second, 2 times more |
-| an interval of `CON_REAL` is over, 6 s unless the layout says otherwise | then |
+| new wants, or a restored link | at once, and each second, 2 times more |
+| the end of an interval of `CON_REAL`, by default 6 s | then |
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from rune_tui.layout.spec import RobotSpec
 from rune_tui.model.robot_state import Lack, LackKind
 
 _USUAL_KEEP_ALIVE_S = CAPABILITY_INTERVALS_MS[Capability.CON_REAL] / 1000
-_LOOK_S = 1.0
-"""Time between two looks whether it is time to repeat the wants [s]."""
+_CHECK_S = 1.0
+"""Time between two checks of the interval [s]."""
 _REPEATED = 2
-"""How often new wants are repeated, once a second: the robot may be starting too."""
+"""Number of repeats of new wants, once a second: the robot may be starting too."""
 _LEASE_INTERVALS = 2.5
 """A lease lasts for this number of keep-alive intervals, because one keep-alive may be lost."""
 _LACKS = {
@@ -45,7 +45,7 @@ class WantsLine:
     """Repeats the wants; used by the link's thread."""
 
     def __init__(self, client: Client, clock: Callable[[], float]) -> None:
-        """Nothing is wanted yet.
+        """Start without wants.
 
         Args:
             client: The link's.
@@ -59,10 +59,10 @@ class WantsLine:
     def begin(self) -> None:
         """Send wants from now on."""
         self._client.define(CAPABILITY_WANTS)
-        self._client.every(_LOOK_S, self._look)
+        self._client.every(_CHECK_S, self._check)
 
     def follow(self, spec: RobotSpec) -> None:
-        """Want what a layout wants."""
+        """Set the layout's wants."""
         wanted = {capability.name: capability for capability in spec.capabilities}
         self._wanted = frozenset(wanted)
         self._due, self._to_repeat = self._clock(), _REPEATED
@@ -70,7 +70,7 @@ class WantsLine:
         self._interval_s = real_time.interval_s if real_time else _USUAL_KEEP_ALIVE_S
 
     def connected(self) -> None:
-        """The link is up: send the wants now."""
+        """Send the wants now, after the link's start."""
         self._to_repeat = _REPEATED
         self._send()
 
@@ -85,7 +85,7 @@ class WantsLine:
         }
         return {name: lack for name, lack in lacks.items() if lack is not None}
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         if self._clock() >= self._due:
             self._send()
 
@@ -98,7 +98,7 @@ class WantsLine:
             lease_s=max(LEASE_S, _LEASE_INTERVALS * self._interval_s),
         )
         self._client.publish(CAPABILITY_WANTS, wants)
-        # Looks come once a second, so half a second early is better than late.
-        self._due = self._clock() - _LOOK_S / 2
-        self._due += min(self._interval_s, _LOOK_S) if self._to_repeat else self._interval_s
+        # Checks come once a second, so half a second early is better than late.
+        self._due = self._clock() - _CHECK_S / 2
+        self._due += min(self._interval_s, _CHECK_S) if self._to_repeat else self._interval_s
         self._to_repeat = max(0, self._to_repeat - 1)

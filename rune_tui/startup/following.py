@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 from hub.errors import HubError
 from rune_tui.errors import ConsoleError, LayoutError
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.layout.watching import LOOK_S, LayoutSource, first_problem
+from rune_tui.layout.watching import CHECK_S, LayoutSource, first_problem
 
 _logger = logging.getLogger(__name__)
 
@@ -48,8 +48,8 @@ class LayoutFollower:
         """Follow until it is cancelled."""
         while self._source.changes:
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._wanted.wait(), LOOK_S)
-            look = self._source.next if self._wanted.is_set() else self._source.look
+                await asyncio.wait_for(self._wanted.wait(), CHECK_S)
+            look = self._source.next if self._wanted.is_set() else self._source.check
             self._wanted.clear()
             try:
                 found = await asyncio.to_thread(look)

@@ -31,7 +31,7 @@ from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.joystick_sources import Sources
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
 from rune_tui.controls.remote_pad.far_pads import FarPads
-from rune_tui.layout.key_notes import untold_keys
+from rune_tui.layout.key_notes import unreported_keys
 from rune_tui.layout.names import MOUSE, WAY_OUT
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify
@@ -143,7 +143,7 @@ class InputEvents:
     def name_unreported_keys(self) -> None:
         """Say, once for each layout, which of its keys this terminal cannot report."""
         console = self._current.console
-        text = "" if console.releases_reported else untold_keys(self._current.layout)
+        text = "" if console.releases_reported else unreported_keys(self._current.layout)
         if text and all(notice.text != text for notice in console.notices):
             self._tell(text)
 

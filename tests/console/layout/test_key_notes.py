@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rune_tui.layout.key_notes import key_notes, untold_keys
+from rune_tui.layout.key_notes import key_notes, unreported_keys
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.startup.opening import open_layout
 
@@ -78,13 +78,13 @@ def test_one_sentence_names_the_first_of_the_keys(
     layout: Callable[[str], LayoutSpec], keys: str, named: str
 ) -> None:
     said = f"this terminal does not tell {named}: rune check says what to bind as well"
-    assert untold_keys(layout(keys)) == said
+    assert unreported_keys(layout(keys)) == said
 
 
 def test_of_keys_that_all_terminals_tell_nothing_is_said(
     layout: Callable[[str], LayoutSpec],
 ) -> None:
-    assert untold_keys(layout("w kp_8 8 kp_add +")) == ""
+    assert unreported_keys(layout("w kp_8 8 kp_add +")) == ""
 
 
 def test_a_button_of_the_mouse_means_the_viewport_that_is_clicked(tmp_path: Path) -> None:

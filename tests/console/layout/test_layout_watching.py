@@ -43,8 +43,8 @@ def save(path: Path | str, text: str, *, later: int = 1) -> None:
 
 def looked(found: LayoutSource) -> LayoutSpec | LayoutError | None:
     """What a look brings once what was saved has settled."""
-    assert found.look() is None
-    return found.look()
+    assert found.check() is None
+    return found.check()
 
 
 def opened(result: LayoutSpec | LayoutError | None) -> LayoutSpec:
@@ -59,7 +59,7 @@ def refused(result: LayoutSpec | LayoutError | None) -> LayoutError:
 
 def test_nothing_happens_while_nothing_is_saved(layouts: list[str]) -> None:
     found = source(layouts)
-    assert [found.look() for _ in range(3)] == [None] * 3
+    assert [found.check() for _ in range(3)] == [None] * 3
 
 
 def test_what_is_not_watched_is_not_looked_at(layouts: list[str]) -> None:
@@ -75,17 +75,17 @@ def test_a_layout_or_its_part_that_is_saved_is_opened_once(layouts: list[str]) -
     found = source(layouts)
     save(layouts[0], TEXT.format(run=7))
     assert opened(looked(found)).run_number == 7
-    assert found.look() is None
+    assert found.check() is None
     save(Path(layouts[0]).with_name("view.xml"), PART.format(size=90))
     assert opened(looked(found)).view.arrangements[0].xsize == 90
-    assert found.look() is None
+    assert found.check() is None
 
 
 def test_what_is_still_being_written_is_left_until_it_rests(layouts: list[str]) -> None:
     found = source(layouts)
     for run in range(2, 5):
         save(layouts[0], TEXT.format(run=run)[: 20 * run])
-        assert found.look() is None
+        assert found.check() is None
     save(layouts[0], TEXT.format(run=9))
     assert opened(looked(found)).run_number == 9
 
@@ -94,7 +94,7 @@ def test_a_bad_layout_is_said_once_and_the_old_one_stays(layouts: list[str]) -> 
     found = source(layouts)
     save(layouts[0], TEXT.format(run="x").replace("magellan", " "))
     error = refused(looked(found))
-    assert found.look() is None
+    assert found.check() is None
     assert found.layout.run_number == 1
     assert first_problem(error) == (
         "The layout stays as it was; 2 problems, first: a.xml:1:7: run of <rune> is 'x', "
@@ -184,5 +184,5 @@ def test_a_layout_that_fails_in_some_other_way_is_read_again_only_when_it_is_sav
         save(layouts[0], TEXT.format(run=count + 7), later=count)
         with pytest.raises(ZeroDivisionError):
             looked(found)
-        assert (found.look(), found.look(), found.look()) == (None, None, None)
+        assert (found.check(), found.check(), found.check()) == (None, None, None)
         assert len(reads) == count

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rune_tui.link.pace import LEAST_S, MOST_UNDER_WAY, Pace
+from rune_tui.link.pace import LEAST_S, MAX_OPEN, Pace
 
 
 class Link:
@@ -51,7 +51,7 @@ def test_answers_do_not_wait_in_the_link_and_the_rate_is_what_it_carries(
     later = [came - asked for asked, came in done if asked > 5.0]
     assert max(later) < round_trip + 2.0 * service + 0.01
     period = max(interval, LEAST_S, 1.1 * service)
-    if pace.window < MOST_UNDER_WAY:
+    if pace.window < MAX_OPEN:
         best = max(period, round_trip + service) if pace.window == 1 else period
         assert len(done) > 0.8 * (10.0 - round_trip) / (best + 0.002) - 2
 

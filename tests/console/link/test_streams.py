@@ -34,7 +34,7 @@ class Rig:
         self.number = 0
         self.robot.every(0.02, self._tell)
         self.robot.define(ROBOT_STATE, CAPABILITY_REPORTS)
-        self.console.every(0.01, self.streams.look)
+        self.console.every(0.01, self.streams.step)
 
     def _tell(self) -> None:
         self.number += 1
