@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from hub.errors import MapFileError, MissionFileError
 from hub.gcm.mapping import InterestPoint
@@ -162,54 +163,18 @@ def from_json(values: dict[str, Any]) -> Record:
     Raises:
         MissionFileError: It is none, or a value is not within its bounds.
     """
-    read = _READERS.get(str(values.get("is"))[:40])
-    if read is None:
+    kind = _KINDS.get(str(values.get("is"))[:40])
+    if kind is None:
         text = f"the journal has a record {str(values.get('is'))[:40]!r}, which nobody knows"
         raise MissionFileError(text)
-    try:
-        return read(values)
-    except MapFileError as error:
-        raise MissionFileError(str(error)) from error
-
-
-def _begun(values: dict[str, Any]) -> Begun:
-    if _whole(values, "format") != _FORMAT:
+    if kind is Begun and _whole(values, "format") != _FORMAT:
         text = f"the journal is of form {values['format']}; this Rune reads form {_FORMAT}"
         raise MissionFileError(text)
-    return Begun(
-        robot=_text(values, "robot"),
-        name=_text(values, "name"),
-        by=_text(values, "by"),
-        stamp=_stamp(values),
-    )
-
-
-def _sheet(values: dict[str, Any]) -> SheetBegun:
-    return SheetBegun(
-        number=_whole(values, "number"),
-        frame=_whole(values, "frame"),
-        carries=values.get("carries") is True,
-        why=_text(values, "why", MAX_TEXT),
-        stamp=_stamp(values),
-    )
-
-
-_READERS: dict[str, Callable[[dict[str, Any]], Record]] = {
-    "begun": _begun,
-    "named": lambda v: Named(name=_text(v, "name"), by=_text(v, "by"), stamp=_stamp(v)),
-    "sheetbegun": _sheet,
-    "frameknown": lambda v: FrameKnown(frame=_whole(v, "frame")),
-    "marked": lambda v: Marked(
-        point=point_file.point_of(v.get("point")),
-        stamp=_stamp(v),
-        same_thumbnail=v.get("same_thumbnail") is True,
-    ),
-    "removed": lambda v: Removed(
-        number=_whole(v, "number"), by=_text(v, "by"), stamp=_stamp(v)
-    ),
-    "noted": lambda v: Noted(text=_text(v, "text", MAX_TEXT), stamp=_stamp(v)),
-    "ended": lambda v: Ended(by=_text(v, "by"), stamp=_stamp(v)),
-}  # fmt: skip
+    try:
+        fields = [field.name for field in dataclasses.fields(kind)]
+        return kind(**{name: _READERS[name](values, name) for name in fields})
+    except MapFileError as error:
+        raise MissionFileError(str(error)) from error
 
 
 def _text(values: dict[str, Any], key: str, longest: int = MAX_NAME) -> str:
@@ -228,11 +193,27 @@ def _whole(values: dict[str, Any], key: str) -> int:
     return number
 
 
-def _stamp(values: dict[str, Any]) -> float:
-    stamp = values.get("stamp")
+def _stamp(values: dict[str, Any], key: str) -> float:
+    stamp = values.get(key)
     if isinstance(stamp, bool) or not isinstance(stamp, int | float):
         stamp = -1.0
     if not 0.0 <= stamp <= _MAX_STAMP:
         text = "the journal has a time that cannot be"
         raise MissionFileError(text)
     return float(stamp)
+
+
+def _truth(values: dict[str, Any], key: str) -> bool:
+    return values.get(key) is True
+
+
+_READERS: dict[str, Callable[[dict[str, Any], str], Any]] = {
+    **dict.fromkeys(("robot", "name", "by"), _text),
+    **dict.fromkeys(("why", "text"), functools.partial(_text, longest=MAX_TEXT)),
+    **dict.fromkeys(("number", "frame"), _whole),
+    **dict.fromkeys(("carries", "same_thumbnail"), _truth),
+    "stamp": _stamp,
+    "point": lambda values, key: point_file.point_of(values.get(key)),
+}
+"""How a field of a record is read, by its name."""
+_KINDS: dict[str, type[Record]] = {kind.__name__.lower(): kind for kind in get_args(Record)}
