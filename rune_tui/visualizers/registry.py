@@ -6,9 +6,8 @@ from typing import Final
 
 from rune_tui.visualizers.gauges.attitude import Attitude
 from rune_tui.visualizers.gauges.battery import Battery
-from rune_tui.visualizers.gauges.compass import Compass
 from rune_tui.visualizers.gauges.depth import Depth
-from rune_tui.visualizers.gauges.heading import Heading
+from rune_tui.visualizers.gauges.heading import Compass, Heading
 from rune_tui.visualizers.gauges.plot import Plot
 from rune_tui.visualizers.gauges.speed_gauge import Speed
 from rune_tui.visualizers.maps.map_data import MapData

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.raster.canvas import Canvas
-from rune_tui.visualizers.parts.bearing import LETTERS, bearing_words
+from rune_tui.visualizers.gauges.heading import LETTERS, bearing_words
 from tests.console.visualizers.conftest import made_by, words
 
 GAUGES = {
