@@ -1,4 +1,4 @@
-"""Rows of cells to terminal bytes, each complete in itself; what draws whole rows takes these."""
+"""Encodes rows of cells as terminal bytes; each row is complete, without cursor moves."""
 
 from __future__ import annotations
 
@@ -15,13 +15,10 @@ _RESET, _NEXT = words([RESET, b"\n"])
 
 
 def encoded_rows(frame: Cells | Looks, half: str = UPPER_HALF) -> list[str]:
-    """The rows as what a terminal is sent.
-
-    A row begins and ends with the terminal's attributes reset, does not move the cursor, and takes
-    exactly as many cells as the frame has columns.
+    """Terminal bytes of each row, as text; every row begins and ends with reset attributes.
 
     Args:
-        frame: Cells, or their looks if they were taken already.
+        frame: Cells or their looks.
         half: `UPPER_HALF` or `LOWER_HALF`, as a `ScreenEncoder` takes it.
     """
     looks = frame if isinstance(frame, Looks) else looks_of(frame)
@@ -30,10 +27,10 @@ def encoded_rows(frame: Cells | Looks, half: str = UPPER_HALF) -> list[str]:
     rows, columns = (int(length) for length in planes.marks.shape)
     if not rows or not columns:
         return [RESET.decode()] * rows
-    # Each row is led by what ends the one before it; no cell can hold a line feed.
+    # The lead of a row ends the row before it; no cell can hold a line feed.
     leads = np.zeros((rows, 2), np.uint32)
     ends = planes.background[:, -1] != form.at_start
     leads[1:, 0] = np.where(ends[:-1], _RESET, 0)
     leads[1:, 1] = _NEXT
-    joined = WordMatrix().joined(planes, form, leads, anew=True)
+    joined = WordMatrix().joined(planes, form, leads, reset=True)
     return (joined + RESET if ends[-1] else joined).decode().split("\n")

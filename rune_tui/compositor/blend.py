@@ -1,6 +1,6 @@
-"""Layers of pixels and text, back to front, into one screenful of cells; integer maths throughout.
+"""Blends layers of pixels and text, back to front, into one screen of cells.
 
-Shares of 255 are rounded to the nearest integer, so 0 and 255 are exact.
+Integer arithmetic; shares of 255 are rounded to the nearest integer, so 0 and 255 are exact.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from rune_tui.raster.urgency import Urgencies, Urgency
 _HALF = 128
 _OPAQUE = 255
 _WORDS = np.dtype(np.uint32)
-# Keeps red, green and blue of a pixel read as one word, on either byte order.
+# Selects red, green and blue of a pixel read as one word, on either byte order.
 RGB_MASK = np.array([255, 255, 255, 0], np.uint8).view(_WORDS)[0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Layer:
-    """A canvas and where it lies.
+    """A canvas and its place in the view.
 
     Attributes:
-        canvas: What is drawn; pixels of alpha 0 show what is behind.
+        canvas: The drawing; pixels of alpha 0 are clear.
         x: Column of its left edge in the view [pixels]; may be outside.
         y: Row of its upper edge in the view [pixels]; may be outside.
         zpos: Larger is nearer to the eye.
-        transparency: 0 shows it as it is, 255 not at all.
-        urgency: When a slow terminal gets what it shows.
+        transparency: 0 (opaque) to 255 (invisible).
+        urgency: Order in which a slow terminal gets it.
     """
 
     canvas: Canvas
@@ -58,11 +58,10 @@ class _Window:
 def compose(
     columns: int, rows: int, background: tuple[int, int, int], layers: Iterable[Layer]
 ) -> Cells:
-    """Lay canvases over one another.
+    """Blend layers over a background.
 
-    A character is drawn in its ink over the mean of its cell's two pixels. It hides what is
-    behind; it is itself hidden by a nearer layer that covers both pixels of its cell at least
-    half, and tinted by one that covers them less.
+    A character is drawn in its ink over the mean of its cell's two pixels. A nearer layer that
+    covers both pixels by at least half hides the character; weaker cover tints it.
 
     Args:
         columns: Width of the view [cells].
@@ -84,10 +83,10 @@ def compose(
 
 
 def urgencies_of(columns: int, rows: int, layers: Iterable[Layer]) -> Urgencies:
-    """How urgent what is seen in each cell is.
+    """Urgency of each cell.
 
-    A camera's picture counts where it is seen if only through others. What lies before it and lets
-    nothing through is none of it, and neither are characters.
+    A camera's picture counts where it is visible, also through nearer layers. Opaque pixels and
+    characters in front of it count instead of it.
     """
     urgencies = np.full((rows, columns), Urgency.OTHER, np.uint8)
     for layer in sorted(layers, key=attrgetter("zpos")):
@@ -128,7 +127,7 @@ def mix(
 
 
 def mean(first: npt.NDArray[np.uint8], second: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """floor((first + second) / 2) without leaving eight bits."""
+    """floor((first + second) / 2) within eight bits."""
     return (first & second) + ((first ^ second) >> 1)
 
 
@@ -141,7 +140,7 @@ def _share_of_255(total: npt.NDArray[np.uint16]) -> npt.NDArray[np.uint8]:
 
 
 def _window(cells: Cells, layer: Layer) -> _Window | None:
-    """What of the view a layer covers; None if it lies outside."""
+    """The part of the view that a layer covers; None if the layer lies outside."""
     window = _Window(
         max(0, layer.x),
         max(0, layer.y),
@@ -161,7 +160,7 @@ def _lay(cells: Cells, layer: Layer) -> None:
         window.left - layer.x : window.right - layer.x,
     ]
     alpha = _faded(source[..., 3], layer.transparency)
-    _veil_text(cells, window, source, alpha)
+    _cover_text(cells, window, source, alpha)
     target = cells.pixels[window.top : window.bottom, window.left : window.right]
     if alpha.min() == 255:
         target.view(_WORDS)[...] = source.view(_WORDS) & RGB_MASK
@@ -176,7 +175,7 @@ def _faded(alpha: npt.NDArray[np.uint8], transparency: int) -> npt.NDArray[np.ui
     return _share_of_255(alpha.astype(np.uint16) * np.uint16(255 - transparency))
 
 
-def _veil_text(
+def _cover_text(
     cells: Cells,
     window: _Window,
     source: npt.NDArray[np.uint8],
@@ -187,7 +186,7 @@ def _veil_text(
     glyphs = cells.glyphs[first:end, window.left : window.right]
     if not glyphs.any():
         return
-    # Whole cells: where the layer ends inside a cell, its other half is not covered.
+    # Whole cells: if the layer ends inside a cell, the other half is not covered.
     width = window.right - window.left
     cover = np.zeros((2 * (end - first), width, 4), np.uint8)
     inside = slice(window.top - 2 * first, window.bottom - 2 * first)
@@ -202,7 +201,7 @@ def _veil_text(
 
 
 def _lay_text(cells: Cells, layer: Layer) -> None:
-    """Write a layer's characters over what has been composed so far."""
+    """Write a layer's characters over the layers behind it."""
     first_row = layer.y // 2
     top, bottom = max(0, first_row), min(cells.rows, first_row + layer.canvas.rows)
     left, right = max(0, layer.x), min(cells.columns, layer.x + layer.canvas.width)
@@ -224,7 +223,7 @@ def _lay_text(cells: Cells, layer: Layer) -> None:
 
 
 def tinted(cells: Cells, tint: tuple[int, int, int]) -> Cells:
-    """What is left of red, green and blue, 0 to 255 each, of all pixels and characters."""
+    """Cells with all colours scaled by a tint: the share of red, green, blue that stays, of 255."""
     if min(tint) == _OPAQUE:
         return cells
     pixels, ink = tinted_colours(cells.pixels, tint), tinted_colours(cells.ink, tint)
@@ -234,6 +233,6 @@ def tinted(cells: Cells, tint: tuple[int, int, int]) -> Cells:
 def tinted_colours(
     colours: npt.NDArray[np.uint8], tint: tuple[int, int, int]
 ) -> npt.NDArray[np.uint8]:
-    """What is left of red, green and blue, 0 to 255 each; any shape (..., 4)."""
+    """Colours scaled by a tint, as in `tinted`; any shape (..., 4)."""
     scale = np.array((*tint, _OPAQUE), np.uint16)
     return ((colours * scale + _HALF) // _OPAQUE).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Neighbouring pixels of nearly one colour become one, so that fewer colours have to be told."""
+"""Merges neighbouring pixels of similar colour, so that a frame needs fewer colour codes."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ Bytes = npt.NDArray[np.uint8]
 
 
 def merged(pixels: Words, tolerance: int) -> Words:
-    """Pixels of which none is further than the tolerance from what it was, in any channel.
+    """Pixels with similar neighbours merged; no channel changes by more than the tolerance.
 
-    The picture is cut into blocks one cell high or half of it, and 8, 4, 2 or 1 pixels wide. The
-    widest whose channels range over no more than twice the tolerance become the middle of their
-    range, those of a cell's height before halves.
+    Blocks are one cell or half a cell high, and 8, 4, 2 or 1 pixels wide. A block takes the middle
+    of its range if no channel's range exceeds twice the tolerance. The widest such blocks win, and
+    whole cells before halves.
 
     Args:
         pixels: Shape (2 * rows, columns); the unused byte is zero.
         tolerance: 0 to 127.
     """
     height, width = pixels.shape
-    # Columns first, so that neighbours to the right are whole slices; what is missing of the last
-    # block repeats the last column, which changes no block's range.
+    # Columns first, so that right-hand neighbours are whole slices. The last column pads the last
+    # block, which keeps the range of the block.
     padded = np.empty((-(-width // _WIDEST) * _WIDEST, 2, height // 2), np.uint32)
     padded[:width] = pixels.reshape(height // 2, 2, width).transpose(2, 1, 0)
     padded[width:] = padded[width - 1]
@@ -34,7 +34,7 @@ def merged(pixels: Words, tolerance: int) -> Words:
 
 
 def _coloured(pixels: Bytes, tolerance: int) -> Words:
-    """Colours of shape (columns, 2, rows), of pixels of that shape and four channels."""
+    """Merged colours, shape (columns, 2, rows); pixels have that shape and four channels."""
     least = greatest = pixels
     levels = [_middles(least, greatest, tolerance)]
     while len(levels) < _LEVELS:
@@ -44,19 +44,19 @@ def _coloured(pixels: Bytes, tolerance: int) -> Words:
     colours, fits = levels.pop()
     while levels:
         finer, finer_fits = levels.pop()
-        # What a wide block is not further from than the tolerance, its parts are not either.
+        # A colour within the tolerance of a wide block is within that of its parts.
         colours = np.where(fits.repeat(2, axis=0), colours.repeat(2, axis=0), finer)
         fits = finer_fits
     return colours
 
 
 def _middles(least: Bytes, greatest: Bytes, tolerance: int) -> tuple[Words, Flags]:
-    """Colours of blocks of one width and whether they may have them, shape (blocks, 2, rows).
+    """Colours of blocks of one width, and whether each is allowed; shape (blocks, 2, rows).
 
     Args:
-        least: Of each channel in each block of half a cell's height, shape (blocks, 2, rows, 4).
-        greatest: The same.
-        tolerance: How far a channel may be changed.
+        least: Minima of channels in blocks half a cell high, shape (blocks, 2, rows, 4).
+        greatest: Maxima, same shape.
+        tolerance: Largest change of a channel.
     """
     half, half_fits = _middle(least, greatest, tolerance)
     whole, whole_fits = _middle(
@@ -66,7 +66,7 @@ def _middles(least: Bytes, greatest: Bytes, tolerance: int) -> tuple[Words, Flag
 
 
 def _middle(least: Bytes, greatest: Bytes, tolerance: int) -> tuple[Words, Flags]:
-    """The middle of each range, and whether its ends are within the tolerance of it."""
+    """The middle of each range, and whether its ends are within the tolerance."""
     span = greatest - least
     fits = ~any_channel(span > 2 * tolerance)
     span >>= 1

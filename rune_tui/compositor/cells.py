@@ -1,4 +1,4 @@
-"""The picture as a terminal can show it: two pixels a cell, and characters laid over them."""
+"""A screen of cells: two pixels a cell, and characters over them."""
 
 from __future__ import annotations
 
@@ -12,16 +12,15 @@ from rune_tui.compositor.depth import ColourDepth
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cells:
-    """A screenful of cells.
+    """A screen of cells.
 
     Attributes:
-        pixels: Red, green, blue, number; shape (2 * rows, columns, 4). A cell's upper half shows
-            row 2r, its lower half row 2r + 1. The number is that of the colour where the depth
-            numbers its colours, and unused in truecolour.
+        pixels: Red, green, blue, palette number; shape (2 * rows, columns, 4). Row 2r is the upper
+            half of a cell, row 2r + 1 the lower. Truecolour does not use the number.
         glyphs: Unicode code points, shape (rows, columns); 0 where the cell shows its two pixels.
             A cell with a glyph shows it in `ink` on the mean of its two pixels.
-        ink: Red, green, blue, number of the glyphs, shape (rows, columns, 4).
-        depth: Which colours there are in `pixels` and `ink`.
+        ink: Red, green, blue, palette number of the glyphs, shape (rows, columns, 4).
+        depth: Colour depth of `pixels` and `ink`.
     """
 
     pixels: npt.NDArray[np.uint8]

@@ -1,4 +1,4 @@
-"""Cells in the colours that a terminal has: 256, 16, or none at all."""
+"""Converts cells to the colours of a terminal: 256, 16 or none."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from rune_tui.model.theme import LEAST_CONTRAST
 Bytes = npt.NDArray[np.uint8]
 
 _STRONG = 96
-"""From this difference between its channels on, of 255, a colour is strong."""
+"""Least difference between the channels of a strong colour, of 255."""
 _SHADE_BITS = 5
-"""Of brightness, by which patterns are looked up."""
-# What a cell without colours can show: share of ink in its upper and lower half, and the two
-# pixels or the character for it.
+"""Bits of brightness in the table of patterns."""
+# Patterns of a cell without colours: share of ink in its upper and lower half, and the two
+# pixels or the character that show it.
 _PATTERNS = np.array(
     [
         *((0.0, 0.0, 0, 0, 0), (1.0, 1.0, 1, 1, 0), (1.0, 0.0, 1, 0, 0), (0.0, 1.0, 0, 1, 0)),
@@ -41,7 +41,7 @@ _PATTERNS = np.array(
 
 _BLACK_AND_WHITE = np.array([[0, 0, 0, 0], [255, 255, 255, 0]], np.uint8)
 
-# The palette, the nearest to colours of text, and those to show a picture with.
+# Per depth: the palette, and functions that choose numbers for text and for pictures.
 _INDEXED: Mapping[ColourDepth, tuple[Bytes, Callable[[Bytes], Bytes], Callable[[Bytes], Bytes]]] = {
     ColourDepth.INDEXED_256: (PALETTE_256, nearest_of_256, nearest_of_256),
     ColourDepth.INDEXED_16: (PALETTE_16, nearest_of_16, dithered_16),
@@ -49,16 +49,15 @@ _INDEXED: Mapping[ColourDepth, tuple[Bytes, Callable[[Bytes], Bytes], Callable[[
 
 
 def at_depth(cells: Cells, depth: ColourDepth) -> Cells:
-    """The cells as a terminal of that depth can show them.
+    """Cells in the colours of a depth.
 
-    Both pixels of a cell with a character become one colour, and a character that would hardly
-    stand out from it becomes black or white. Without colours, pixels become half blocks and
-    shades, and characters stand in ink on ground or, on what is brighter than they are and on what
-    has a strong colour, such as an alarm, the other way round.
+    Both pixels of a cell with a character become one colour. A character with little contrast to it
+    becomes black or white. Without colours, pixels become half blocks and shades, and characters
+    are inverted on a strong colour and on a brighter ground.
 
     Args:
         cells: In truecolour.
-        depth: What there is.
+        depth: The terminal's colours.
     """
     if depth is ColourDepth.TRUECOLOUR:
         return cells
@@ -67,7 +66,7 @@ def at_depth(cells: Cells, depth: ColourDepth) -> Cells:
     if depth is ColourDepth.MONO:
         palette = PALETTE_MONO
         numbers, glyphs = _patterns(cells)
-        ground = _turned(behind, cells.ink[written]).astype(np.uint8)
+        ground = _inverted(behind, cells.ink[written]).astype(np.uint8)
         ink = 1 - ground
     else:
         palette, nearest, nearest_pixels = _INDEXED[depth]
@@ -89,7 +88,7 @@ def at_depth(cells: Cells, depth: ColourDepth) -> Cells:
 
 
 def _patterns(cells: Cells) -> tuple[Bytes, npt.NDArray[np.uint32]]:
-    """Pixels of ink (1) and ground (0), and the characters, where shades stand for pixels too."""
+    """Pixels of ink (1) and ground (0), and the characters, including shades."""
     brightness = _brightness(cells.pixels) >> (8 - _SHADE_BITS)
     chosen = _table_of_patterns()[brightness[0::2], brightness[1::2]]
     numbers = np.zeros(brightness.shape, np.uint8)
@@ -110,8 +109,8 @@ def _table_of_patterns() -> npt.NDArray[np.intp]:
     return nearest
 
 
-def _turned(behind: Bytes, ink: Bytes) -> npt.NDArray[np.bool_]:
-    """Which characters stand in the terminal's ground on its ink; colours of shape (n, 4)."""
+def _inverted(behind: Bytes, ink: Bytes) -> npt.NDArray[np.bool_]:
+    """Which characters are inverted; colours of shape (n, 4)."""
     channels = behind[:, :3]
     strong = channels.max(axis=1) - channels.min(axis=1) >= _STRONG
     turned: npt.NDArray[np.bool_] = strong | (_brightness(behind) > _brightness(ink))
@@ -120,7 +119,7 @@ def _turned(behind: Bytes, ink: Bytes) -> npt.NDArray[np.bool_]:
 
 @cache
 def _faint_pairs(depth: ColourDepth) -> npt.NDArray[np.bool_]:
-    """Whether an ink does not stand out from a ground, by the numbers of both."""
+    """Whether the contrast of an ink to a ground is too low, by the numbers of both."""
     light = luminance(_INDEXED[depth][0])
     faint: npt.NDArray[np.bool_] = contrast(light[:, None], light) < LEAST_CONTRAST
     return faint
@@ -128,7 +127,7 @@ def _faint_pairs(depth: ColourDepth) -> npt.NDArray[np.bool_]:
 
 @cache
 def _extremes(depth: ColourDepth) -> Bytes:
-    """Number of black or white, whichever stands out more from a ground, by its number."""
+    """Number of black or white, the one with more contrast, by the ground's number."""
     palette, nearest, _ = _INDEXED[depth]
     black, white = nearest(_BLACK_AND_WHITE)
     light = luminance(palette)

@@ -1,4 +1,4 @@
-"""How well text stands out, after WCAG 2.2, and what makes it stand out where it does not."""
+"""Contrast of text after WCAG 2.2, and the correction of text with too little of it."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ Bytes = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float32]
 
 _SHARES: Final = (0.2126, 0.7152, 0.0722)
-"""Of linear red, green and blue in luminance (ITU-R BT.709)."""
+"""Shares of linear red, green and blue in luminance (ITU-R BT.709)."""
 _FLARE: Final = np.float32(0.05)
-"""Light that a screen reflects, as WCAG counts it."""
+"""Light that a screen reflects, after WCAG."""
 _SPACE: Final = 32
 _STEPS: Final = (0.25, 0.5, 0.75, 1.0)
 _NO_TINT: Final = (255, 255, 255)
@@ -40,14 +40,14 @@ def contrast(first: Floats, second: Floats) -> Floats:
 
 
 def make_legible(cells: Cells, tint: tuple[int, int, int] = _NO_TINT) -> None:
-    """Change the ink of text that does not stand out, and its ground where that does not help.
+    """Raise the contrast of text that is hard to read, so that text can lie over any picture.
 
-    The ink goes towards white or black, whichever the ground is farther from, and no farther than
-    it must. So text can lie over any picture.
+    The ink moves in steps towards white or black, the one with more contrast. If the last step is
+    not enough, the ground changes too.
 
     Args:
         cells: In truecolour; changed in place.
-        tint: What will be left of red, green and blue.
+        tint: Tint that is applied later, as in `tinted`.
     """
     row, column = np.nonzero(cells.glyphs > _SPACE)
     if not len(row):
@@ -81,7 +81,7 @@ def make_legible(cells: Cells, tint: tuple[int, int, int] = _NO_TINT) -> None:
 
 @cache
 def _tables(tint: tuple[int, int, int]) -> Floats:
-    """What each value of each channel adds to luminance, shape (3, 256)."""
+    """Share of each channel's value in the luminance, shape (3, 256)."""
     values = np.arange(256) / 255.0 * np.array(tint)[:, None] / 255.0
     linear = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
     tables: Floats = (linear * np.array(_SHARES)[:, None]).astype(np.float32)

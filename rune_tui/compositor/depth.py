@@ -1,4 +1,4 @@
-"""How many colours a terminal has."""
+"""Colour depths of terminals."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import enum
 
 
 class ColourDepth(enum.Enum):
-    """The colours that a terminal can show; the values are what `--colors` takes."""
+    """Colours that a terminal can show; the values are those of `--colors`."""
 
     TRUECOLOUR = "truecolor"
     """Red, green and blue of eight bits each."""
     INDEXED_256 = "256"
-    """The xterm cube of 6 x 6 x 6 and its 24 greys; not the 16 colours that people choose."""
+    """The xterm cube of 6 x 6 x 6 and its 24 greys, without the 16 colours of the user's theme."""
     INDEXED_16 = "16"
-    """The 16 of ANSI and aixterm, as the VGA palette and so the Linux console has them."""
+    """The 16 of ANSI and aixterm, with the VGA palette of the Linux console."""
     MONO = "mono"
-    """No colours: the terminal's own ink and ground, and the two exchanged."""
+    """No colours: the terminal's own ink and ground, and both inverted."""

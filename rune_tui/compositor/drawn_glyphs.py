@@ -1,4 +1,4 @@
-"""Characters that terminals draw and the font of picture files lacks: lines, blocks, triangles."""
+"""Draws characters that the font of picture files lacks: lines, blocks, triangles."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LINES: Final = {
     "╷": "d",
     "┃": "UD",
 }
-"""To which sides of the cell its lines go from the middle; capital letters are thick."""
+"""Sides of the cell that the lines reach from its middle; capital letters are thick lines."""
 _SHAPES: Final = {
     "█": ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)),
     "▲": ((0.5, 0.25), (0.98, 0.75), (0.02, 0.75)),
@@ -26,12 +26,12 @@ _SHAPES: Final = {
     "◀": ((0.02, 0.5), (0.98, 0.22), (0.98, 0.78)),
     "▶": ((0.98, 0.5), (0.02, 0.22), (0.02, 0.78)),
 }
-"""Corners in shares of the cell."""
+"""Corners of a shape, as shares of the cell."""
 _ENDS: Final = {"l": (0.0, 0.5), "r": (1.0, 0.5), "u": (0.5, 0.0), "d": (0.5, 1.0)}
 
 
 def drawn_glyph(glyph: str, scale: int) -> Image.Image | None:
-    """Where a character's ink is in its cell; None of those that fonts have.
+    """Mask of a character's ink in its cell; None if the font has the character.
 
     Args:
         glyph: The character.

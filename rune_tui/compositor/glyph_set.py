@@ -1,4 +1,4 @@
-"""Which characters of the terminal's font stand for pixels."""
+"""Characters of the terminal's font that show pixels."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ LOWER_HALF: Final = "▄"
 
 
 class GlyphSet(enum.Enum):
-    """The characters that pictures are made of; the values are what `--glyphs` takes.
+    """Characters that show pictures; the values are those of `--glyphs`.
 
-    They are told apart in truecolour only: with fewer colours, both half blocks are needed.
+    They differ in truecolour only: fewer colours need both half blocks.
     """
 
     HALF = "half"
-    """The upper half block: two pixels a cell, in the colours that they have."""
+    """The upper half block: two pixels a cell."""
     LOWER = "lower"
     """The lower half block; some fonts draw the upper one with seams."""
     QUADRANTS = "quadrants"
-    """Also the quadrant blocks: a camera's picture has two by two pixels a cell, in two colours."""
+    """Also the quadrant blocks: a camera's picture has 2 x 2 pixels a cell, in two colours."""
 
     @property
     def half(self) -> str:
-        """The block that shows a cell's two pixels."""
+        """The half block of this set."""
         return LOWER_HALF if self is GlyphSet.LOWER else UPPER_HALF
 
     @property
@@ -35,5 +35,5 @@ class GlyphSet(enum.Enum):
         return (2, 2) if self is GlyphSet.QUADRANTS else (1, 2)
 
     def at(self, depth: ColourDepth) -> GlyphSet:
-        """What is drawn with these colours; fewer of them leave no choice."""
+        """The set to use at a colour depth: `HALF` below truecolour."""
         return self if depth is ColourDepth.TRUECOLOUR else GlyphSet.HALF

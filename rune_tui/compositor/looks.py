@@ -1,4 +1,4 @@
-"""What can be seen of cells, as words of four bytes, so that frames compare quickly."""
+"""The visible content of cells as words of four bytes, so that frames compare quickly."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ _LOW_BITS_OFF = np.uint32(0xFEFEFEFE)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Looks:
-    """What cells look like; two of the same look have the same words in all planes.
+    """Visible content of cells; cells that look the same have the same words in all planes.
 
     Attributes:
-        pixels: Upper and lower colours, shape (2 * rows, columns); both of a cell with a character
-            are the one that is behind it. In truecolour the unused byte is zero.
-        shapes: Which quarters have the upper one, as `quadrants` counts them; 0 for two halves;
-            shape (rows, columns).
-        glyphs: Characters that a terminal may get, shape (rows, columns); 0 where the pixels show.
-        ink: Colours of the characters, shape (rows, columns); 0 where none is seen.
-        written: Whether there are characters at all.
-        depth: In which colours.
+        pixels: Upper and lower colours, shape (2 * rows, columns); behind a character, both are
+            its ground. In truecolour the unused byte is zero.
+        shapes: Quarters with the upper colour, as in `quadrants`; 0 for two halves; shape
+            (rows, columns).
+        glyphs: Characters that a terminal may get, shape (rows, columns); 0 for pixels.
+        ink: Colours of the characters, shape (rows, columns); 0 for no visible character.
+        written: Whether any cell has a character.
+        depth: Colour depth.
     """
 
     pixels: Words
@@ -72,7 +72,7 @@ class Looks:
         return differs
 
     def replaced(self, newer: Looks, where: Flags) -> Looks:
-        """These, with some cells of other ones; flags of shape (rows, columns)."""
+        """These looks, with the flagged cells of newer ones; flags of shape (rows, columns)."""
         pixels = np.where(where.repeat(2, axis=0), newer.pixels, self.pixels)
         shapes = np.where(where, newer.shapes, self.shapes)
         if not (self.written or newer.written):
@@ -98,7 +98,7 @@ class Looks:
         )
 
     def taken(self, numbers: Numbers) -> Looks:
-        """Some of the cells, by their numbers in reading order, each a row of one column."""
+        """Cells by their numbers in reading order; each becomes a row of one column."""
         columns = self.glyphs.shape[1]
         upper = numbers + numbers // columns * columns
         colours = self.pixels.ravel()
@@ -115,16 +115,15 @@ class Looks:
 
 
 def looks_of(cells: Cells, pictures: Collection[SeenPicture] = ()) -> Looks:
-    """What cells look like in half blocks, and with pictures in quadrants.
+    """Looks of cells in half blocks, with pictures in quadrants.
 
     Args:
         cells: The cells.
-        pictures: What they show of pictures that have two pixels across one of theirs; in
-            truecolour only.
+        pictures: Pictures in them with two pixels per column; in truecolour only.
     """
     pixels, glyphs, ink = packed(cells.pixels), cells.glyphs, packed(cells.ink)
     masked = cells.depth is ColourDepth.TRUECOLOUR
-    # A copy in either case: it is about to be changed, and kept for longer than the cells.
+    # A copy in either case: this function changes it, and it outlives the cells.
     halves = pixels = pixels & RGB_MASK if masked else pixels.copy()
     shapes = np.zeros(glyphs.shape, np.uint8)
     if pictures:
@@ -163,7 +162,7 @@ def unpacked(colours: Words) -> npt.NDArray[np.uint8]:
 
 
 def _allowed(code_points: Words) -> Words:
-    """Code points with a question mark for what a terminal must not get."""
+    """Code points; a question mark replaces those that a terminal must not get."""
     points = code_points.astype(np.uint32)
     control = (points < SPACE) | ((points >= 0x7F) & (points < 0xA0))
     surrogate = (points >= 0xD800) & (points < 0xE000)

@@ -1,4 +1,4 @@
-"""How the cursor is moved to cells that are written one after another, as words of four bytes."""
+"""Cursor moves between cells in the order of writing, as words of four bytes."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from rune_tui.compositor.sgr import Words, words
 _MOVE_WORDS: Final = 5
 _ESCAPE, _SEMICOLON, _GO = words([b"\x1b[", b";", b"H"])
 _FARTHEST = 999
-"""Columns that fit a word with what ends the move."""
+"""Most columns that fit into a word with the letter that ends the move."""
 
 
 class Moves:
-    """The moves in a frame of one size, somewhere on the terminal."""
+    """Moves in a frame of one size, at one place on the terminal."""
 
     def __init__(self, size: tuple[int, ...], *, top: int, left: int) -> None:
         """Prepare.
@@ -33,13 +33,13 @@ class Moves:
         steps = range(2, min(columns, _FARTHEST + 1))
         self._steps = words([b"", b"C", *(b"%dC" % step for step in steps)])
         self.to_rows: Words = self.to(np.arange(0, rows * columns, max(1, columns)))
-        """What leads to the first cell of each row, shape (rows, 5)."""
+        """Moves to the first cell of each row, shape (rows, 5)."""
 
     def to(self, numbers: Numbers) -> Words:
-        """What leads to each cell from the one before it, and to the first from anywhere.
+        """Moves to each cell from the cell before it; the first move starts anywhere.
 
         Args:
-            numbers: Of the cells, in the order of writing, shape (n,).
+            numbers: Cell numbers in the order of writing, shape (n,).
 
         Returns:
             Shape (n, 5).

@@ -1,6 +1,6 @@
-"""Where a view goes: an output makes bytes of cells and of the pictures in them.
+"""Outputs of a view: each encodes cells and pictures as bytes.
 
-Only an output knows what stands for a pixel: half blocks, quadrants, or what a file has.
+Only an output knows how a pixel is shown: half blocks, quadrants, or pixels of a file.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from rune_tui.raster.urgency import Urgencies
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
-    """The bytes to write, in this order; either may be empty.
+    """Bytes to write, in this order; each part may be empty.
 
     Attributes:
-        first: What is around the camera's picture: stops and alarms, drive state, ranges, all else.
-        picture: The camera's picture, where an output writes it apart.
+        first: All except the camera's picture: stops and alarms, drive state, ranges, the rest.
+        picture: The camera's picture, if an output writes it separately.
     """
 
     first: bytes = b""
@@ -29,40 +29,40 @@ class Frame:
 
     @property
     def size(self) -> int:
-        """Length of both [bytes]."""
+        """Length of both parts [bytes]."""
         return len(self.first) + len(self.picture)
 
 
 class Output(Protocol):
-    """Something that shows a view."""
+    """Shows a view."""
 
     @property
     def pixels_per_cell(self) -> tuple[int, int]:
-        """Pixels of a picture that it shows across and down a cell, the latter an even number."""
+        """Pixels of a picture across and down a cell; the second number is even."""
         ...
 
     def draw(self, cells: Cells, pictures: Collection[SeenPicture], urgencies: Urgencies) -> Frame:
-        """What to write for a view.
+        """Bytes of a view.
 
         Args:
             cells: The view.
-            pictures: Those in it that have more pixels than the cells, from back to front.
-            urgencies: What each cell shows, shape (rows, columns).
+            pictures: Pictures in it with more pixels than the cells, from back to front.
+            urgencies: Urgency of each cell, shape (rows, columns).
         """
         ...
 
 
 class TerminalOutput(Output, Protocol):
-    """An output that knows what a terminal shows, and writes only what it does not show yet."""
+    """An output that remembers the terminal's screen and writes only the changes."""
 
     @property
     def inexact(self) -> bool:
-        """Whether the terminal may show less than the newest view says."""
+        """Whether the terminal may show less detail than the newest view."""
         ...
 
     @property
     def behind(self) -> bool:
-        """Whether the last frame had no room for all that is around the picture."""
+        """Whether the last frame had no room for all cells around the picture."""
         ...
 
     def draw(
@@ -76,20 +76,16 @@ class TerminalOutput(Output, Protocol):
 
         Args:
             cells: The view, in the terminal's colours.
-            pictures: Those in it that have more pixels than the cells, from back to front.
-            urgencies: What each cell shows, shape (rows, columns).
-            covered: Cells that something else covers, shape (rows, columns).
+            pictures: Pictures in it with more pixels than the cells, from back to front.
+            urgencies: Urgency of each cell, shape (rows, columns).
+            covered: Cells under another screen, shape (rows, columns).
         """
         ...
 
     def refine(self, covered: Flags | None = None) -> Frame:
-        """What makes the picture more exact, no longer than there is room for."""
+        """Bytes that make the picture more exact, up to the free room of the line."""
         ...
 
     def forget(self, where: Flags | None = None) -> None:
-        """Forget what the terminal shows.
-
-        Args:
-            where: In which cells, shape (rows, columns); None for all.
-        """
+        """Forget the terminal's screen, in some cells of shape (rows, columns) or in all."""
         ...

@@ -1,8 +1,8 @@
-"""The numbered colours of terminals, and which of them come nearest to given ones.
+"""Numbered colours of terminals, and the nearest of them to given colours.
 
-Distances are those of brightness, and of blue and red less brightness, as sRGB codes them: chroma
-counts for so much that a brick wall is not as grey as the floor. (In OKLab, which is better for
-colours side by side, panels that are nearly black turn grey.)
+A distance combines the differences of brightness and of blue and red less brightness, in sRGB.
+Chroma weighs enough to keep a brick wall different from the floor. OKLab would turn panels that
+are nearly black into grey.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LUMA: Final = (77, 150, 29)
 """Share of red, green and blue in brightness, of 256 (ITU-R BT.601)."""
 
 _CHROMA = 0.8
-"""How much a difference in chroma counts beside one in brightness."""
+"""Weight of a difference in chroma, relative to brightness."""
 _CUBE_LEVELS = np.array([0.0, 95.0, 135.0, 175.0, 215.0, 255.0])
 _GREYS = np.arange(8.0, 239.0, 10.0)
 _FIRST_CUBE = 16
@@ -34,14 +34,13 @@ _VGA = np.array(
     ]
 )
 _BITS = 5
-"""Of each channel, by which the nearest are looked up."""
+"""Bits of each channel in the table of nearest colours."""
 _VIVID = 2.5
-"""How much stronger pictures are coloured before the nearest of the 16 are taken: of so few
-colours, a camera's are near to the greys only."""
+"""Gain of chroma before the choice among 16 colours; most colours of a camera would become grey."""
 _BAYER = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]], np.int16)
 _DITHER = _BAYER - 8
-"""Added to pictures before the nearest of the 16 are taken (B. Bayer, 1973): enough for a floor to
-have more than one grey, too little to make grain of a wall."""
+"""Added to pictures before the choice among 16 colours (B. Bayer, 1973): gives a floor more than
+one grey, but no grain to a wall."""
 
 
 def _grid(values: Floats) -> Floats:
@@ -50,7 +49,7 @@ def _grid(values: Floats) -> Floats:
 
 
 def _palette(colours: Floats, first: int = 0) -> Bytes:
-    """Red, green, blue and number of each, by number; shape (first + n, 4)."""
+    """Red, green, blue and number of each colour, by number; shape (first + n, 4)."""
     palette = np.zeros((first + len(colours), 4), np.uint8)
     palette[first:, :3] = colours
     palette[:, 3] = np.arange(len(palette))
@@ -62,21 +61,21 @@ PALETTE_256: Final = _palette(
 )
 PALETTE_16: Final = _palette(_VGA.astype(np.float64))
 PALETTE_MONO: Final = _palette(np.array([[0.0] * 3, [255.0] * 3]))
-"""The terminal's ground and its ink, as they are where the ground is dark."""
+"""Ground and ink of a dark terminal."""
 
 
 def nearest_of_256(colours: Bytes) -> Bytes:
-    """Number of the nearest of cube and greys, colours of shape (..., 4)."""
+    """Number of the nearest colour of cube and greys; colours of shape (..., 4)."""
     return _looked_up(_table_of_256(), colours[..., :3] >> (8 - _BITS))
 
 
 def nearest_of_16(colours: Bytes) -> Bytes:
-    """Number of the nearest, colours of shape (..., 4)."""
+    """Number of the nearest colour; colours of shape (..., 4)."""
     return _looked_up(_table_of_16(1.0), colours[..., :3] >> (8 - _BITS))
 
 
 def dithered_16(pixels: Bytes) -> Bytes:
-    """Numbers of colours that, side by side, come near the pixels in stronger colours.
+    """Numbers of dithered colours, with the chroma of the pixels raised.
 
     Args:
         pixels: Shape (h, w, 4).
@@ -109,26 +108,26 @@ def _table_of_16(vivid: float) -> Bytes:
 
 
 def _nearest(palette: Bytes, vivid: float) -> Bytes:
-    """Which of the palette is nearest to each colour of `_BITS`, made more vivid by a factor."""
+    """Number of the palette's nearest colour to each colour of `_BITS`, after a gain of chroma."""
     colours = _grid(np.linspace(0.0, 255.0, 1 << _BITS))
     grey = _brightness(colours)
-    wanted = _counted(np.clip(grey + vivid * (colours - grey), 0.0, 255.0))
-    offered = _counted(palette.astype(np.float64))
-    # All distances lack the square of what is wanted.
+    wanted = _weighted(np.clip(grey + vivid * (colours - grey), 0.0, 255.0))
+    offered = _weighted(palette.astype(np.float64))
+    # All distances leave out the square of the wanted colour, a constant.
     numbers = [
         ((offered**2).sum(axis=1) - 2.0 * part @ offered.T).argmin(axis=1)
-        for part in np.array_split(wanted, 64)  # what fits the processor's cache
+        for part in np.array_split(wanted, 64)  # parts fit the processor's cache
     ]
     return np.concatenate(numbers).astype(np.uint8)
 
 
-def _counted(colours: Floats) -> Floats:
-    """Brightness and chroma as they count; colours and result of shape (n, 3)."""
+def _weighted(colours: Floats) -> Floats:
+    """Weighted brightness and chroma; colours and result of shape (n, 3)."""
     grey = _brightness(colours)
     chroma = _CHROMA * (colours[:, ::2] - grey)
     return np.concatenate([grey, chroma], axis=1)
 
 
 def _brightness(colours: Floats) -> Floats:
-    """Shape (n, 1), of colours of shape (n, 3)."""
+    """Brightness, shape (n, 1), of colours of shape (n, 3)."""
     return colours @ (np.array(LUMA)[:, None] / sum(LUMA))

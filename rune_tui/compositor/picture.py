@@ -1,4 +1,4 @@
-"""Views as files: a PNG picture, an SVG drawing, or plain text."""
+"""Writes views as files: PNG, SVG or plain text."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ SUFFIXES = (".txt", ".svg", ".png")
 _RAMP = np.array([ord(c) for c in " .:-=+*#%@"], np.uint32)
 _HALVES = np.array([ord(c) for c in " ▄▀█"], np.uint32)
 _SHADES = {0x2591: 1, 0x2592: 2, 0x2593: 3}
-"""Characters that fill so many quarters of their cell with dots."""
+"""Shade characters, and the quarters of the cell that their dots fill."""
 _DOTS = np.array([[0, 2], [3, 1]])
-"""A dot of the picture is set from so many quarters on."""
+"""Least number of quarters that sets each dot."""
 _LUMA = np.array([299, 587, 114], np.uint32)  # ITU-R BT.601, thousandths
 
 
 class PictureFile(Output):
-    """A file that shows a view as a terminal would show it; its suffix says how."""
+    """A file that shows a view as a terminal does; its suffix gives the format."""
 
     def __init__(
         self,
@@ -46,7 +46,7 @@ class PictureFile(Output):
         depth: ColourDepth = ColourDepth.TRUECOLOUR,
         glyphs: GlyphSet = GlyphSet.HALF,
     ) -> None:
-        """Prepare; nothing is written yet.
+        """Prepare.
 
         Args:
             path: The file.
@@ -54,7 +54,7 @@ class PictureFile(Output):
             glyphs: The terminal's characters for pixels.
 
         Raises:
-            PictureFileError: The suffix is none of `SUFFIXES`.
+            PictureFileError: The suffix is not in `SUFFIXES`.
         """
         self._path, self._depth, self._glyphs = path, depth, glyphs.at(depth)
         if path.suffix.lower() not in SUFFIXES:
@@ -76,8 +76,8 @@ class PictureFile(Output):
 
         Args:
             cells: The view.
-            pictures: Those in it that have more pixels than the cells, from back to front.
-            urgencies: Not used; a file is written as a whole.
+            pictures: Pictures in it with more pixels than the cells, from back to front.
+            urgencies: Not used.
         """
         del urgencies
         cells, suffix = at_depth(cells, self._depth), self._path.suffix.lower()
@@ -89,7 +89,7 @@ class PictureFile(Output):
         return Frame(first=text.encode())
 
     def write(self, frame: Frame) -> None:
-        """Write what was drawn.
+        """Write a frame to the file.
 
         Raises:
             PictureFileError: The file cannot be written.
@@ -103,11 +103,11 @@ class PictureFile(Output):
 
 
 def image(cells: Cells, pictures: Collection[SeenPicture] = (), *, scale: int = 8) -> Image.Image:
-    """The cells as a terminal would show them.
+    """A picture of the cells, as on a terminal.
 
     Args:
         cells: The frame.
-        pictures: What they show of pictures that have two pixels across one of theirs.
+        pictures: Pictures in them with two pixels per column.
         scale: Width and height of a cell's half [pixels of the result].
     """
     shown = unpacked(looks_of(cells, pictures).quarters)
@@ -124,11 +124,7 @@ def image(cells: Cells, pictures: Collection[SeenPicture] = (), *, scale: int = 
 
 @functools.lru_cache(maxsize=1024)
 def _glyph(glyph: str, scale: int) -> Image.Image:
-    """Where a character's ink is in its cell.
-
-    The font is proportional: a character stands in the middle of its cell, and one that is wider is
-    drawn narrower, not smaller.
-    """
+    """Mask of a character's ink in the middle of its cell; a wide character becomes narrower."""
     if drawn := drawn_glyph(glyph, scale):
         return drawn
     font = ImageFont.load_default(1.6 * scale)
@@ -139,7 +135,7 @@ def _glyph(glyph: str, scale: int) -> Image.Image:
 
 
 def plain_text(cells: Cells) -> str:
-    """Characters where there are some, elsewhere one that is as dense as the cell is bright.
+    """The cells as text: a cell without a character becomes a character of the same density.
 
     Without colours, half blocks show the pixels exactly.
     """
@@ -154,7 +150,7 @@ def plain_text(cells: Cells) -> str:
 
 
 def svg(cells: Cells, pictures: Collection[SeenPicture] = (), *, scale: int = 8) -> str:
-    """The cells as an SVG drawing: a rectangle for each run of one colour, text over them.
+    """The cells as an SVG drawing: a rectangle for each run of one colour, then text.
 
     Args:
         cells: The frame.
@@ -194,13 +190,13 @@ def svg(cells: Cells, pictures: Collection[SeenPicture] = (), *, scale: int = 8)
 
 
 def _characters(cells: Cells) -> list[tuple[int, int]]:
-    """Row and column of every character that a font has to draw."""
+    """Row and column of each character that the font draws."""
     drawn = (cells.glyphs > ord(" ")) & ~np.isin(cells.glyphs, list(_SHADES))
     return [(row, column) for row, column in np.argwhere(drawn).tolist()]
 
 
 def _shade(picture: Image.Image, cells: Cells, scale: int) -> None:
-    """Draw the shades into a picture of the cells: dots, as terminals have them."""
+    """Draw the shade characters as dots, as terminals do."""
     for shade, quarters in _SHADES.items():
         where = cells.glyphs == shade
         if where.any():
@@ -213,7 +209,7 @@ def _shade(picture: Image.Image, cells: Cells, scale: int) -> None:
 
 
 def _runs(line: npt.NDArray[np.uint8]) -> list[tuple[int, int]]:
-    """First and one past last column of each stretch of one colour, line of shape (columns, 3)."""
+    """First and one past last column of each run of one colour; line of shape (columns, 3)."""
     edges = np.flatnonzero((line[1:] != line[:-1]).any(axis=1)) + 1
     ends = [*edges.tolist(), len(line)]
     return list(zip([0, *edges.tolist()], ends, strict=True)) if len(line) else []
@@ -224,7 +220,7 @@ def _hexadecimal(colour: npt.NDArray[np.uint8]) -> str:
 
 
 def _visible(code_point: int) -> str:
-    """The character, or "?" for what files may not hold (controls, surrogates, non-characters)."""
+    """The character, or "?" for one that a file cannot hold (control, surrogate, non-character)."""
     glyph = chr(code_point) if code_point <= 0x10FFFF else "?"
     fits = glyph.isprintable() and code_point not in {0xFFFE, 0xFFFF}
     return glyph if fits else "?"

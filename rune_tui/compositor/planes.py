@@ -1,4 +1,4 @@
-"""What is written for cells: a character each, its colours, and which of those can be seen."""
+"""Characters and colours to write for cells, and which of the colours are visible."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _SHAPES = words([BLOCKS.get(shape, "").encode() for shape in range(max(BLOCKS) +
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Planes:
-    """What is written, in the order of writing; all of one shape.
+    """Characters and colours in the order of writing; all of one shape.
 
     Attributes:
-        foreground: Colours, only the bytes that count.
-        background: The same.
+        foreground: Colours, masked by the form.
+        background: Colours, masked by the form.
         marks: The characters in UTF-8.
-        ink_shows: Where the foreground can be seen.
-        ground_shows: Where the background can be seen.
+        ink_shows: Where the foreground is visible.
+        ground_shows: Where the background is visible.
     """
 
     foreground: Words
@@ -35,12 +35,12 @@ class Planes:
 
 
 def planes_of(looks: Looks, form: Form, half: str = UPPER_HALF) -> Planes:
-    """What to write for cells that look so; all of shape (rows, columns).
+    """Planes of cells, of shape (rows, columns).
 
     Args:
         looks: The cells.
-        form: How their depth is written.
-        half: Which half block has two colours; where the terminal's colours are numbered, both do.
+        form: Encoding of their depth.
+        half: The half block to use; with numbered colours, both are used.
     """
     first, second = looks.upper & form.mask, looks.lower & form.mask
     ink_shows = first != second
@@ -50,7 +50,7 @@ def planes_of(looks: Looks, form: Form, half: str = UPPER_HALF) -> Planes:
         foreground, background, mark = second, first, _LOWER
     marks = np.where(ink_shows, mark, _BLANK)
     if form.numbered:
-        # With few colours, the same two often lie the other way round in the next cell.
+        # With few colours, neighbours often have the same two colours exchanged.
         foreground, background = np.maximum(first, second), np.minimum(first, second)
         marks = np.where(ink_shows, np.where(first < second, _LOWER, _UPPER), _BLANK)
         full = ~ink_shows & (first >= form.bright)

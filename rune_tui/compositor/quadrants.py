@@ -1,8 +1,7 @@
-"""Cells of two by two pixels in two colours, as Unicode's quadrant blocks show them.
+"""Cells of 2 x 2 pixels in two colours, for Unicode's quadrant blocks.
 
-A shape says which quarters of a cell have its upper colour, as a sum: 8 the upper left one, which
-always has it, 4 the upper right, 2 the lower left and 1 the lower right one; the others have its
-lower colour. It is 0 where the cell shows two halves.
+A shape is the sum of the quarters with the cell's upper colour: 8 upper left (always), 4 upper
+right, 2 lower left, 1 lower right. Shape 0 means two halves.
 """
 
 from __future__ import annotations
@@ -20,28 +19,29 @@ Bytes = npt.NDArray[np.uint8]
 Floats = npt.NDArray[np.float32]
 
 BLOCKS: Final = {8: "▘", 9: "▚", 10: "▌", 11: "▙", 13: "▜", 14: "▛"}
-"""The characters of the shapes."""
+"""Characters of the shapes."""
 
 _QUARTERS: Final = np.array([8, 4, 2, 1], np.uint8)
 _LUMA: Final = np.array([77, 150, 29, 0], np.float32)
 """Share of red, green and blue in brightness (ITU-R BT.601); the fourth byte has none."""
 _GAIN: Final = 192.0
-"""Least gain of quadrants over halves, as a sum of squares over a cell's twelve values: what is
-less, nobody sees, and a camera's noise makes it come and go."""
+"""Least gain of quadrants over halves, as a sum of squares over a cell's twelve values; a smaller
+gain is invisible and flickers with a camera's noise."""
 _STEP: Final = 8
-"""Where no value differs by more from the one beside it, the gain is at most 6 * 8 * 8 / 2."""
+"""Largest difference to the next value that needs no check: it gains at most 6 * 8 * 8 / 2."""
 
 
 def split(halves: Words, quarters: Words) -> tuple[Words, Bytes]:
-    """The two colours and the shape of each cell that come near to its four pixels.
+    """The two colours and the shape of each cell that are near to its four pixels.
 
-    The quarters that are brighter than the mean of all four share one colour, their mean, and the
-    others another (after block truncation coding: E. J. Delp and O. R. Mitchell, 1979). Cells to
-    which two halves come about as near show these.
+    Quarters brighter than the mean of all four get one colour, their mean; the rest get another
+    (block truncation coding: E. J. Delp and O. R. Mitchell, 1979). Cells that gain little stay two
+    halves.
 
     Args:
-        halves: What the cells show as two halves, shape (2 * rows, columns).
-        quarters: Their pixels, shape (2 * rows, 2 * columns). The unused byte of both is zero.
+        halves: Pixels of the cells' halves, shape (2 * rows, columns).
+        quarters: Pixels of the cells' quarters, shape (2 * rows, 2 * columns). The unused byte of
+            both is zero.
 
     Returns:
         Upper and lower colours, shape (2 * rows, columns), and shapes, shape (rows, columns).
@@ -59,7 +59,7 @@ def split(halves: Words, quarters: Words) -> tuple[Words, Bytes]:
     first = (values * has_upper[..., None]).sum(axis=0)
     whole, top = values.sum(axis=0), values[0] + values[1]
     count = has_upper.sum(axis=0, dtype=np.float32)
-    rest = np.maximum(4.0 - count, 1.0)  # of cells of one colour: nothing, of none
+    rest = np.maximum(4.0 - count, 1.0)  # avoids a division by zero in cells of one colour
     gain = _squares(first) / count + _squares(whole - first) / rest
     gain -= (_squares(top) + _squares(whole - top)) / 2.0
     better = gain > _GAIN
@@ -71,11 +71,11 @@ def split(halves: Words, quarters: Words) -> tuple[Words, Bytes]:
 
 
 def quarters_with(halves: Words, pictures: Iterable[SeenPicture]) -> Words:
-    """The pixels of cells, with those of pictures where these are seen.
+    """Quarters of cells, with the pixels of pictures where these are visible.
 
     Args:
-        halves: What the cells show as two halves, shape (2 * rows, columns).
-        pictures: With two pixels across one of the cells', from back to front.
+        halves: Pixels of the cells' halves, shape (2 * rows, columns).
+        pictures: Pictures with two pixels per column, from back to front.
 
     Returns:
         Shape (2 * rows, 2 * columns).
@@ -93,10 +93,10 @@ def quarters_with(halves: Words, pictures: Iterable[SeenPicture]) -> Words:
 
 
 def quarters_of(colours: Words, shapes: Bytes) -> Words:
-    """The colour of each quarter, shape (2 * rows, 2 * columns).
+    """Colour of each quarter, shape (2 * rows, 2 * columns).
 
     Args:
-        colours: Upper and lower, shape (2 * rows, columns).
+        colours: Upper and lower colours, shape (2 * rows, columns).
         shapes: Shape (rows, columns).
     """
     quarters = colours.repeat(2, axis=1)
@@ -113,12 +113,12 @@ def _values(colours: Words) -> Bytes:
 
 
 def _squares(colours: Floats) -> Floats:
-    """The sum over the values of each, shape (n,), of colours of shape (n, 4)."""
+    """Sums of squared channels, shape (n,), of colours of shape (n, 4)."""
     squares: Floats = np.einsum("cv,cv->c", colours, colours)
     return squares
 
 
 def _rounded(colours: Floats) -> Words:
-    """Shape (n,), of colours of shape (n, 4)."""
+    """Colours of shape (n, 4) as words, shape (n,)."""
     rounded: Words = (colours + np.float32(0.5)).astype(np.uint8).view(np.uint32)[:, 0]
     return rounded

@@ -1,4 +1,4 @@
-"""How exactly a picture is sent to the terminal."""
+"""Exactness of a picture on the terminal."""
 
 from __future__ import annotations
 
@@ -8,19 +8,17 @@ from typing import Final
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quality:
-    """How far a colour on the terminal may be from the one that was drawn.
+    """Largest error of colours on the terminal.
 
-    No channel of a pixel is ever further off than the larger of the two. In a cell of quadrants,
-    that counts for each quarter, from the one of the cell's two colours that it has at the best
-    quality. Characters, their ink and what is behind them are exact at every quality, and so is
-    everything where a terminal numbers its colours: what is saved there would be seen.
+    The error of a channel is at most the larger of the two limits. In a cell of quadrants it counts
+    from the quarter's colour at the best quality. Cells with characters are always exact, and so
+    are numbered colours.
 
     Attributes:
-        tolerance: Neighbouring pixels become one colour if that changes no channel by more, 0 to
-            127. It makes fewer bytes of each cell that is sent.
-        threshold: Pixels stay as the terminal shows them while no channel is further off than
-            this, 0 to 255. It makes fewer cells to send; two more than the tolerance keeps the
-            noise of a camera from the line.
+        tolerance: Largest change of a channel by merging neighbours, 0 to 127; saves bytes per
+            cell.
+        threshold: Largest error of a channel for which a cell is not sent again, 0 to 255; saves
+            cells. Two more than the tolerance filters a camera's noise.
     """
 
     tolerance: int = 0

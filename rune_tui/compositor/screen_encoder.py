@@ -1,4 +1,4 @@
-"""Frames to terminal bytes: only what the terminal does not show yet, as exactly as is wanted."""
+"""Encodes the changes between the terminal's screen and a frame as bytes."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from rune_tui.compositor.word_matrix import WordMatrix
 from rune_tui.raster.urgency import Urgencies
 
 _WHOLE = 0.98
-"""From this share of cells on, sending all is as good: each one left out costs a move."""
+"""Share of changed cells from which all are sent, as each gap costs a cursor move."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Remembered:
-    """What was known of a terminal.
+    """A saved state of the encoder.
 
     Attributes:
-        shown: What it showed; None if nothing was known.
-        known: Where that was known, shape (rows, columns).
-        depth: In which colours.
+        shown: The terminal's screen; None if unknown.
+        known: Cells where it is known, shape (rows, columns).
+        depth: Colour depth.
     """
 
     shown: Looks | None
@@ -39,21 +39,20 @@ class Remembered:
 
 
 class ScreenEncoder:
-    """Knows what the terminal shows, and makes the bytes that bring it to a frame.
+    """Remembers the terminal's screen, and encodes the changes that lead to a frame.
 
-    The bytes expect the terminal's attributes to be reset and leave them so; they move the cursor,
-    and nowhere else than into the cells that they write. Whatever else is written to these cells
-    has to be told with `forget`.
+    The bytes expect reset attributes and leave them reset. They move the cursor only to the cells
+    that they write. A caller that writes to the screen itself calls `forget` after.
     """
 
     def __init__(self, *, top: int = 0, left: int = 0, half: str = UPPER_HALF) -> None:
-        """Prepare; nothing is known of what the terminal shows.
+        """Prepare; the screen is unknown at first.
 
         Args:
             top: Rows of the terminal above the frame.
             left: Columns of the terminal left of it.
-            half: `UPPER_HALF` or `LOWER_HALF`: the block that shows two pixels in truecolour. Some
-                fonts draw one of them with seams. With fewer colours both are needed.
+            half: Half block for truecolour, `UPPER_HALF` or `LOWER_HALF`; some fonts draw one of
+                them with seams.
         """
         self._top, self._left, self._half = top, left, half
         self._matrix = WordMatrix()
@@ -63,11 +62,10 @@ class ScreenEncoder:
         self._moves = Moves((0, 0), top=top, left=left)
 
     def forget(self, where: Flags | None = None) -> None:
-        """The terminal may show anything; the next frame is sent anew there.
+        """Treat cells as unknown, so that the next frame sends them again.
 
         Args:
-            where: Which cells, shape (rows, columns); None for all, as is any other shape than that
-                of the frame before.
+            where: Flags of shape (rows, columns); None, or the shape of another frame: all cells.
         """
         if where is None or where.shape != self._known.shape:
             self._shown = None
@@ -76,22 +74,17 @@ class ScreenEncoder:
             self._known &= ~where
 
     def wrong(self, frame: Cells | Looks, threshold: int) -> Flags:
-        """Where the terminal shows a frame too badly, shape (rows, columns).
-
-        Args:
-            frame: Cells, or their looks if they were taken already.
-            threshold: As in a `Quality`.
-        """
+        """Cells that the terminal shows with a larger error than the threshold of a `Quality`."""
         looks = frame if isinstance(frame, Looks) else looks_of(frame)
         return _wrong(looks, self._fitted(looks), threshold) | ~self._known
 
     @property
     def remembered(self) -> Remembered:
-        """What is known of the terminal now, to `return_to`."""
+        """The state now, for `return_to`."""
         return Remembered(shown=self._shown, known=self._known.copy(), depth=self._depth)
 
     def return_to(self, before: Remembered) -> None:
-        """What was encoded since then will not be written."""
+        """Return to an earlier state: the bytes encoded since then will not be written."""
         if before.known.shape == self._known.shape:
             self._shown, self._known, self._depth = before.shown, before.known.copy(), before.depth
         else:
@@ -107,37 +100,37 @@ class ScreenEncoder:
         urgencies: Urgencies | None = None,
         most: int | None = None,
     ) -> bytes:
-        """What brings the terminal to a frame, in UTF-8; empty if it shows it well enough.
+        """Bytes that lead the terminal to a frame, in UTF-8; empty if it is exact enough already.
 
-        The same frame in a better quality sends what is not good enough yet. A frame of another
-        size or depth than the one before is sent whole.
+        The same frame in a better quality sends only the corrections. A frame of another size or
+        depth is sent whole.
 
         Args:
-            frame: Cells, or their looks if they were taken already.
-            quality: How exact it has to be.
-            covered: Cells that something else covers, shape (rows, columns): they are left out,
-                and not known from then on.
-            only: Cells that are looked at, shape (rows, columns); the others stay as they are.
-            urgencies: Cells of smaller ones are written first; None writes in reading order.
-            most: So many cells are written at most, if there are `urgencies`.
+            frame: Cells or their looks.
+            quality: Exactness.
+            covered: Cells under another screen, shape (rows, columns): they are not sent, and are
+                unknown after.
+            only: Cells to send, shape (rows, columns); all other cells stay.
+            urgencies: Urgency of each cell, which gives the order; None: reading order.
+            most: Largest number of cells, with `urgencies` only.
         """
         looks = frame if isinstance(frame, Looks) else looks_of(frame)
         shown = self._fitted(looks)
         if looks.depth is not ColourDepth.TRUECOLOUR:
             quality = EXACT
         send = _wrong(looks, shown, quality.threshold) | ~self._known
-        open_to_all = covered is None or not covered.any()
+        complete = covered is None or not covered.any()
         if covered is not None:
             self._known &= ~covered
             send &= ~covered
         if only is not None:
             send &= only
-            open_to_all = False
+            complete = False
         if quality.tolerance and send.any():
             looks = _simplified(looks, quality.tolerance)
-            # What it has become may be there already.
+            # The merged colours may be on the screen already.
             send &= looks.differs(shown) | ~self._known
-        elif open_to_all and np.count_nonzero(send) >= _WHOLE * send.size:
+        elif complete and np.count_nonzero(send) >= _WHOLE * send.size:
             send[...] = True
         if not send.any():
             return b""
@@ -151,7 +144,7 @@ class ScreenEncoder:
         return self._written(looks, numbers)
 
     def _fitted(self, looks: Looks) -> Looks:
-        """What is shown, as a frame of the size and depth of this one."""
+        """The terminal's screen, in the size and depth of this frame."""
         fits = self._depth is looks.depth and self._known.shape == looks.glyphs.shape
         if self._shown is not None and fits:
             return self._shown
@@ -159,11 +152,11 @@ class ScreenEncoder:
             self._moves = Moves(looks.glyphs.shape, top=self._top, left=self._left)
         self._depth = looks.depth
         self._known = np.zeros(looks.glyphs.shape, np.bool_)
-        self._shown = looks  # of which nothing is known yet
+        self._shown = looks  # all cells are unknown
         return looks
 
     def _written(self, looks: Looks, numbers: Numbers | None) -> bytes:
-        """The bytes of the cells of these numbers, in this order; of all if there are none."""
+        """Bytes of the cells of these numbers, in this order; without numbers, of all cells."""
         form = FORMS[self._depth]
         if numbers is None:
             moves = self._moves.to_rows
@@ -171,16 +164,16 @@ class ScreenEncoder:
             moves = self._moves.to(numbers)
             looks = looks.taken(numbers)
         planes = planes_of(looks, form, self._half)
-        joined = self._matrix.joined(planes, form, moves, anew=False)
+        joined = self._matrix.joined(planes, form, moves, reset=False)
         return joined + RESET if planes.background[-1, -1] != form.at_start else joined
 
 
 def _wrong(looks: Looks, shown: Looks, threshold: int) -> Flags:
-    """Which cells look too different from what is shown."""
+    """Cells with a larger error than the threshold."""
     if not threshold:
         return looks.differs(shown)
     cut = bool(looks.shapes.any() or shown.shapes.any())
-    # Shapes alone say nothing: of two like colours, it is all one where they lie.
+    # Shapes alone do not decide: with two similar colours, the shape makes no difference.
     wanted = unpacked(looks.quarters if cut else looks.pixels)
     there = unpacked(shown.quarters if cut else shown.pixels)
     off = np.maximum(wanted, there)
@@ -194,7 +187,7 @@ def _wrong(looks: Looks, shown: Looks, threshold: int) -> Flags:
 
 
 def _simplified(looks: Looks, tolerance: int) -> Looks:
-    """Fewer colours where there are no characters."""
+    """Looks with similar neighbours merged, except in cells with characters."""
     pixels = merged(looks.pixels, tolerance)
     if looks.written:
         text = np.repeat(looks.glyphs != 0, 2, axis=0)

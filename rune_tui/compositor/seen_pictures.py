@@ -1,4 +1,4 @@
-"""Which of the pictures on layers are seen in a view, and in which of its cells."""
+"""Finds the cells of a view in which pictures of layers are visible."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class SeenPicture:
     """A picture in a view.
 
     Attributes:
-        picture: What of it lies in the view, placed in the view's pixels.
-        seen: Cells of the view that show it and nothing else, shape (rows, columns). A cell at the
-            picture's edge may show what is beside the picture in its other half.
+        picture: The part of it in the view, in the view's pixels.
+        seen: Cells that show only the picture, shape (rows, columns). At the picture's edge, the
+            other half of a cell may show its neighbour.
     """
 
     picture: PlacedPicture
@@ -35,15 +35,14 @@ class SeenPicture:
 def seen_pictures(
     cells: Cells, layers: Iterable[Layer], tint: tuple[int, int, int] = _NO_TINT
 ) -> tuple[SeenPicture, ...]:
-    """The pictures that cells show, from back to front.
+    """Pictures that cells show, from back to front.
 
-    A picture is seen where the cells still have the means of its pixels. There, nothing has been
-    drawn over it, neither on its canvas nor by another layer.
+    A picture is visible in cells that still have the means of its pixels: nothing covers it there.
 
     Args:
-        cells: What was composed of the layers, not tinted yet.
-        layers: Those of the view, in the order in which they were composed.
-        tint: What is left of red, green and blue of the pictures.
+        cells: The composed layers, without tint.
+        layers: The layers, in any order; of equal `zpos` the later one is nearer.
+        tint: Tint of the pictures, as in `tinted`.
     """
     found = []
     for layer in sorted(layers, key=attrgetter("zpos")):
@@ -59,12 +58,12 @@ def seen_pictures(
 
 
 def _seen(cells: Cells, picture: PlacedPicture) -> npt.NDArray[np.bool_]:
-    """The cells that show nothing else, shape (rows, columns)."""
+    """Cells that show only the picture, shape (rows, columns)."""
     height, width = picture.means.shape[:2]
     across = slice(picture.x, picture.x + width)
     down = slice(picture.y, picture.y + height)
     first, end = down.start // 2, (down.stop + 1) // 2
-    # Halves of cells above and below the picture are not the picture's.
+    # Half cells above and below the picture count as equal.
     same = np.ones((2 * (end - first), width), np.bool_)
     shown = cells.pixels[down, across].view(_WORDS) == picture.means.view(_WORDS)
     same[down.start - 2 * first : down.stop - 2 * first] = shown[..., 0]

@@ -1,4 +1,4 @@
-"""How colours are told to a terminal of each depth (SGR, ECMA-48), as words of four bytes."""
+"""Colour codes of each depth (SGR, ECMA-48) as words of four bytes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Words = npt.NDArray[np.uint32]
 
 RESET: Final = b"\x1b[0m"
 NO_COLOUR: Final = np.uint32(0xFFFFFFFF)
-"""No colour of which only some bytes count: the others are zero."""
+"""A value that no masked colour has."""
 
 
 def words(tokens: Sequence[bytes]) -> Words:
@@ -26,30 +26,30 @@ def words(tokens: Sequence[bytes]) -> Words:
 
 
 def _number(number: int) -> np.uint32:
-    """A colour of which only the number counts."""
+    """A numbered colour as a word."""
     return np.uint32(np.array([0, 0, 0, number], np.uint8).view(np.uint32)[0])
 
 
 _DIGITS = words([b";%d" % value for value in range(256)])
 
 
-@dataclass(frozen=True, kw_only=True)  # without slots, for what it keeps
+@dataclass(frozen=True, kw_only=True)  # without slots, for cached properties
 class Form:
-    """How cells of one depth are written.
+    """Encoding of cells at one depth.
 
     Attributes:
-        cell: The words of a cell; those of its colours and its glyph are still empty.
-        foreground: Where what sets the foreground stands, with the semicolon after it; nowhere,
-            if it is the other one of two.
-        background: Where what sets the background stands, with the semicolon before it.
-        ink: Where the foreground itself begins, behind which there is a word that stays the same.
-        ground: Where the background itself begins, likewise.
-        ink_words: What stands there by the value of each byte of a colour that counts.
-        ground_words: The same of the background.
-        numbered: Whether only the last byte of a colour counts, its number; else the others do.
-        bright: Cells of one colour from this one on are full of it as foreground.
-        at_start: The background in force where a row begins; where it is a colour, rows that end
-            in it need no reset, and cells full of foreground need it.
+        cell: Words of a cell, with colours and glyph empty.
+        foreground: Words that set the foreground, with the semicolon after; empty if the background
+            decides the foreground.
+        background: Words that set the background, with the semicolon before.
+        ink: First word of the foreground's value; a constant word follows each.
+        ground: First word of the background's value, as for `ink`.
+        ink_words: Word of each value of a colour's byte.
+        ground_words: The same for the background.
+        numbered: Whether a colour is its last byte, the number; else its first three.
+        bright: First colour that is shown as a cell full of foreground.
+        at_start: Background at the start of a row. If it is a colour, rows that end in it need no
+            reset, and cells full of foreground need it.
     """
 
     cell: Words
@@ -65,12 +65,12 @@ class Form:
 
     @property
     def mask(self) -> np.uint32:
-        """Keeps the bytes that count of a colour read as one word."""
+        """Mask of the used bytes of a colour read as one word."""
         return np.uint32(~RGB_MASK if self.numbered else RGB_MASK)
 
     @cached_property
     def outlines(self) -> Words:
-        """The words of a cell that tells nothing, its foreground, its background, and both."""
+        """Words of a cell that sets no colour, the foreground, the background, or both."""
         places = np.arange(len(self.cell))
         in_ink = (places >= self.foreground.start) & (places < self.foreground.stop)
         in_ground = (places >= self.background.start) & (places < self.background.stop)
@@ -85,7 +85,7 @@ class Form:
 
 
 _ESCAPE = b"\x1b["
-# The semicolon between the colours goes with either of them.
+# Either colour may bring the semicolon between them.
 _TRUECOLOUR = Form(
     cell=words([_ESCAPE, b"38;2", b"", b"", b"", b";", b"48;2", b"", b"", b"", b"m", b""]),
     foreground=slice(1, 6),

@@ -1,8 +1,7 @@
-"""Bytes for cells, many at once: a matrix of words of four bytes, one token of SGR each.
+"""Encodes many cells at once: a matrix of words of four bytes, one SGR token each.
 
-Tokens are padded with zero bytes, and what is left out is zero words; one `bytes.translate` takes
-all of them away. It is the fastest way that numpy has, and does not slow down with the number of
-colours.
+Tokens are padded with zero bytes, and left-out tokens are zero words; one `bytes.translate`
+deletes them. This is the fastest way in numpy, and its time does not grow with the colours.
 """
 
 from __future__ import annotations
@@ -15,20 +14,20 @@ from rune_tui.compositor.sgr import NO_COLOUR, Form, Words
 
 
 class WordMatrix:
-    """Writes cells in groups, each behind a lead; keeps its memory between frames of one size."""
+    """Writes groups of cells, each after a lead; reuses its memory for frames of one size."""
 
     def __init__(self) -> None:
         self._room: Words = np.zeros(0, np.uint32)
 
-    def joined(self, planes: Planes, form: Form, leads: Words, *, anew: bool) -> bytes:
-        """The cells as bytes; colours are told where they are not in force already.
+    def joined(self, planes: Planes, form: Form, leads: Words, *, reset: bool) -> bytes:
+        """The cells as bytes; a colour is set only where it changes.
 
         Args:
-            planes: What is written, of shape (groups, cells in a group), at least one cell.
-            form: How.
-            leads: What stands before each group, shape (groups, words).
-            anew: Whether the terminal's attributes are reset before every group; else they are
-                before the first, and stay in force over the leads.
+            planes: Characters and colours, shape (groups, cells in a group), at least one cell.
+            form: Encoding of their depth.
+            leads: Words before each group, shape (groups, words).
+            reset: Whether each lead resets the attributes; else the attributes are reset before the
+                first group only.
         """
         groups, count = planes.marks.shape
         lead, length = leads.shape[1], len(form.cell)
@@ -38,10 +37,10 @@ class WordMatrix:
         words = self._room[:size]
         buffer = words.reshape(groups, -1)
         buffer[:, :lead] = leads
-        # Every word of every cell is written below, if only with zero. Copying several words as
-        # one item is several times faster than copying words.
+        # The code below writes every word of every cell. A copy of several words as one item is
+        # several times faster than a copy word by word.
         cell = buffer[:, lead:].reshape(groups, count, length)
-        starts = np.arange(0, groups * count, count) if anew else np.zeros(1, np.intp)
+        starts = np.arange(0, groups * count, count) if reset else np.zeros(1, np.intp)
         ground = _new(planes.background, planes.ground_shows, starts, form.at_start)
         ink = np.zeros_like(ground)
         if form.foreground.stop:
@@ -49,8 +48,8 @@ class WordMatrix:
         item = f"V{4 * length}"
         cell.view(item)[..., 0] = form.outlines.view(item)[:, 0].take(ink + 2 * ground)
         if form.foreground.stop:
-            _tell(cell[..., form.ink :], planes.foreground, form.ink_words, form, ink)
-        _tell(cell[..., form.ground :], planes.background, form.ground_words, form, ground)
+            _set_colours(cell[..., form.ink :], planes.foreground, form.ink_words, form, ink)
+        _set_colours(cell[..., form.ground :], planes.background, form.ground_words, form, ground)
         cell[..., -1] = planes.marks
         if 2 * np.count_nonzero(words) < len(words):
             words = words[words != 0]
@@ -59,16 +58,16 @@ class WordMatrix:
 
 
 def _new(colours: Words, shows: Flags, starts: Numbers, at_start: np.uint32) -> Words:
-    """1 where a colour must be set, else 0: cells that show none leave the last in force."""
+    """1 where a colour must be set, else 0; cells that do not show it leave it unchanged."""
     flat, seen = colours.ravel(), shows.ravel()
     before = np.empty_like(flat)
     before[1:] = flat[:-1]
     before[starts] = at_start
     if not seen.all():
-        # Behind cells that show none, the last one that showed one counts, or the start.
+        # After cells that do not show it, the last one that did counts, or the start.
         behind = np.flatnonzero(seen[1:] > seen[:-1]) + 1
-        telling = np.flatnonzero(seen)
-        last = telling[np.searchsorted(telling, behind) - 1]
+        setting = np.flatnonzero(seen)
+        last = setting[np.searchsorted(setting, behind) - 1]
         start = starts[np.searchsorted(starts, behind, side="right") - 1]
         since_start = (last >= start) & (last < behind)
         before[behind] = np.where(since_start, flat[last], at_start)
@@ -76,15 +75,15 @@ def _new(colours: Words, shows: Flags, starts: Numbers, at_start: np.uint32) -> 
     return new
 
 
-def _tell(room: Words, colours: Words, words: Words, form: Form, new: Words) -> None:
-    """Put the numbers of colours into cells, where they are new.
+def _set_colours(room: Words, colours: Words, words: Words, form: Form, new: Words) -> None:
+    """Put the codes of changed colours into cells.
 
     Args:
-        room: Cells from the first number on, shape (groups, cells, words).
-        colours: Of all cells, shape (groups, cells).
-        words: What tells each value of a byte.
-        form: Which bytes count.
-        new: 1 where the colour is told, else 0; shape (groups, cells).
+        room: Words of cells from the first value on, shape (groups, cells, words).
+        colours: Colours of all cells, shape (groups, cells).
+        words: Word of each value of a byte.
+        form: Encoding, which gives the used bytes.
+        new: 1 where the colour is set, else 0; shape (groups, cells).
     """
     parts = unpacked(colours)
     if form.numbered:

@@ -1,4 +1,4 @@
-"""A surface that visualizers draw on: pixels with alpha, characters over them, and pictures."""
+"""The surface that visualizers draw on: pixels with alpha, characters and pictures."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from rune_tui.raster.placed_picture import PlacedPicture
 from rune_tui.raster.resize import resized
 
 Colour = theme.Colour
-"""Red, green, blue, alpha, each 0 to 255; alpha 0 shows what is behind."""
+"""Red, green, blue, alpha, each 0 to 255; alpha 0 is clear."""
 
 REPLACEMENT = "?"
-"""Stands for every character that a terminal would not show in exactly one cell."""
+"""Replaces a character that does not take exactly one cell of a terminal."""
 
 _BRIGHT = 255
 _DROPPED = frozenset({"Mn", "Me"})
@@ -38,10 +38,9 @@ _OTHER_WIDTHS = (
 
 @functools.lru_cache(maxsize=4096)
 def printable(character: str) -> str:
-    """What a terminal can show of a character in exactly one cell; empty if it takes none.
+    """A character that takes exactly one cell of a terminal; empty for combining marks.
 
-    Control, unassigned, private and double-width characters become `REPLACEMENT`, any kind of
-    blank a space; marks that combine with the character before them are left out.
+    Control, unassigned, private and double-width characters become `REPLACEMENT`, blanks a space.
     """
     category = unicodedata.category(character)
     if category in _DROPPED:
@@ -56,7 +55,7 @@ def printable(character: str) -> str:
 
 
 def printable_text(string: str) -> str:
-    """A string in which every character takes exactly one cell; see `printable`."""
+    """A string with `printable` applied to each character."""
     return "".join(map(printable, unicodedata.normalize("NFC", string)))
 
 
@@ -66,10 +65,10 @@ class Canvas:
 
     Attributes:
         pixels: Red, green, blue, alpha, shape (height, width, 4).
-        glyphs: Code points, shape (ceil(height / 2), width); 0 where there is no character.
+        glyphs: Code points, shape (ceil(height / 2), width); 0 for no character.
         ink: Red, green, blue, alpha of the characters, shape (ceil(height / 2), width, 4).
         scale: Pixels of pictures across and down one pixel of the canvas.
-        pictures: Those that have more pixels than the canvas, in the order of placing.
+        pictures: Pictures with more pixels than the canvas, in the order of placing.
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -80,13 +79,7 @@ class Canvas:
 
     @classmethod
     def blank(cls, width: int, height: int, *, scale: tuple[int, int] = (1, 1)) -> Canvas:
-        """A canvas through which everything behind it is seen, of this size in pixels.
-
-        Args:
-            width: Its width.
-            height: Its height.
-            scale: Pixels of pictures across and down one of its pixels.
-        """
+        """A clear canvas of this width and height [pixels]; `scale` as the attribute."""
         rows = (height + 1) // 2
         return cls(
             pixels=np.zeros((height, width, 4), np.uint8),
@@ -107,7 +100,7 @@ class Canvas:
 
     @property
     def rows(self) -> int:
-        """Height in cells; the last one may be half outside."""
+        """Height in cells; the last cell may be half outside."""
         return int(self.glyphs.shape[0])
 
     def fill(self, colour: Colour) -> None:
@@ -142,15 +135,15 @@ class Canvas:
     ) -> None:
         """Lay an opaque picture on the canvas, clipped at its edges.
 
-        The canvas shows the means of the picture's pixels. Where nothing is drawn over them, an
-        output may show the pixels themselves.
+        The canvas shows the means of the picture's pixels. Where nothing covers them, an output may
+        show the pixels themselves.
 
         Args:
             pixels: Red, green, blue, shape (h, w, 3), of any size.
             x: Column of its left edge [pixels of the canvas]; may be outside.
             y: Row of its upper edge [pixels of the canvas]; may be outside.
-            size: Width and height that it takes [pixels of the canvas].
-            brightness: What is left of it, of 255.
+            size: Width and height on the canvas [pixels of the canvas].
+            brightness: Share of brightness that stays, of 255.
         """
         left, top = max(0, x), max(0, y)
         width = min(self.width, x + size[0]) - left
@@ -181,7 +174,7 @@ class Canvas:
         Args:
             column: Cell column of the first character; may be outside.
             row: Cell row; may be outside.
-            string: Shown as `printable_text`.
+            string: The text; shown as `printable_text`.
             colour: Colour of the characters.
         """
         if not 0 <= row < self.rows:

@@ -1,4 +1,4 @@
-"""Occupancy grids to pictures: turned, shifted, enlarged or shrunk without losing a thin wall."""
+"""Draws occupancy grids at any place, angle and size; thin walls stay visible."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ Cells = npt.NDArray[np.int8]
 Places = npt.NDArray[np.intp]
 
 UNKNOWN: Final = -1
-"""An unknown cell; the others are 0 (free) to 100 (occupied)."""
+"""An unknown cell; known cells are 0 (free) to 100 (occupied)."""
 OUTSIDE: Final = -2
-"""Stands for what is beyond the grid."""
+"""A place outside the grid."""
 
 _SURELY_MET: Final = math.sqrt(0.5)
-"""Edge of a pixel in cells up to which every cell has a pixel's middle in it, however turned."""
+"""Largest pixel [cells] with which every cell contains the middle of a pixel, at any angle."""
 
 
 def grid_colours(
     *, free: Colour, occupied: Colour, unknown: Colour, outside: Colour
 ) -> npt.NDArray[np.uint8]:
-    """The colour of each cell's value, shape (256, 4), by the value as an unsigned byte.
+    """Colours by a cell's value as an unsigned byte, shape (256, 4).
 
-    Between free and occupied colours are mixed; values that mean nothing look unknown.
+    Values between free and occupied get mixed colours; invalid values look unknown.
     """
     colours = np.empty((256, 4), np.uint8)
     colours[:] = unknown
@@ -42,12 +42,12 @@ def grid_colours(
 
 
 def grid_values(grid: OccupancyMap, window: MapWindow) -> Cells:
-    """The value that each pixel of a window shows of a map.
+    """Values of a map at the pixels of a window.
 
-    A pixel that is much smaller than a cell shows the cell at its middle. For larger ones, blocks
-    of cells that are no larger than a pixel are reduced to the most occupied of theirs; a pixel
-    shows the most occupied of the block at its middle and those whose middles are in it. So what
-    is seen is about half a pixel from its place, and nothing occupied is left out.
+    A small pixel shows the cell at its middle. For larger pixels, blocks of cells of at most a
+    pixel's size are reduced to their most occupied cell. A pixel shows the most occupied of the
+    block at its middle and the blocks with their middles in it. The error of a place is about half
+    a pixel, and no occupied cell is lost.
 
     Returns:
         Shape (window.height, window.width); OUTSIDE beyond the grid.
@@ -78,7 +78,7 @@ def grid_values(grid: OccupancyMap, window: MapWindow) -> Cells:
 
 
 def _in_window(grid: OccupancyMap, window: MapWindow, step: int) -> tuple[int, int, Cells]:
-    """First column and row of what can be seen, whole blocks from the grid's corner, and that."""
+    """First column and row of the visible blocks of cells, and the visible cells."""
     wide, high = float(window.width), float(window.height)
     corners = window.points([(0.0, 0.0), (wide, 0.0), (0.0, high), (wide, high)])
     places = (corners - np.array((grid.origin_x, grid.origin_y))) / grid.resolution
@@ -89,7 +89,7 @@ def _in_window(grid: OccupancyMap, window: MapWindow, step: int) -> tuple[int, i
 
 
 def _most_occupied(cells: Cells, step: int) -> Cells:
-    """The greatest of each `step` rows; of fewer at the end."""
+    """Maximum of each `step` rows; the last group may have fewer."""
     greatest = cells[::step].copy()
     for offset in range(1, min(step, len(cells))):
         rows = cells[offset::step]
@@ -100,19 +100,19 @@ def _most_occupied(cells: Cells, step: int) -> Cells:
 def _lattice(
     affine: Callable[[Floats], Floats], shape: tuple[int, ...], target: tuple[int, ...]
 ) -> tuple[Places, Places, npt.NDArray[np.bool_]]:
-    """Where the middles of one raster's squares fall in another one.
+    """Places of the middles of one raster's squares in another raster.
 
     Args:
-        affine: From coordinates (x, y) in the one to those in the other, shape (n, 2).
-        shape: Rows and columns of the one.
-        target: Rows and columns of the other.
+        affine: From coordinates (x, y) in the first raster to the second, shape (n, 2).
+        shape: Rows and columns of the first.
+        target: Rows and columns of the second.
 
     Returns:
-        Column, row, and whether they are within the other, each of the one's shape.
+        Column, row, and whether they are inside the second; each of the first's shape.
     """
     start, right, below = affine(np.array([(0.5, 0.5), (1.5, 0.5), (0.5, 1.5)]))
     across, down = np.arange(shape[1]), np.arange(shape[0])[:, None]
-    # Equal steps stay equal when they are turned and scaled.
+    # An affine map keeps equal steps equal.
     column, row = (
         np.floor(start[axis] + (right - start)[axis] * across + (below - start)[axis] * down)
         for axis in (0, 1)

@@ -1,7 +1,6 @@
-"""Large text from TrueType fonts, drawn on the pixels of a canvas.
+"""Draws large text of TrueType fonts on the pixels of a canvas.
 
-A terminal's pixel is half a cell, so text of 12 points is 12 pixels or 6 rows of cells high; a
-point is a pixel, as it was on screens of 72 dots per inch.
+A point is a pixel, and a pixel is half a cell: text of 12 points is 6 rows of cells high.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from rune_tui.raster.canvas import Canvas, Colour
 SMALLEST_PT: Final = 4.0
 LARGEST_PT: Final = 200.0
 LONGEST: Final = 128
-"""Characters of a text that are drawn; no view is so wide that more would be seen."""
+"""Most characters of a text that are drawn; no view is wide enough for more."""
 
 _FONTS_KEPT: Final = 16
 _TEXTS_KEPT: Final = 32
@@ -33,8 +32,8 @@ class Font:
     """A TrueType font in one size.
 
     Attributes:
-        file: Path of its file; empty for the one that is built in.
-        points: Its size, within SMALLEST_PT and LARGEST_PT.
+        file: Path of its file; empty for the built-in font.
+        points: Its size, SMALLEST_PT to LARGEST_PT.
     """
 
     file: str = ""
@@ -42,16 +41,16 @@ class Font:
 
 
 def check_font(font: Font) -> None:
-    """Make sure that a font can be drawn.
+    """Check that a font can be drawn.
 
     Raises:
-        FontError: Its file cannot be read or is no font, or it is too small or too large.
+        FontError: The file cannot be read or is no font, or the size is out of range.
     """
     _loaded(font)
 
 
 def measured(string: str, font: Font) -> tuple[int, int]:
-    """Width and height that a text takes [pixels]; the height is the same for all of a font's.
+    """Width and height of a text [pixels]; a font gives all texts the same height.
 
     Raises:
         FontError: As `check_font`.
@@ -69,15 +68,15 @@ def letter(
     *,
     align: tuple[float, float] = (0.0, 0.0),
 ) -> None:
-    """Draw one line of text over what is on a canvas, clipped at its edges.
+    """Draw one line of text on a canvas, clipped at its edges.
 
     Args:
-        canvas: What to draw on.
+        canvas: The canvas.
         at: x and y [pixels]; may be outside.
         string: The text; line breaks and tabs become spaces.
-        font: How it looks.
+        font: Its font.
         colour: Its colour and alpha.
-        align: Which part of the text is at `at`: (0, 0) its upper left corner, (0.5, 0.5) its
+        align: The point of the text at `at`: (0, 0) its upper left corner, (0.5, 0.5) its
             middle, (1, 1) its lower right corner.
 
     Raises:
@@ -119,7 +118,7 @@ def _loaded(font: Font) -> ImageFont.FreeTypeFont:
         message = "Pillow was built without FreeType and cannot draw text; install its wheel"
         raise FontError(message)
     try:
-        # Opened here, as Pillow would look in the system's folders for a name it does not find.
+        # Opened here: Pillow would search the system's folders for a file that is missing.
         with Path(font.file).open("rb") as file:
             return ImageFont.truetype(file, font.points)
     except OSError as error:
@@ -130,11 +129,11 @@ def _loaded(font: Font) -> ImageFont.FreeTypeFont:
 
 @functools.lru_cache(maxsize=_TEXTS_KEPT)
 def _coverage(string: str, font: Font) -> npt.NDArray[np.uint8]:
-    """How much of each pixel a text covers, 0 to 255, shape (height, width)."""
+    """Coverage of each pixel by a text, 0 to 255, shape (height, width)."""
     loaded = _loaded(font)
     first, _, end, _ = loaded.getbbox(string, anchor="ls")
     ascent, descent = loaded.getmetrics()
-    # Letters may reach beyond where the line begins and ends.
+    # Letters may reach beyond the start and the end of the line.
     first, end = math.floor(min(0.0, first)), math.ceil(max(end, loaded.getlength(string)))
     image = Image.new("L", (end - first, ascent + descent))
     ImageDraw.Draw(image).text((-first, ascent), string, 255, loaded, anchor="ls")

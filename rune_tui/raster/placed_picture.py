@@ -1,4 +1,4 @@
-"""A picture in pixels of its own, and where it lies."""
+"""A picture in its own pixels, and its place."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import numpy as np
 import numpy.typing as npt
 
 _LANES = np.uint32(0x00FF00FF)
-"""Every other byte of a pixel; sixteen bits for each hold the sum of 257 pixels."""
+"""Mask of every second byte of a pixel; the sum of 257 pixels fits into its sixteen bits."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlacedPicture:
-    """An opaque picture that has more pixels than what it lies on.
+    """An opaque picture with more pixels than its ground, a canvas or a view.
 
     Attributes:
         pixels: Red, green, blue, zero; shape (down * height, across * width, 4).
-        means: The picture in the pixels of what it lies on, rounded down, shape (height, width, 4).
-        x: Column of its left edge [pixels of what it lies on].
-        y: Row of its upper edge [pixels of what it lies on].
-        scale: Its pixels across and down one of what it lies on.
+        means: The picture in pixels of the ground, rounded down, shape (height, width, 4).
+        x: Column of its left edge [pixels of the ground].
+        y: Row of its upper edge [pixels of the ground].
+        scale: Its pixels across and down one pixel of the ground.
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -39,20 +39,20 @@ class PlacedPicture:
             pixels: Red, green, blue, shape (down * height, across * width, 3).
             x: Column of its left edge.
             y: Row of its upper edge.
-            scale: Its pixels across and down one of what it lies on, 256 of them at most.
+            scale: Its pixels across and down one pixel of the ground, at most 256 in all.
         """
         words = np.zeros((*pixels.shape[:2], 4), np.uint8)
         words[..., :3] = pixels
         return cls(pixels=words, means=_means(words, *scale), x=x, y=y, scale=scale)
 
     def moved(self, x: int, y: int, width: int, height: int) -> Self | None:
-        """The picture on what is behind, and only what of it lies there; None: nothing of it.
+        """The part of the picture on the next ground behind; None if it lies outside.
 
         Args:
-            x: Column of the left edge of what it lies on now.
-            y: Row of the upper edge of what it lies on now.
-            width: Width of what is behind.
-            height: Height of what is behind.
+            x: Column of this ground's left edge on the next.
+            y: Row of this ground's upper edge on the next.
+            width: Width of the next ground.
+            height: Height of the next ground.
         """
         x, y = x + self.x, y + self.y
         rows, columns = self.means.shape[:2]

@@ -1,4 +1,4 @@
-"""Pictures to the size shown: area average when they shrink, smooth when they grow."""
+"""Resizes pictures: area average to shrink, bilinear to enlarge."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def resized(
 
     Args:
         pixels: Grey, shape (h, w), or red, green, blue, shape (h, w, 3).
-        width: Width wanted [pixels].
-        height: Height wanted [pixels].
-        part: Left, upper, right and lower edge of what is wanted of it [pixels]; None: all.
+        width: New width [pixels].
+        height: New height [pixels].
+        part: Left, upper, right and lower edge of the part to use [pixels]; None: all.
 
     Returns:
         Shape (height, width) or (height, width, 3).
@@ -49,7 +49,7 @@ def resized(
     if all(shrinks):
         return np.asarray(image.resize((width, height), Image.Resampling.BOX, part))
     if any(shrinks):
-        # One direction after the other: area average in the one, smooth in the other.
+        # One direction shrinks and the other grows: two steps, each with its own filter.
         least = (width, rows) if shrinks[0] else (columns, height)
         box = (left, 0.0, right, float(rows)) if shrinks[0] else (0.0, top, float(columns), bottom)
         image = image.resize(least, Image.Resampling.BOX, box)

@@ -1,4 +1,4 @@
-"""Lines, rectangles, circles, pies, polygons and marks on a canvas, rasterised by Pillow."""
+"""Draws lines, rectangles, circles, pies, polygons and marks on a canvas, with Pillow."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ _CORNERS: Final = 256
 
 @dataclass(frozen=True, slots=True)
 class Pen:
-    """Draws in canvas coordinates; every shape replaces the pixels it covers, alpha included.
+    """Draws in canvas coordinates; a shape replaces its pixels, alpha included.
 
     Attributes:
         draw: Pillow's drawing on the enlarged picture.
-        scale: How many of its pixels make one of the canvas.
+        scale: Pixels of the enlarged picture per pixel of the canvas.
         width: Width of the canvas [pixels].
         height: Height of the canvas [pixels].
     """
@@ -62,7 +62,7 @@ class Pen:
         gone = 0.0
         for begin, end in itertools.pairwise(points):
             length = math.dist(begin, end)
-            # Only where the line can be seen: it may come from far outside the canvas.
+            # Only the visible part: the line may start far outside the canvas.
             near, far = self._near(begin, end, length)
             for number in range(
                 math.floor((gone + near) / period), math.ceil((gone + far) / period)
@@ -75,7 +75,7 @@ class Pen:
             gone = (gone + length) % period
 
     def cross(self, centre: Point, reach: float, colour: Colour, width: float = 1.0) -> None:
-        """A diagonal cross that reaches this far from its centre to each side [pixels]."""
+        """A diagonal cross; `reach` is half its width [pixels]."""
         x, y = centre
         for side in (reach, -reach):
             self.line([(x - reach, y - side), (x + reach, y + side)], colour, width)
@@ -127,7 +127,7 @@ class Pen:
     def arc(
         self, centre: Point, radius: float, direction: float, opening: float, colour: Colour
     ) -> None:
-        """The rim of a pie, one pixel thick, inwards of `radius`; arguments as for `pie`."""
+        """The rim of a pie, one pixel thick, inside `radius`; arguments as for `pie`."""
         start, end = _pillow_angles(direction, opening)
         radius = self._visible(centre, radius)
         if 0.0 < radius <= self._far:
@@ -139,7 +139,7 @@ class Pen:
         return 4.0 * _FAR * (self.width + self.height)
 
     def _visible(self, centre: Point, radius: float) -> float:
-        """The radius, or one just beyond the farthest corner of the canvas, if that is less."""
+        """The radius, limited to just beyond the farthest corner of the canvas."""
         across = max(abs(centre[0]), abs(self.width - centre[0]))
         down = max(abs(centre[1]), abs(self.height - centre[1]))
         return min(radius, math.hypot(across, down) + 2.0)
@@ -148,7 +148,7 @@ class Pen:
         return point[0] * self.scale, point[1] * self.scale
 
     def _nearby(self, points: Sequence[Point]) -> Iterator[Sequence[Point]]:
-        """The pieces of a line that can be seen; Pillow takes time for each pixel beyond them."""
+        """The visible pieces of a line; Pillow takes time for each invisible pixel."""
         far = _FAR * (self.width + self.height)
         if all(abs(x) <= far and abs(y) <= far for x, y in points):
             yield points
@@ -165,7 +165,7 @@ class Pen:
         return x - reach, y - reach, x + reach, y + reach
 
     def _near(self, begin: Point, end: Point, length: float) -> tuple[float, float]:
-        """From where to where a line is in the circle around the canvas, as ways from `begin`."""
+        """Start and end of a line's part in the circle around the canvas, from `begin` [pixels]."""
         if not length:
             return 0.0, 0.0
         ahead = (end[0] - begin[0]) / length, (end[1] - begin[1]) / length
@@ -178,12 +178,12 @@ class Pen:
 
 @contextlib.contextmanager
 def drawing(canvas: Canvas, *, smoothing: int = 1) -> Iterator[Pen]:
-    """Draw shapes on a canvas; they are on it when the block ends.
+    """Draw shapes on a canvas; the end of the block puts them on it.
 
     Args:
-        canvas: What to draw on.
-        smoothing: Shapes are drawn this many times larger and averaged down, so that edges
-            become soft; 1 leaves them hard.
+        canvas: The canvas.
+        smoothing: Factor by which shapes are enlarged and then averaged, for soft edges; 1
+            keeps edges hard.
 
     Yields:
         The pen to draw with.

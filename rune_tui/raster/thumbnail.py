@@ -1,4 +1,4 @@
-"""Small pictures of what was clicked, as JPEG files that fit into an interest point."""
+"""Makes small JPEG pictures of a clicked place, for an interest point."""
 
 from __future__ import annotations
 
@@ -9,24 +9,23 @@ import numpy.typing as npt
 from PIL import Image
 
 MOST_BYTES = 4096
-"""A hub leaves larger ones out."""
+"""Largest file; a hub drops larger ones [bytes]."""
 
 _SHARE = 0.4
-"""How much of the picture's width and height is cut out."""
+"""Share of the picture's width and height that is cut out."""
 _LEAST = 32
-"""At least so much is cut out, if the picture is that large [pixels]."""
+"""Shortest edge of the cut, in a larger picture [pixels]."""
 _MOST = 96
-"""Longest edge of what is kept [pixels]."""
+"""Longest edge of the thumbnail [pixels]."""
 _QUALITIES = (85, 70, 50, 30)
 
 
 def thumbnail(pixels: npt.NDArray[np.uint8], centre: tuple[float, float]) -> npt.NDArray[np.uint8]:
-    """A JPEG file of what is around a point of a picture.
+    """A JPEG file of the area around a point of a picture.
 
     Args:
         pixels: Red, green, blue, shape (height, width, 3).
-        centre: The point, as shares of width and height, 0 to 1; at the edges, the cut is moved
-            inwards.
+        centre: The point, as shares of width and height, 0 to 1; a cut at the edge moves inwards.
 
     Returns:
         At most `MOST_BYTES`, shape (length,).

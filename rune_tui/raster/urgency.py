@@ -1,4 +1,4 @@
-"""What an operator has to see first when a terminal takes little."""
+"""Order in which a slow terminal gets the cells."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import numpy.typing as npt
 
 
 class Urgency(enum.IntEnum):
-    """What cells show, in the order in which they are sent."""
+    """Content of cells, in the order of sending."""
 
     ALARM = 0
-    """Stops, alarms, and what asks the operator for something."""
+    """Stops, alarms and questions to the operator."""
     DRIVE = 1
-    """How the robot moves and what drives it."""
+    """Motion of the robot and the source of its commands."""
     RANGES = 2
-    """How near things are."""
+    """Distances to obstacles."""
     OTHER = 3
     VIDEO = 4
-    """A camera's picture, which may come late and coarser."""
+    """A camera's picture, which may be late and coarse."""
 
 
 Urgencies = npt.NDArray[np.uint8]

@@ -61,6 +61,7 @@ ROOMS = (
     "rune_tui/app.py",
     "rune_tui/cli.py",
     "rune_tui/commands",
+    "rune_tui/compositor",
     "rune_tui/controls",
     "rune_tui/dispatch.py",
     "rune_tui/drawn_viewport.py",
