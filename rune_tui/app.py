@@ -156,7 +156,7 @@ class Console(CoveredApp, inherit_bindings=False):
         for link in self._links.values():
             link.attend()
         for part in (self.inputs, self.effects):
-            with self.effects.sparing(f"the tick of {type(part).__name__}"):
+            with self.effects.guard(f"the tick of {type(part).__name__}"):
                 part.tick(now)
 
     async def on_resize(self, event: events.Resize) -> None:

@@ -43,10 +43,10 @@ from rune_tui.model.state_changes import changed
 from rune_tui.startup.following import LayoutFollower
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
+from rune_tui.ui.fault_guard import FaultGuard
 from rune_tui.ui.input_events import InputEvents
 from rune_tui.ui.palette import palette_of
 from rune_tui.ui.question import Question
-from rune_tui.ui.sparing import Sparing
 from rune_tui.ui.terminal import suspend
 from rune_tui.ui.view_pane import ViewPane
 
@@ -55,7 +55,7 @@ class EffectRunner:
     """Executes effects in order; an effect that fails does not stop the next.
 
     Attributes:
-        sparing: Logs a fault and continues.
+        guard: Logs a fault and continues.
         filing: Writes files.
         layouts: Opens other layouts.
     """
@@ -91,14 +91,14 @@ class EffectRunner:
         self._state = state
         self._leave = leave
         self._changes = ChangeNotifier()
-        self.sparing = Sparing(self.notify)
+        self.guard = FaultGuard(self.notify)
         self.filing = Filing(links, partial(app.run_worker, exit_on_error=False), self.notify)
         self.layouts = LayoutFollower(source, self.open_layout, self.report_trouble)
 
     def run(self, effects: Iterable[Effect]) -> None:
         """Execute some effects."""
         for effect in effects:
-            with self.sparing(effect):
+            with self.guard(effect):
                 if isinstance(effect, StateEffect):
                     self._change(effect)
                 else:
@@ -191,7 +191,7 @@ class EffectRunner:
         self._inputs.release_all()
 
         def answered(text: str) -> None:
-            with self.sparing(effect):
+            with self.guard(effect):
                 self.run(effect.answer(text, self._state()))
 
         stop = self._current.console.input_of(Purpose.STOP, effect.robot)

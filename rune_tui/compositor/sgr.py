@@ -75,13 +75,13 @@ class Form:
         in_ink = (places >= self.foreground.start) & (places < self.foreground.stop)
         in_ground = (places >= self.background.start) & (places < self.background.stop)
         apart = in_ink ^ in_ground
-        told = [
+        codes = [
             np.zeros_like(in_ink),
             (apart & in_ink) | ~(in_ink | in_ground),
             (apart & in_ground) | ~(in_ink | in_ground),
             np.ones_like(in_ink),
         ]
-        return np.where(told, self.cell, np.uint32(0))
+        return np.where(codes, self.cell, np.uint32(0))
 
 
 _ESCAPE = b"\x1b["

@@ -66,8 +66,8 @@ def _new(colours: Words, shows: Flags, starts: Numbers, at_start: np.uint32) -> 
     if not seen.all():
         # After cells that do not show it, the last one that did counts, or the start.
         behind = np.flatnonzero(seen[1:] > seen[:-1]) + 1
-        setting = np.flatnonzero(seen)
-        last = setting[np.searchsorted(setting, behind) - 1]
+        visible = np.flatnonzero(seen)
+        last = visible[np.searchsorted(visible, behind) - 1]
         start = starts[np.searchsorted(starts, behind, side="right") - 1]
         since_start = (last >= start) & (last < behind)
         before[behind] = np.where(since_start, flat[last], at_start)
@@ -89,6 +89,6 @@ def _set_colours(room: Words, colours: Words, words: Words, form: Form, new: Wor
     if form.numbered:
         np.multiply(words.take(parts[..., 3], mode="clip"), new, out=room[..., 0])
     else:
-        told = words.take(parts, mode="clip")
-        told *= new[..., None]
-        room[..., :3].view("V12")[...] = told[..., :3].view("V12")
+        codes = words.take(parts, mode="clip")
+        codes *= new[..., None]
+        room[..., :3].view("V12")[...] = codes[..., :3].view("V12")

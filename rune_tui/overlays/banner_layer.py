@@ -1,4 +1,4 @@
-"""The banner at the upper edge: the most severe alarm, or that a robot moves by itself."""
+"""The banner at the upper edge: the most severe alarm, or a robot that moves by itself."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.rows import fitting_form
 
 _TALL_ROWS = 30
-"""From this height on, a terminal has room for a banner of three rows [cells]."""
+"""Least height of a terminal for a banner of three rows [cells]."""
 
 
 class BannerLayer:
-    """Draws the banner, and again only if it would look different."""
+    """Draws the banner when it changes."""
 
     def __init__(self) -> None:
         self._look: tuple[object, ...] = ()
@@ -23,7 +23,7 @@ class BannerLayer:
 
     @property
     def rows(self) -> int:
-        """How many rows it takes [cells]."""
+        """Height of the banner [cells]."""
         return self.layers[0].canvas.rows if self.layers else 0
 
     def refresh(self, columns: int, top: int, rows: int, state: ConsoleState) -> bool:
@@ -33,7 +33,7 @@ class BannerLayer:
             columns: Width of the terminal [cells].
             top: The banner's first row [cells].
             rows: Height of the terminal [cells].
-            state: What is known.
+            state: The console's state.
 
         Returns:
             Whether they changed.
@@ -71,7 +71,7 @@ def _draw(canvas: Canvas, banner: Banner, state: ConsoleState) -> None:
 
 
 def banner_forms(text: str) -> tuple[str, ...]:
-    """Ways to say it, the fullest first: with signs, without them, and shorter clause by clause."""
+    """Forms of a text, longest first: with signs, without signs, then with fewer clauses."""
     forms = [f"!!  {text}  !!", f"!! {text}", text]
     shorter = text
     for mark in (", ", ": "):

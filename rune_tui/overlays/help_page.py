@@ -1,4 +1,4 @@
-"""The help in lines: what each input of a layout does, section by section, stop and drive first."""
+"""Lines of the help: the actions of a layout's inputs by section, stop and drive first."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class PageLine:
     """A line of a page.
 
     Attributes:
-        left: What stands in the first column; a heading fills both.
-        right: What stands in the second column.
-        severity: How it is meant.
+        left: First column; a heading fills both.
+        right: Second column.
+        severity: Severity of the line.
         heading: Whether it is a heading.
     """
 
@@ -53,11 +53,11 @@ def help_lines(
     """The lines of the help.
 
     Args:
-        actions: What the layout's inputs do.
-        own: The console's keys that the layout leaves alone.
-        search: Entries without this are left out.
+        actions: Actions of the layout's inputs.
+        own: The console's keys that the layout does not bind.
+        search: Text that an entry must contain.
         left: Width of the column of inputs [cells].
-        right: Width of the column of what they do [cells].
+        right: Width of the column of actions [cells].
     """
     wanted = search.casefold()
     entries = [
@@ -103,7 +103,7 @@ def _heading(entry: _Entry) -> str:
 
 
 def robot_words(robot: str) -> str:
-    """The robot of an action, for people."""
+    """The robot of an action, in words."""
     if robot == CHOSEN:
         return "the chosen robot"
     return robot or "the console"

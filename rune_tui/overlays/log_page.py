@@ -1,4 +1,4 @@
-"""All that happened in lines, the newest first."""
+"""Lines of the page of messages, newest first."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ def log_lines(state: ConsoleState, *, search: str, right: int) -> Iterator[PageL
     """The lines of the page of messages.
 
     Args:
-        state: What is known, with what happened.
-        search: Messages without this are left out.
-        right: Width of the column of what happened [cells].
+        state: The console's state, with the messages.
+        search: Text that a message must contain.
+        right: Width of the column of messages [cells].
     """
     wanted = search.casefold()
     for notice in reversed(merged(state.notices)):

@@ -1,13 +1,11 @@
-"""Words over the view: a question, a trouble, a prompt, or what happened just now.
+"""Words over the view: a question, a trouble, a prompt or a notice; the first that applies.
 
-| what there is | words | until |
+| case | words | until |
 | --- | --- | --- |
-| a question whether to end | the question, on a plate as wide as the view | it is answered |
-| a trouble of the console | the trouble | it is over |
-| a joystick that waits for the operator | what to do with it | it is done |
-| a notice that neither the banner nor an event log shows | the notice | it is a few seconds old |
-
-The first of them counts.
+| a question whether to end | the question, on a plate as wide as the view | the answer |
+| a trouble of the console | the trouble | its end |
+| a joystick that waits for the operator | the prompt | the operator's action |
+| a notice that neither the banner nor an event log shows | the notice | a few seconds later |
 """
 
 from __future__ import annotations
@@ -26,10 +24,10 @@ _MOST_ROWS = 4
 
 
 class NoticeLayer:
-    """Draws the words, and again only if they would look different.
+    """Draws the words when they change.
 
     Attributes:
-        layers: The words; none while there are none.
+        layers: The words; empty without words.
     """
 
     def __init__(self) -> None:
@@ -50,9 +48,9 @@ class NoticeLayer:
 
         Args:
             size: Columns and rows of the terminal [cells].
-            top: The first row that is free [cells].
-            zpos: How near to the eye they are.
-            state: What is known.
+            top: The first free row [cells].
+            zpos: Depth order of the layer.
+            state: The console's state.
             page_rows: Rows down to the end of a page over the view [cells].
             logged: Whether an event log is shown.
 
@@ -61,11 +59,11 @@ class NoticeLayer:
         """
         columns, rows = size[0], min(_MOST_ROWS, size[1])
         words = question(state.leaving) or state.trouble or _prompt(state)
-        notice = None if words or logged else _passing(state)
+        notice = None if words or logged else _recent_notice(state)
         if notice is not None:
             words = f"{state.title(notice.robot)}: " if notice.robot else ""
             words += notice.text
-            # A page says at its upper edge what its keys do.
+            # The upper edge of a page names its keys.
             top = max(0, page_rows - rows) if state.paged else top
         asks = bool(state.leaving)
         seen = (columns, rows, top, zpos, state.theme.name, asks, words)
@@ -76,26 +74,26 @@ class NoticeLayer:
         if words:
             canvas = Canvas.blank(columns, 2 * rows)
             if asks:
-                canvas.fill(state.theme.panel)  # the question hides what is below it
+                canvas.fill(state.theme.panel)  # the question hides the view below
             write_notice(canvas, words, state.theme, state.theme.warning if asks else None)
             self.layers = (Layer(canvas=canvas, x=0, y=2 * top, zpos=zpos, urgency=Urgency.ALARM),)
         return True
 
 
 def notice_only(text: str, columns: int, rows: int, theme: Theme) -> Layer:
-    """Words in the middle of a view of this size [cells] that shows nothing else."""
+    """A view of this size [cells] with only a text in its middle."""
     canvas = Canvas.blank(columns, 2 * rows)
     write_notice(canvas, text, theme)
     return Layer(canvas=canvas, x=0, y=0)
 
 
 def _prompt(state: ConsoleState) -> str:
-    """What the operator is asked to do with a joystick now."""
+    """The newest prompt of a joystick; empty if none waits."""
     return next((each.prompt for each in state.joysticks.values() if each.prompt), "")
 
 
-def _passing(state: ConsoleState) -> Notice | None:
-    """What happened just now, where neither the banner nor a page of messages shows it."""
+def _recent_notice(state: ConsoleState) -> Notice | None:
+    """The newest notice, unless it is old, quiet, or shown by the banner or a page."""
     newest = state.notices[-1] if state.notices else None
     if (
         newest is None

@@ -1,4 +1,4 @@
-"""A page of text over the view: the help, or all messages. It is scrolled and searched."""
+"""A page of text over the view: the help or all messages, with scrolling and search."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from rune_tui.visualizers.parts.rows import cut, fitting_form
 from rune_tui.visualizers.parts.severity import ink_of
 
 _TWO_COLUMNS = 110
-"""From this width on, the help stands in two blocks side by side [cells]."""
+"""Least width for the help in two blocks side by side [cells]."""
 _MOST_INPUTS = 26
-"""Room for the names of inputs [cells]."""
+"""Widest column of input names [cells]."""
 _HEAD_ROWS = 2
-"""Rows of a page that are no lines of it: what it is, and what its keys do [cells]."""
+"""Rows of the page's head: its title and its keys [cells]."""
 _LEAST_WORDS = 8
 _CLOSE = {True: "? or escape: close", False: "escape: close"}
 
 
 class PageLayer:
-    """Draws the page when one is wanted, and again only if it would look different.
+    """Draws an open page when it changes.
 
     Attributes:
-        layers: The page; none while none is wanted.
+        layers: The page; empty if none is open.
     """
 
     def __init__(self, layout: LayoutSpec) -> None:
@@ -51,15 +51,15 @@ class PageLayer:
             columns: Width of the page [cells].
             top: Its first row [cells].
             rows: Its height [cells].
-            zpos: How near to the eye it is.
-            state: What is known.
+            zpos: Depth order of the layer.
+            state: The console's state.
 
         Returns:
             Whether it changed.
         """
-        look = (columns, top, rows, zpos, state.theme.name, state.help, state.page)
-        said: Hashable = (*look, state.notices if state.log else ()) if state.paged else None
-        if said == self._look:
+        seen = (columns, top, rows, zpos, state.theme.name, state.help, state.page)
+        look: Hashable = (*seen, state.notices if state.log else ()) if state.paged else None
+        if look == self._look:
             return False
         self._look = said
         self.layers = ()
@@ -70,7 +70,7 @@ class PageLayer:
         return True
 
     def within(self, page: Page, columns: int, rows: int, state: ConsoleState) -> Page:
-        """The page, scrolled no farther than its end."""
+        """The page, scrolled at most to its end."""
         lines, room = self._lines(columns, state), self._room(columns, rows, state)
         return dataclasses.replace(page, top=min(page.top, max(0, len(lines) - room)))
 
@@ -103,7 +103,7 @@ class PageLayer:
 
     @staticmethod
     def _widths(columns: int, state: ConsoleState) -> tuple[int, int, int]:
-        """Widths of the two columns of a block [cells], and how many blocks there are."""
+        """Widths of the two columns of a block [cells], and the number of blocks."""
         blocks = 2 if state.help and columns >= _TWO_COLUMNS else 1
         left = min(_MOST_INPUTS if state.help else CLOCK_COLUMNS, max(4, columns // 3))
         return left, max(_LEAST_WORDS, (columns - 2) // blocks - left - 2), blocks
@@ -117,7 +117,7 @@ class PageLayer:
 
 
 def _hint(state: ConsoleState, columns: int) -> str:
-    """What the keys of the page do, in as many words as there is room for."""
+    """The keys of the page, in the longest form that fits."""
     page = state.page
     if page.typing:
         full = f"search: {page.search}_  enter: done · escape: all lines · the stop key stops"

@@ -1,1 +1,1 @@
-"""What the console opens first: layouts, and their changes on disk."""
+"""Opens layouts and follows their changes on disk."""

@@ -1,4 +1,4 @@
-"""Follows the layouts of a running console: the next one that is asked for, and saved changes."""
+"""Opens the next layout on request, and a layout again after a change of its file."""
 
 from __future__ import annotations
 
@@ -18,34 +18,34 @@ _LONGEST_FAULT = 500
 
 
 class LayoutFollower:
-    """Reads layouts in a thread, so that driving goes on."""
+    """Reads layouts in a thread, so that driving continues."""
 
     def __init__(
         self,
         source: LayoutSource,
         open_it: Callable[[LayoutSpec], Awaitable[None]],
-        complain: Callable[[str], None],
+        report: Callable[[str], None],
     ) -> None:
         """Prepare.
 
         Args:
-            source: What is shown and what may come instead of it.
-            open_it: Opens a layout that was read; one that it cannot open changes nothing.
-            complain: Called with why one was not opened.
+            source: The layouts on the command line.
+            open_it: Opens a layout; after a fault in it, the old layout stays.
+            report: Called with the reason if a layout cannot be opened.
         """
         self._source = source
         self._open = open_it
-        self._complain = complain
+        self._report = report
         self._wanted = asyncio.Event()
 
     def next(self) -> bool:
-        """Have the next layout read; False if there is none."""
+        """Request the next layout; False if there is none."""
         if self._source.several:
             self._wanted.set()
         return self._source.several
 
     async def run(self) -> None:
-        """Follow until it is cancelled."""
+        """Follow until cancelled."""
         while self._source.changes:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self._wanted.wait(), CHECK_S)
@@ -54,12 +54,12 @@ class LayoutFollower:
             try:
                 found = await asyncio.to_thread(look)
                 if isinstance(found, LayoutError):
-                    self._complain(first_problem(found))
+                    self._report(first_problem(found))
                 elif found is not None:
                     await self._open(found)
             except (ConsoleError, HubError) as error:
-                self._complain(f"The layout stays as it was: {error}"[:_LONGEST_FAULT])
-            except Exception as error:  # an extension's code may fail in any way
+                self._report(f"The layout stays as it was: {error}"[:_LONGEST_FAULT])
+            except Exception as error:  # code of a plugin may fail in any way
                 _logger.exception("a layout cannot be opened")
                 text = f"The layout stays as it was: {type(error).__name__}: {error}"
-                self._complain(text[:_LONGEST_FAULT])
+                self._report(text[:_LONGEST_FAULT])

@@ -1,4 +1,4 @@
-"""Layouts by name or path, with all visualizers and widgets there are."""
+"""Finds and opens layouts by name or path, with all visualizers and widgets."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from rune_tui.visualizers.registry import VISUALIZERS
 from rune_tui.widgets.registry import WIDGETS
 
 BUILT_IN = Vocabulary(visualizers=VISUALIZERS, widgets=WIDGETS)
-"""What the package itself has."""
+"""Visualizers and widgets of the package."""
 
 _HERE = Path(__file__).parents[1]
 _SHIPPED = (_HERE / "layouts", _HERE.parent / "layouts")
-"""Where shipped layouts are: in the package, or beside it where it is run from its sources."""
+"""Folders of shipped layouts: in the package, or beside it in a source tree."""
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _LONGEST_NAME = 64
-"""Letters of a shipped layout's name at most; what is longer is a path."""
+"""Most letters of a shipped layout's name; a longer text is a path."""
 
 
 def open_layout(name_or_path: str | Path, variables: Mapping[str, str] | None = None) -> LayoutSpec:
-    """The layout file of that path, or the shipped layout of that name.
+    """The layout of a file, or the shipped layout of a name.
 
     Args:
-        name_or_path: Which.
-        variables: Values of the layout's variables that are not those of the file.
+        name_or_path: Path of the file, or the name.
+        variables: Values of the layout's variables; each replaces the value in the file.
 
     Raises:
-        LayoutError: The file cannot be read or has mistakes; all of them are listed.
+        LayoutError: The file cannot be read or has mistakes, with a list of them.
     """
     path = layout_path(str(name_or_path))
     if path == Path(name_or_path) and _is_bare(path, str(name_or_path)) and not path.exists():
@@ -45,7 +45,7 @@ def open_layout(name_or_path: str | Path, variables: Mapping[str, str] | None = 
 
 
 def layout_path(name_or_path: str) -> Path:
-    """The file of the layout with this name or path."""
+    """The file of a layout by its name or path."""
     path = Path(name_or_path)
     if _is_bare(path, name_or_path) and not path.exists():
         for folder in _SHIPPED:
@@ -55,7 +55,7 @@ def layout_path(name_or_path: str) -> Path:
 
 
 def shipped_layouts() -> dict[str, str]:
-    """The layouts that come with Rune: the first sentence of each one's comment, by name."""
+    """The first sentence of each shipped layout's comment, by the layout's name."""
     folder = next(folder for folder in _SHIPPED if folder.is_dir())
     return {path.stem: _meaning(path.read_text("utf-8")) for path in sorted(folder.glob("*.xml"))}
 
@@ -67,5 +67,5 @@ def _meaning(text: str) -> str:
 
 
 def _is_bare(path: Path, name: str) -> bool:
-    """Whether it could be the name of a shipped layout."""
+    """Whether a text could be the name of a shipped layout."""
     return path.suffix == "" and path.name == name and len(name) <= _LONGEST_NAME

@@ -1,1 +1,1 @@
-"""Textual: the screen, its panes and bars."""
+"""The parts of the console that use Textual: screen, inputs, clock, driver."""

@@ -1,4 +1,4 @@
-"""Lists and questions that lie over the view have the keys, but the stop still stops."""
+"""Lists and questions over the view get the keys, but the stop key still stops."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ _CLOSE = "escape"
 
 
 class CoveredApp(MouseApp, inherit_bindings=False):
-    """Looks at each key before what lies over the view takes it.
+    """Checks each key for a stop before a list or a question gets it.
 
-    | over the view | the stop key |
+    | over the view | action of the stop key |
     | --- | --- |
     | the list | stops |
     | a question, and the key types nothing | stops |
-    | a question, and the key types a character | is typed; twice in a row, it stops as well |
+    | a question, and the key types a character | types it; twice in a row, it also stops |
     """
 
     _typed = ""
-    """The stop key that was typed last into a question; empty: another key was."""
+    """The last key typed into a question, if it was a stop key; else empty."""
 
     @abstractmethod
     def stop_key(self, event: events.Key) -> str:
-        """The name of a key that stops a robot; empty if it stops none."""
+        """The input name of a stop key; else empty."""
 
     @abstractmethod
     def stop_below(self, name: str) -> None:
@@ -35,17 +35,17 @@ class CoveredApp(MouseApp, inherit_bindings=False):
 
     @property
     def covered(self) -> bool:
-        """Whether something lies over the view and has the keys and the mouse."""
+        """Whether a list or a question lies over the view and gets the inputs."""
         return len(self.screen_stack) > 1
 
     async def on_event(self, event: events.Event) -> None:
-        """An event, before Textual gives it to anybody."""
+        """Handle an event before Textual does."""
         key = event if isinstance(event, events.Key) and not event.is_forwarded else None
         if key is None or not self.covered or not self._takes(key):
             await super().on_event(event)
 
     def _takes(self, key: events.Key) -> bool:
-        """Stop if a key does; whether it means nothing else."""
+        """Stop, if the key is a stop key; returns whether the key has no other use."""
         name = self.stop_key(key)
         types = isinstance(self.screen, Question) and key.is_printable
         again, self._typed = name == self._typed, name

@@ -1,4 +1,4 @@
-"""The layout that is open, what was made of it, and what the console itself is doing."""
+"""The open layout, its view and widgets, and the console's own state."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from rune_tui.view import View
 
 
 class CurrentLayout:
-    """Holds what another layout replaces.
+    """Holds the objects that another layout replaces.
 
     Attributes:
         layout: The open layout.
         view: Draws it.
-        dispatch: Knows what its inputs do.
-        console: What the console itself is doing; `LiveState` adds what its parts know.
+        dispatch: Runs its widgets.
+        console: The console's own state; `LiveState` adds the state of its parts.
     """
 
     def __init__(
@@ -35,8 +35,8 @@ class CurrentLayout:
 
         Args:
             layout: The layout.
-            operator: The operator's name; empty: that of the user.
-            pixels_per_cell: Pixels of a picture that the terminal shows across and down a cell.
+            operator: The operator's name; empty: the user's name.
+            pixels_per_cell: Pixels of a picture across and down a cell of the terminal.
             aspect: Height of the terminal's cells over their width.
         """
         self.layout = layout
@@ -47,7 +47,7 @@ class CurrentLayout:
         self.console = dataclasses.replace(start, pixel_height=aspect / 2.0)
 
     def open(self, layout: LayoutSpec, columns: int, rows: int) -> None:
-        """Go on with another layout on a terminal of this size [cells]."""
+        """Open another layout on a terminal of this size [cells]."""
         view, dispatch = View(layout, pixels_per_cell=self._pixels_per_cell), Dispatch(layout)
         view.resize(columns, rows)
         self.view, self.dispatch = view, dispatch

@@ -1,4 +1,4 @@
-"""What the driver tells the console of the terminal, beyond what Textual knows."""
+"""Messages of the driver that Textual does not have."""
 
 from __future__ import annotations
 
@@ -8,32 +8,32 @@ from rune_tui.terminal.input_stream import CursorReport, KeyMove
 
 
 class FrameAnswered(Message):
-    """The terminal has come to the question that followed a frame.
+    """The terminal answers the question after a frame.
 
     Attributes:
-        report: What it says.
-        when: When it was read [s].
+        report: Its answer.
+        when: Time of reading [s].
     """
 
     def __init__(self, report: CursorReport, when: float) -> None:
-        """Prepare to tell of a report."""
+        """Prepare."""
         super().__init__()
         self.report = report
         self.when = when
 
 
 class KeyMoved(Message):
-    """A key went down, repeats or went up, on a terminal that tells one from the other.
+    """A press, repeat or release of a key, on a terminal that reports releases.
 
     Attributes:
-        key: What Textual calls it.
+        key: Textual's name of it.
         character: The character it types, if any.
-        move: What it did.
-        keypad: Its own name if it is one of the keypad, else empty.
+        move: Press, repeat or release.
+        keypad: Its name on the keypad; else empty.
     """
 
     def __init__(self, key: str, character: str | None, move: KeyMove, keypad: str = "") -> None:
-        """Prepare to tell of a key."""
+        """Prepare."""
         super().__init__()
         self.key = key
         self.character = character
@@ -42,13 +42,13 @@ class KeyMoved(Message):
 
 
 class ReleasesReported(Message):
-    """The terminal says whether it tells when keys go up.
+    """The terminal reports releases of keys, or does not.
 
     Attributes:
         reported: Whether it does.
     """
 
     def __init__(self, *, reported: bool) -> None:
-        """Prepare to tell of it."""
+        """Prepare."""
         super().__init__()
         self.reported = reported

@@ -1,4 +1,4 @@
-"""How the console ends: because the system asks, and although its terminal takes nothing."""
+"""Ends the console on the system's signals, and with a terminal that blocks."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import threading
 from collections.abc import Callable
 
 _LEAVE_S = 3.0
-"""How long the end may take before the process is ended as it is [s]."""
+"""Longest time of an orderly end before the process is ended by force [s]."""
 
 
 def at_the_systems_end(loop: asyncio.AbstractEventLoop, work: Callable[[], None]) -> None:
-    """Have some work done when the system asks the process to end, instead of its end.
+    """Run some work on SIGTERM and SIGHUP.
 
-    Where signals cannot be handled (Windows, tests in a thread), they end the process as they
-    always do, and the robot stops by itself.
+    Without signal handlers (Windows, tests in a thread) the process ends at once, and the robot
+    stops by itself.
     """
     for name in ("SIGTERM", "SIGHUP"):
         with contextlib.suppress(AttributeError, NotImplementedError, ValueError, RuntimeError):
@@ -25,10 +25,9 @@ def at_the_systems_end(loop: asyncio.AbstractEventLoop, work: Callable[[], None]
 
 
 def end_anyway() -> None:
-    """End the process some time from now, should it still be there.
+    """End the process by force after a time limit.
 
-    Textual waits until the terminal has taken everything, which one that has stopped reading
-    never does.
+    Textual waits until the terminal has read all output; a blocked terminal never does.
     """
     last_resort = threading.Timer(_LEAVE_S, os._exit, (1,))
     last_resort.daemon = True

@@ -1,4 +1,4 @@
-"""When the view is drawn: by the clock, and as soon as the terminal shows the frame before."""
+"""Draws the view at each tick of the clock, and when the terminal shows the last frame."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from rune_tui.ui.input_events import InputEvents
 from rune_tui.ui.painter import Painter
 
 FRAME_S: Final = 1.0 / 30.0
-"""Time between two looks whether there is a frame to draw [s]."""
+"""Period of the clock [s]."""
 
 
 class FrameClock:
-    """Draws one frame at a time, each of the newest state."""
+    """Draws one frame at a time, from the newest state."""
 
     def __init__(
         self,
@@ -32,11 +32,11 @@ class FrameClock:
         """Prepare.
 
         Args:
-            current: The open layout, whose view is drawn.
-            inputs: Whether a held input needs answers of the terminal.
-            links: Learn which pictures are on the screen.
+            current: The open layout with its view.
+            inputs: Says whether a held input needs answers of the terminal.
+            links: Get notes about the pictures on the screen.
             painter: Writes the frames.
-            state: Gives the console's state now.
+            state: Returns the console's state now.
         """
         self._current = current
         self._inputs = inputs
@@ -46,7 +46,7 @@ class FrameClock:
         self._drawing = False
 
     async def draw(self) -> None:
-        """Draw if the terminal is ready, in two halves: inputs are handled between them."""
+        """Draw if the terminal is ready; inputs are handled between the two halves."""
         if self._drawing or not self._painter.ready(time.monotonic()):
             return
         state, view, keyboard = self._state(), self._current.view, self._inputs.keyboard
@@ -64,7 +64,7 @@ class FrameClock:
                 self._links[name].shown(robot.picture.number)
 
     async def answered(self, event: FrameAnswered) -> None:
-        """The terminal shows a frame; the next need not wait for the clock."""
+        """Draw the next frame at once, as the terminal shows the last one."""
         waited = not self._painter.ready(event.when)
         self._inputs.answered(event.when, self._painter.answered(event.when, event.report))
         if waited:

@@ -1,16 +1,15 @@
-"""From what the terminal and the joysticks report to control events, and to what they do.
+"""Turns reports of the terminal and of joysticks into control events, and executes their effects.
 
-An input counts as held only while somebody can have it in hand. All inputs are released in these
-cases:
+Events that release all inputs:
 
-| event | why |
+| event | reason |
 | --- | --- |
-| the console was paused | nobody knows what moved meanwhile |
-| the terminal loses the focus, or its key releases are no longer reported | releases go unseen |
-| text is pasted | it is no driving |
+| the console was paused | moves in the pause are unknown |
+| the terminal loses the focus, or stops to report releases | a release would be lost |
+| text is pasted | text must not drive |
 | a mouse button is held, and the terminal does not answer for 1 s | a release may be lost |
 | a mouse button is held, and the mouse moves with no button down | its release was lost |
-| another layout opens, or another arrangement is taken below a held button | it has moved |
+| another layout opens, or another arrangement below a held button | the button's target moved |
 """
 
 from __future__ import annotations
@@ -43,16 +42,16 @@ from rune_tui.ui.painter import Painter
 from rune_tui.ui.waking import waker
 
 _UNHEARD_S: Final = 1.0
-"""A held mouse button is released when a terminal that answers is silent for this time [s]."""
+"""Silence of an answering terminal that releases a held mouse button [s]."""
 _FOCUSING_S: Final = 0.3
-"""A click at most this long after the terminal got the focus only gave it the focus [s]."""
+"""Longest time from a focusing click to its report; the click has no other effect [s]."""
 
 
 class InputEvents:
-    """Handles each report of the terminal and of joysticks.
+    """Handles reports of the terminal and of joysticks.
 
     Attributes:
-        keyboard: Which keys are held.
+        keyboard: The held keys.
         joysticks: The joysticks of the open layout.
     """
 
@@ -65,15 +64,15 @@ class InputEvents:
         state: Callable[[], ConsoleState],
         execute: Callable[[Iterable[Effect]], None],
     ) -> None:
-        """Prepare; nothing is held.
+        """Prepare.
 
         Args:
-            app: Whose inputs these are.
-            current: The open layout, which says what inputs do.
-            painter: Knows whether the terminal answers.
+            app: The console's app.
+            current: The open layout with its widgets.
+            painter: Says whether the terminal answers.
             pads: Joysticks of other machines.
-            state: Gives the console's state now.
-            execute: Carries out what inputs do.
+            state: Returns the console's state now.
+            execute: Executes effects.
         """
         self._app = app
         self._current = current
@@ -89,40 +88,40 @@ class InputEvents:
         self._focused = -math.inf
 
     def start(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Read joysticks from now on, and handle their events in this loop."""
+        """Start to read joysticks, and handle their events in this loop."""
         self.joysticks.start(waker(loop, self.joysticks_moved))
 
     def follow(self) -> None:
-        """Another layout is open."""
+        """Follow another layout."""
         self.joysticks.follow(self._current.layout.joysticks, time.monotonic())
 
     def _drives(self, key: str) -> bool:
         return self._current.dispatch.waits_for_hold(key)
 
     def key(self, event: events.Key) -> None:
-        """A key went down or repeats."""
+        """Handle a press or repeat of a key."""
         now = self.time_now()
         key, fine = self._named(event.key, event.character)
         stale = self.is_stale(now)
         self._handle(self.keyboard.press(key, now, read=event.time, fine=fine, stale=stale))
 
     def stop_key(self, event: events.Key) -> str:
-        """The name of a key that stops a robot; empty if it stops none."""
+        """The input name of a stop key; else empty."""
         name, _ = self._named(event.key, event.character)
         return name if self._current.dispatch.stops(name) else ""
 
     def stop(self, name: str) -> None:
-        """Stop the robots that the input of this name stops; it does nothing else."""
+        """Run only the stop widgets of this input."""
         self._execute(self._current.dispatch.stopping(name, self._state()))
 
     def _named(self, key: str, character: str | None) -> tuple[str, bool]:
-        """The name of a key, and whether Shift makes it finer; a layout may bind it with Shift."""
+        """The input name of a key, and whether Shift makes it finer; a binding with Shift wins."""
         name, plain = name_of_key(key, character), without_shift(key, character)
         fine = bool(plain) and (name == plain or not self._current.dispatch.waits_for(name))
         return (plain, True) if fine else (name, False)
 
     def key_moved(self, event: KeyMoved) -> None:
-        """A key moved, on a terminal that reports releases."""
+        """Handle a key's move, on a terminal that reports releases."""
         now = self.time_now()
         key, fine = event.keypad, False
         if not (key and self._current.dispatch.waits_for(key)):
@@ -137,18 +136,18 @@ class InputEvents:
             self._handle(moved)
 
     def is_stale(self, now: float) -> bool:
-        """Whether an input that comes now may have been typed while the console was paused."""
+        """Whether an input that arrives now may be from a pause of the console."""
         return self._pauses.is_stale(now)
 
     def name_unreported_keys(self) -> None:
-        """Say, once for each layout, which of its keys this terminal cannot report."""
+        """Name the layout's keys that this terminal cannot report, once for each layout."""
         console = self._current.console
         text = "" if console.releases_reported else unreported_keys(self._current.layout)
         if text and all(notice.text != text for notice in console.notices):
-            self._tell(text)
+            self._notify(text)
 
     def mouse(self, event: events.MouseEvent, part: str, *, pressed: bool, value: float) -> None:
-        """A part of the mouse moved; see `MouseApp.mouse`."""
+        """Handle a move of a part of the mouse; see `MouseApp.mouse`."""
         dispatch = self._current.dispatch
         if part == "motion" and dispatch.button_held and not event.button:
             self.release_all()
@@ -159,7 +158,7 @@ class InputEvents:
         meant = part and (self._current.console.paged or dispatch.waits_for(MOUSE + part))
         if not meant or self.is_stale(now):
             return
-        # A cell is two pixels high; terminals do not report which of them the mouse is on.
+        # A cell is two pixels high; terminals report cells only.
         state = self._state()
         hits = self._current.view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
         stray, name = pressed and now - self._focused < _FOCUSING_S, MOUSE + part
@@ -167,9 +166,9 @@ class InputEvents:
         self._execute(dispatch.handle(moved, state))
 
     def joysticks_moved(self) -> None:
-        """Joysticks have events.
+        """Handle the events of joysticks.
 
-        While a list or a question covers the view, or another window has the focus, they only stop.
+        Under a list or a question, and without the focus, a joystick can only stop.
         """
         now = self.time_now()
         unseen = self._app.covered or not self._app.app_focus
@@ -183,27 +182,27 @@ class InputEvents:
             self._handle(self.joysticks.release_all(now))
 
     def focus(self) -> None:
-        """The terminal is in front again; the click that did this means nothing else."""
+        """Note the focus; the click that caused it has no other effect."""
         self._focused = self.time_now()
 
     def answered(self, now: float, asked: float | None) -> None:
-        """The terminal answers a question that was asked then [s], or an older one (None)."""
+        """Note an answer to a question of this time [s]; None: an older question."""
         self.keyboard.heard(now, asked)
         self._heard = now
 
     def tick(self, now: float) -> None:
-        """Release what has expired, and say what became of joysticks; 20 times a second."""
+        """Release expired keys, and report changes of joysticks; runs 20 times a second."""
         dispatch = self._current.dispatch
         self.keyboard.answers = self._painter.answers_itself
         self._execute(dispatch.handle_all(self.keyboard.expire(now), self._state()))
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._current.dispatch.button_held and unheard:
-            self.release_all()  # no release comes over a line that is cut
+            self.release_all()  # a cut line brings no release
         for text in self.joysticks.tick(now):
-            self._tell(text)
+            self._notify(text)
 
     def time_now(self) -> float:
-        """The time now [s]; after a pause of the console, or a stop, nothing counts as held."""
+        """The time now [s]; releases all inputs after a pause of the console or a stop."""
         now = time.monotonic()
         if self._pauses.look(now):
             self.release_all()
@@ -218,7 +217,7 @@ class InputEvents:
         self._execute(self._current.dispatch.released(self._state()))
         self._handle(released)
 
-    def _tell(self, text: str) -> None:
+    def _notify(self, text: str) -> None:
         self._execute((Notify.now(self._state(), text),))
 
     def _handle(self, control_events: Iterable[ControlEvent]) -> None:

@@ -1,4 +1,4 @@
-"""The state of the console now: what it is doing, and what each of its parts knows."""
+"""The console's state now, from the states of its parts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rune_tui.ui.painter import Painter
 
 
 class LiveState:
-    """Puts together one immutable state whenever a part of the console asks."""
+    """Builds one immutable state on request."""
 
     def __init__(
         self,
@@ -28,10 +28,10 @@ class LiveState:
 
         Args:
             current: The open layout.
-            inputs: Knows what is held and the joysticks.
-            links: Know the robots.
-            painter: Knows how the picture reaches the terminal.
-            recorder: Knows what is recorded.
+            inputs: Held inputs and joysticks.
+            links: Links to the robots.
+            painter: State of the terminal's picture.
+            recorder: State of the recording.
         """
         self._current = current
         self._inputs = inputs
@@ -41,7 +41,7 @@ class LiveState:
 
     @property
     def now(self) -> ConsoleState:
-        """What the console is doing and what it knows now."""
+        """The console's state now."""
         view, keyboard = self._current.view, self._inputs.keyboard
         return dataclasses.replace(
             self._current.console,

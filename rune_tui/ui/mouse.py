@@ -1,4 +1,4 @@
-"""What the mouse does, as the terminal tells it: parts of it that go down, up, turn or move."""
+"""Events of the mouse, as a part of it that goes down, goes up, turns or moves."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ _BUTTONS = {1: "left", 2: "middle", 3: "right"}
 
 
 class MouseApp(App[None], inherit_bindings=False):
-    """Hands all that the mouse does to one method."""
+    """Passes all events of the mouse to one method."""
 
     @abstractmethod
     def mouse(
         self, event: events.MouseEvent, part: str, *, pressed: bool = True, value: float = 1.0
     ) -> None:
-        """A part of the mouse moved.
+        """Handle a move of a part of the mouse.
 
         Args:
-            event: What the terminal told.
+            event: The terminal's report.
             part: "left", "middle", "right", "wheel" or "motion"; empty: a button without a name.
             pressed: Whether it went down.
-            value: 1 for the wheel away from the operator, -1 towards.
+            value: 1 for the wheel away from the operator, -1 towards the operator.
         """
 
     def on_mouse_down(self, event: events.MouseDown) -> None:

@@ -1,7 +1,7 @@
-"""Frames to the terminal, past Textual, which would style every cell by itself.
+"""Writes frames to the terminal past Textual, which would style each cell.
 
-Textual draws the screen now and then all the same, and things that lie over the pane. What it has
-drawn is drawn anew here, but for what lies over the pane.
+Textual still draws the screen at times, and the lists over it. The painter draws these rows again,
+except the cells under a list.
 """
 
 from __future__ import annotations
@@ -36,23 +36,23 @@ Flags = npt.NDArray[np.bool_]
 _BEGIN: Final = b"\x1b[?2026h"
 _END: Final = b"\x1b[?2026l"
 _KEPT_BYTES: Final = 6
-"""tmux throws away what waits for its terminal beyond 8 bytes a cell [bytes]."""
+"""Most bytes per cell for tmux, which drops waiting output beyond 8 bytes per cell."""
 _SELDOM_S: Final = 1 / 15 - 0.005
-"""Least time between two frames for tmux, which takes all and says nothing of its terminal [s]."""
+"""Shortest time between two frames for tmux, which hides the speed of its terminal [s]."""
 _MUCH_BYTES: Final = 8_000
-"""A picture of which so much is new comes from a camera that moves [bytes]."""
+"""Size of a frame's picture that means a moving camera [bytes]."""
 _STILL_S: Final = 0.15
-"""So long after such a picture it is worth while to make the last one more exact [s]."""
+"""Time after such a frame until the picture is refined [s]."""
 _SILENT_S: Final = 0.2
-"""After so long without a frame the terminal is asked for a sign of life, if one is needed [s]."""
+"""Time without a frame until the terminal gets a question, if an answer is needed [s]."""
 _SOON_S: Final = 0.03
-"""The same where somebody waits for the answer [s]."""
+"""The same, if a held input waits for the answer [s]."""
 _COUNTED_S: Final = 1.0
-"""Frames of so long are counted [s]."""
+"""Time over which frames are counted [s]."""
 
 
 class Painter:
-    """Draws the newest cells whenever the terminal has come far enough with what was drawn."""
+    """Writes the newest cells when the terminal is ready for a frame."""
 
     def __init__(
         self,
@@ -64,10 +64,10 @@ class Painter:
         """Prepare.
 
         Args:
-            app: Whose terminal it is.
-            pane: What Textual draws.
-            traits: What the terminal can do.
-            round_trip: How long it takes to answer [s].
+            app: The console's app.
+            pane: The widget that Textual draws.
+            traits: Abilities of the terminal.
+            round_trip: Answer time of the terminal [s].
         """
         self._app = app
         self._pane = pane
@@ -82,16 +82,16 @@ class Painter:
 
     @property
     def pixels_per_cell(self) -> tuple[int, int]:
-        """Pixels of a picture that the terminal shows across and down a cell."""
+        """Pixels of a picture across and down a cell of the terminal."""
         return self._output.pixels_per_cell
 
     @property
     def answers(self) -> bool:
-        """Whether the terminal says how far it has got, so that its silence means something."""
+        """Whether the terminal answers the question after a frame, so that silence means delay."""
         return self._pacer.answers
 
     def ready(self, now: float) -> bool:
-        """Whether a frame may follow; if not, there will be a newer one when it may."""
+        """Whether the terminal can take a frame now."""
         if output_is_pending(self._app) or not self._pacer.may_send(now):
             return False
         if self._traits.discards and self._sent and now - self._sent[-1][0] < _SELDOM_S:
@@ -105,13 +105,13 @@ class Painter:
         pictures: Collection[SeenPicture],
         urgencies: Urgencies,
     ) -> None:
-        """Bring the terminal to the newest view, or nearer to it.
+        """Write the newest view, or a part of it.
 
         Args:
             now: The time [s].
-            cells: The newest in truecolour; None if they are those of the last time.
-            pictures: Those in the view that have more pixels than the cells.
-            urgencies: What each cell shows, shape (rows, columns).
+            cells: The newest cells in truecolour; None if they did not change.
+            pictures: Pictures in the view with more pixels than the cells.
+            urgencies: Urgency of each cell, shape (rows, columns).
         """
         if not self._pane.is_attached:
             return  # the console is ending
@@ -131,19 +131,19 @@ class Painter:
             drawn = np.zeros((newest.rows, newest.columns), np.bool_)
             drawn[rows[rows < newest.rows]] = True
             self._output.forget(drawn)
-        frame = self.frame(now, newest, anew=cells is not None or bool(rows.size))
+        frame = self.frame(now, newest, changed=cells is not None or bool(rows.size))
         if frame.size:
             self._write(now, frame)
 
-    def frame(self, now: float, newest: Cells, *, anew: bool) -> Frame:
-        """What brings the terminal nearer to the newest cells."""
+    def frame(self, now: float, newest: Cells, *, changed: bool) -> Frame:
+        """Bytes that lead the terminal towards the newest cells."""
         covered = self.covered(newest)
         frame = Frame()
-        if anew or self._output.behind:
+        if changed or self._output.behind:
             frame = self._output.draw(newest, self._pane.pictures, self.urgencies, covered)
         if len(frame.picture) > _MUCH_BYTES:
             self._moved = now
-        # Together with what is around the picture it could be more than tmux keeps.
+        # Together with the cells around the picture it could exceed tmux's limit.
         alone = not (frame.first and self._traits.discards)
         still = not frame.picture and now - self._moved > _STILL_S
         if alone and still and self._output.inexact:
@@ -157,20 +157,20 @@ class Painter:
         return self._pacer.answers and not self._traits.discards
 
     def ask(self, now: float, *, soon: bool = False) -> None:
-        """Have the terminal say that it is there, unless a frame has asked it just now.
+        """Send a question, unless a frame did so recently.
 
         Args:
             now: The time [s].
-            soon: Whether somebody waits for the answer.
+            soon: Whether a held input waits for the answer.
         """
         asked = max((frame.sent for frame in self._pacer.under_way), default=self._asked)
         driver = driver_of(self._app)
         if driver is not None and now - max(asked, self._asked) > (_SOON_S if soon else _SILENT_S):
-            driver.write(f"{self._pacer.sent(now, 0)}{self._home}")
+            driver.write(f"{self._pacer.sent(now, 0)}{self._cursor_return}")
             self._asked = now
 
     def answered(self, now: float, report: CursorReport) -> float | None:
-        """The terminal says where its cursor is; returns when it was asked [s], if it was."""
+        """Note the terminal's answer; returns the time of its question [s], or None without one."""
         answer = self._pacer.answered(now, report)
         if answer is None:
             return None
@@ -179,12 +179,12 @@ class Painter:
         return answer.frame.sent
 
     def restart(self) -> None:
-        """The terminal was away, or is another one."""
+        """Start again after another program used the terminal, or on another terminal."""
         self._pacer.restart()
         self._output.forget()
 
     def display(self, now: float) -> DisplayState:
-        """How the picture reaches the operator's eyes."""
+        """State of the terminal's picture: delay, rate and detail."""
         while self._sent and now - self._sent[0][0] > _COUNTED_S:
             self._sent.popleft()
         return DisplayState(
@@ -200,23 +200,23 @@ class Painter:
             return
         begin, end = (_BEGIN, _END) if self._traits.synchronized else (b"", b"")
         parts = [begin + part + end for part in (frame.first, frame.picture) if part]
-        question = f"{self._pacer.sent(now, frame.size)}{self._home}".encode()
+        question = f"{self._pacer.sent(now, frame.size)}{self._cursor_return}".encode()
         write_bytes(driver, b"".join((*parts, question)))
         self._sent.append((now, frame.size))
         self._asked = now
 
     @property
-    def _home(self) -> str:
-        """What brings the cursor back: it is not seen, but input methods write where it is."""
+    def _cursor_return(self) -> str:
+        """Code that returns the hidden cursor to its place, where input methods write."""
         return f"\x1b[{self._app.cursor_position.y + 1};{self._app.cursor_position.x + 1}H"
 
     def covered(self, cells: Cells) -> Flags | None:
-        """Cells that something lies over; None if nothing does."""
+        """Cells under a list or a question; None if none is open."""
         screen = self._app.screen
         if screen is self._pane.screen:
             return None
         covered = np.zeros((cells.rows, cells.columns), np.bool_)
-        # Not the children alone: what is seen of the palette lies in boxes that are not seen.
+        # All descendants: the visible parts of the palette are inside invisible boxes.
         for widget in screen.walk_children(Widget):
             region = widget.region
             top, left = max(0, region.y), max(0, region.x)

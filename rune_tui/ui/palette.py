@@ -1,4 +1,4 @@
-"""The list of all that the layout's inputs do, to search and to choose from: Textual's palette."""
+"""The list of all actions of a layout, to search and to choose from: Textual's palette."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ Act = Callable[[Action], None]
 
 
 def palette_of(actions: Sequence[Action], act: Act) -> CommandPalette:
-    """The palette of what can be done in a moment.
+    """The palette of some actions.
 
     Args:
         actions: All actions.
-        act: Called with the one that is chosen.
+        act: Called with the chosen action.
     """
     listed = choices(actions)
 
@@ -31,12 +31,12 @@ def palette_of(actions: Sequence[Action], act: Act) -> CommandPalette:
         """Finds actions by their words."""
 
         async def discover(self) -> Hits:
-            """All of them, before anything is typed."""
+            """All actions, before the operator types."""
             for title, action in listed.items():
                 yield DiscoveryHit(Content(title), partial(act, action), title, _inputs(action))
 
         async def search(self, query: str) -> Hits:
-            """Those that match what is typed, with how well they do."""
+            """Actions that match the query, with their scores."""
             matcher = self.matcher(query)
             for title, action in listed.items():
                 if (
@@ -49,12 +49,12 @@ def palette_of(actions: Sequence[Action], act: Act) -> CommandPalette:
 
 
 def match(query: str, title: str, more: str) -> float:
-    """How well words match an action: from 2 on; 0 if only letters here and there may.
+    """Score of an action for a query: at least 2 if words match, else 0.
 
     Args:
-        query: What was typed.
-        title: What the action is called.
-        more: What it does, at length.
+        query: The operator's text.
+        title: Title of the action.
+        more: Description of the action.
     """
     wanted, called = query.casefold().split(), title.casefold()
     if not wanted:

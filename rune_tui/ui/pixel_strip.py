@@ -35,12 +35,12 @@ class PixelStrip(LazyStrip):
     def __init__(
         self, cells: Cells, looks: Looks, row: int, start: int, end: int, half: str = UPPER_HALF
     ) -> None:
-        """Prepare; nothing is encoded yet.
+        """Prepare; the bytes are encoded on request.
 
         Args:
             cells: The frame, for segments.
             looks: Its looks, for the terminal.
-            row: Which row of it.
+            row: Number of the row.
             start: The first column.
             end: The column after the last.
             half: The half block to draw with.
@@ -50,7 +50,7 @@ class PixelStrip(LazyStrip):
         self._row, self._start, self._end = row, start, end
 
     def segments(self) -> list[Segment]:
-        """One for each cell."""
+        """A segment for each cell."""
         return segments(self._cells, self._row, self._start, self._end, self._half)
 
     def __bool__(self) -> bool:
@@ -89,13 +89,13 @@ class PixelStrip(LazyStrip):
         return pieces
 
     def apply_filter(self, filter: LineFilter, background: Color) -> Strip:  # noqa: A002
-        """Unchanged: filters are for styles, these are a camera's colours."""
+        """Return the row unchanged: filters are for styles, not for a camera's colours."""
         del filter, background
         return self
 
 
 def segments(cells: Cells, row: int, start: int, end: int, half: str = UPPER_HALF) -> list[Segment]:
-    """The cells as Rich segments, one each; slow, for screenshots."""
+    """Rich segments, one for each cell; slow, for screenshots."""
     made = []
     for column in range(start, end):
         upper, lower = cells.pixels[2 * row : 2 * row + 2, column, :3]

@@ -1,4 +1,4 @@
-"""One line for the operator to type, over the view."""
+"""A question over the view, with one line for the answer."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LONGEST = 500
 
 
 class Question(ModalScreen[None]):
-    """Asks for a text; enter accepts it, escape changes nothing."""
+    """Asks for a text; enter accepts it, escape cancels."""
 
     CSS = """
     Question { align: center middle; }
@@ -30,10 +30,10 @@ class Question(ModalScreen[None]):
         """Prepare.
 
         Args:
-            asked: What is asked for.
-            text: What stands there already.
-            answered: Called with what was typed.
-            stop: The stop key, in words; empty: there is none.
+            asked: The question.
+            text: Text in the line at first.
+            answered: Called with the typed text.
+            stop: The stop key, in words; empty if there is none.
         """
         super().__init__()
         self._asked = asked
@@ -51,19 +51,18 @@ class Question(ModalScreen[None]):
             yield Input(self._text, max_length=LONGEST)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """It is typed."""
+        """Accept the text."""
         if self._end():
             self._answered(event.value.strip())
 
     def action_leave(self) -> None:
-        """Nothing is changed."""
+        """Cancel."""
         self._end()
 
     def _end(self) -> bool:
-        """Take the question away; False if it is over already.
+        """Close the question; False if it is closed already.
 
-        Keys that come at once with the first enter or escape are for nobody: to take a screen away
-        twice ends the program.
+        A second enter or escape must not close another screen: without any, the program ends.
         """
         first, self._over = not self._over, True
         if first and self.is_current:

@@ -1,9 +1,11 @@
-"""Textual's driver for Unix terminals, made so that no input can end the console.
+"""Textual's driver for Unix terminals, changed so that no input can end the console.
 
-Textual's own ends it at the first byte that is not UTF-8 and at escape sequences with numbers it
-cannot use, and reads on for ever when the terminal has gone. It does not hear of a button that goes
-up beyond the upper left corner, and a mouse that moves faster than the console can follow holds up
-every key behind it.
+| input | Textual's own driver |
+| --- | --- |
+| bytes that are not UTF-8, or escape sequences with unusable numbers | ends the console |
+| end of the terminal | reads forever |
+| a button's release beyond the upper left corner | loses it |
+| a mouse that moves faster than the console handles it | delays all keys |
 """
 
 from __future__ import annotations
@@ -39,78 +41,78 @@ from rune_tui.ui.textual_inside import (
 _logger = logging.getLogger(__name__)
 
 _MOST_WAITING: Final = 8
-"""Messages that wait in the console before what the mouse only moves is left out."""
+"""Number of waiting messages above which moves of the mouse are dropped."""
 _MOVES: Final = (events.MouseMove, events.MouseScrollUp, events.MouseScrollDown)
-_BEYOND: Final = re.compile(r";(-\d+|0)(?=[;Mm])")
-"""Columns and rows of the mouse that are left of or above the terminal."""
-_PASSED: Final = re.compile(r"\x1b\[<(3[2-9]|[45]\d|6[0-3]);-?\d+;-?\d+M(?=\x1b\[<\1;-?\d+;-?\d+M)")
-"""Reports of a moving mouse that another one follows at once; reading each takes Textual long."""
+_OUTSIDE: Final = re.compile(r";(-\d+|0)(?=[;Mm])")
+"""Columns and rows of the mouse left of the terminal or above it."""
+_STALE: Final = re.compile(r"\x1b\[<(3[2-9]|[45]\d|6[0-3]);-?\d+;-?\d+M(?=\x1b\[<\1;-?\d+;-?\d+M)")
+"""Reports of a moving mouse before the next report; Textual is slow to read each."""
 _UNUSABLE: Final = re.compile(r"\d{7}|\x1b\[(?!.*t\Z)[\d:]*:|\x1b\[(?!.*t\Z)[\d:]*;\d*:")
-"""Numbers that Textual takes for others, and parts of numbers that end its parser."""
+"""Numbers that Textual misreads, and parts of numbers that end its parser."""
 _READ_S: Final = 0.1
-"""Between two looks at the clock while nothing comes [s]."""
-_TELL_RELEASES: Final = "\x1b[=2;2u\x1b[?u"
-"""Kitty keyboard protocol: also tell when keys repeat and go up, and say whether you do."""
+"""Longest wait for input before the loop checks the clock [s]."""
+_REPORT_RELEASES: Final = "\x1b[=2;2u\x1b[?u"
+"""Kitty keyboard protocol: turn on reports of repeats and releases, and ask if they are on."""
 _MOST_DOWN: Final = 64
-"""Keys that can be down at once; with one more, the release of the first was lost."""
+"""Most keys that are down together; one more means that the first one's release was lost."""
 _Key = tuple[str, str | None, str]
-"""What Textual calls a key, the character it types, and its name if it is one of the keypad."""
+"""Textual's name of a key, the character it types, and its name on the keypad."""
 
 
 def understood(sequence: str) -> bool:
-    """Whether Textual knows what an escape sequence means, and can use its numbers."""
+    """Whether Textual understands an escape sequence and its numbers."""
     return not _UNUSABLE.search(sequence) and is_understood(sequence)
 
 
 class SturdyParser(KeyParser):
-    """Takes a mouse beyond the upper left corner for one that is at the edge, and F3 for F3."""
+    """Moves a mouse beyond the upper left corner to the edge, and reads F3 as F3."""
 
     def parse_mouse_code(self, code: str) -> Message | None:
         """The event in a report of the mouse."""
-        return super().parse_mouse_code(_BEYOND.sub(";1", code))
+        return super().parse_mouse_code(_OUTSIDE.sub(";1", code))
 
     def meant(self, event: Message) -> Iterable[Message]:
-        """The event itself; a key for what Textual takes for a cursor in the first row."""
+        """The event; a key if Textual misread it as a cursor in the first row."""
         if not isinstance(event, events.CursorPosition):
             return (event,)
         return self.keys_of(f"\x1b[{event.y + 1};{event.x + 1}R")
 
 
 class SturdyDriver(InsideDriver):
-    """Takes any bytes; a terminal that has gone ends the console in order.
+    """Accepts any bytes; a lost terminal ends the console in order.
 
     Attributes:
-        lost: Whether something was not written because the terminal takes nothing.
+        lost: Whether output was dropped because the terminal blocked.
     """
 
     lost: bool = False
     _down: dict[str, tuple[_Key, ...]]
-    """The keys that are down, by what the terminal calls them."""
+    """Keys that are down, by the terminal's codes."""
     _ending: bool = False
-    _left_out: events.MouseMove | None = None
-    """Where the mouse has gone, if the console was not told."""
+    _dropped_move: events.MouseMove | None = None
+    """The newest dropped move of the mouse."""
 
     def start_application_mode(self) -> None:
-        """Enter the terminal, and ask it to tell when keys go up."""
+        """Enter the terminal, and turn on reports of releases."""
         self._down = {}
         super().start_application_mode()
-        self.write(_TELL_RELEASES)
+        self.write(_REPORT_RELEASES)
 
     def write(self, data: str) -> None:
-        """Hand over what is to be written, or lose it if that would hold up the console."""
+        """Queue output, or drop it if that would block the console."""
         if not self._ending and writes_block(self):
             self.lost = True
         else:
             super().write(data)
 
     def stop_application_mode(self) -> None:
-        """Leave the terminal as it was; nothing of that may be lost."""
+        """Leave the terminal as it was; no byte of that may be dropped."""
         self._ending = True
         super().stop_application_mode()
         self._ending = False
 
     def run_input_thread(self) -> None:
-        """Read until the console ends; Textual calls this in a thread of its own."""
+        """Read until the console ends, in a thread of Textual."""
         decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
         parser, stream = SturdyParser(self._debug), InputStream(understood)
         with selectors.DefaultSelector() as selector:
@@ -127,27 +129,27 @@ class SturdyDriver(InsideDriver):
     def _read(self) -> bytes:
         try:
             return os.read(self.fileno, 4096)
-        except OSError:  # the terminal has gone
+        except OSError:  # the terminal is lost
             return b""
 
     def take(self, parser: SturdyParser, stream: InputStream, text: str) -> SturdyParser:
-        """Hand on the events in `text`; the parser for what comes next."""
+        """Post the events in `text`; returns the parser for the next text."""
         try:
             for part in stream.feed(text, time.monotonic()):
                 match part:
                     case CursorReport():
                         self.process_message(FrameAnswered(part, time.monotonic()))
                     case KeyReport():
-                        self._tell_key(parser, part)
+                        self._post_key(parser, part)
                     case KeyboardReport():
                         self.process_message(ReleasesReported(reported=part.tells_releases))
                     case str():
-                        self._read_events(parser, _PASSED.sub("", part))
+                        self._read_events(parser, _STALE.sub("", part))
             for event in parser.tick():
-                self._hand_on(event)
-            if self._left_out is not None:
-                self._hand_on(self._left_out)
-        except Exception:  # whatever a terminal sends, the console goes on
+                self._post(event)
+            if self._dropped_move is not None:
+                self._post(self._dropped_move)
+        except Exception:  # no input of a terminal may end the console
             _logger.exception("input %r could not be read", text[:80])
             return SturdyParser(self._debug)
         return parser
@@ -155,13 +157,10 @@ class SturdyDriver(InsideDriver):
     def _read_events(self, parser: SturdyParser, text: str) -> None:
         for event in parser.feed(text) if text else ():
             for meant in parser.meant(event):
-                self._hand_on(meant)
+                self._post(meant)
 
-    def _tell_key(self, parser: SturdyParser, report: KeyReport) -> None:
-        """Tell the console of a key, by the name that it had when it went down.
-
-        With Shift it is another one, and that may come or go while a key is down.
-        """
+    def _post_key(self, parser: SturdyParser, report: KeyReport) -> None:
+        """Post a key's move, with the name from its press: Shift may change while a key is down."""
         down = self._down
         if report.move is KeyMove.RELEASE:
             keys = down.pop(report.code, ())
@@ -172,21 +171,21 @@ class SturdyDriver(InsideDriver):
             keys = tuple((key.key, key.character, report.keypad) for key in found)
             if report.code in down or len(down) >= _MOST_DOWN:
                 lost = report.code if report.code in down else next(iter(down))
-                self._tell_keys(down.pop(lost), KeyMove.RELEASE)
+                self._post_keys(down.pop(lost), KeyMove.RELEASE)
             down[report.code] = keys
-        self._tell_keys(keys, report.move)
+        self._post_keys(keys, report.move)
 
-    def _tell_keys(self, keys: tuple[_Key, ...], move: KeyMove) -> None:
+    def _post_keys(self, keys: tuple[_Key, ...], move: KeyMove) -> None:
         for key, character, keypad in keys:
             self.process_message(KeyMoved(key, character, move, keypad))
 
-    def _hand_on(self, event: Message) -> None:
-        """Tell the console, unless it is behind and this is but the mouse on its way."""
+    def _post(self, event: Message) -> None:
+        """Post an event; drop a move of the mouse if the console is behind."""
         busy = self._app.message_queue_size > _MOST_WAITING
         if busy and isinstance(event, _MOVES):
             if isinstance(event, events.MouseMove):
-                self._left_out = event
+                self._dropped_move = event
             return
         if isinstance(event, events.MouseEvent):
-            self._left_out = None
+            self._dropped_move = None
         self.process_message(event)

@@ -1,4 +1,4 @@
-"""The terminal itself: its driver, and how far behind it is with what it was sent."""
+"""The terminal's driver and its waiting output."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from rune_tui.ui.textual_inside import driver_of, writes_waiting
 
 
 def output_is_pending(app: App[Any]) -> bool:
-    """Whether the terminal has not yet taken what was drawn before.
+    """Whether output still waits for the terminal.
 
-    Drawing only when it has keeps the console alive when the terminal is slow or has stopped
-    reading, and what it shows next is the newest frame.
+    The console draws only without waiting output. So a slow terminal does not block it, and the
+    next frame is the newest.
     """
     return writes_waiting(driver_of(app)) > 0
 
 
 def output_was_lost(app: App[Any]) -> bool:
-    """Whether something was not written since this was asked last, as the terminal took nothing."""
+    """Whether output was dropped since the last call, because the terminal blocked."""
     driver = driver_of(app)
     lost = bool(getattr(driver, "lost", False))
     if lost:
-        driver.lost = False  # type: ignore[union-attr] # only ours has it
+        driver.lost = False  # type: ignore[union-attr] # only `SturdyDriver` has it
     return lost
 
 
 def suspend() -> bool:
-    """Stop this process and what was started with it, as Ctrl-Z does in a shell.
+    """Stop this process and its process group, as Ctrl-Z does in a shell.
 
     Returns:
-        False where no shell is there that could have it go on, as in `ssh -t robot rune run`.
+        False if no shell can resume the process, as in `ssh -t robot rune run`.
     """
     if sys.platform == "win32" or os.getpgrp() == os.getsid(0):
         return False
@@ -44,7 +44,7 @@ def suspend() -> bool:
 
 
 def terminal_driver() -> type[Driver] | None:
-    """The driver to use; None for Textual's own, where ours does not work (Windows)."""
+    """The driver to use; None for Textual's own, on Windows."""
     if sys.platform == "win32":
         return None
     from rune_tui.ui.sturdy_driver import SturdyDriver

@@ -1,7 +1,4 @@
-"""All that the console uses of Textual beyond its public interface.
-
-Nothing of it is used elsewhere, and a test says what is missing or different in another version.
-"""
+"""The only module that uses Textual's private interface; a test finds changes in new versions."""
 
 from __future__ import annotations
 
@@ -24,11 +21,11 @@ from textual.keys import Keys
 from textual.strip import Strip
 
 _TRIES: Final = 1000
-"""How often a terminal is entered that cannot be; each time stops, unless it has gone."""
+"""Most tries to enter a terminal; each try stops the process, unless the terminal is lost."""
 _LEAVING_S: Final = 1.0
-"""How long it may take to leave a terminal that takes nothing [s]."""
+"""Longest time to leave a blocked terminal [s]."""
 _TAKING_S: Final = 0.2
-"""How long it is given to take what is on its way, before that is thrown away [s]."""
+"""Time for the terminal to read waiting output before it is discarded [s]."""
 _UNDERSTOOD: Final = (
     _xterm_parser._re_mouse_event,
     _xterm_parser._re_terminal_mode_response,
@@ -38,12 +35,12 @@ _UNDERSTOOD: Final = (
 
 
 def driver_of(app: App[Any]) -> Driver | None:
-    """What writes to the terminal past Textual's compositor; None before it runs."""
+    """The driver, which writes past Textual's compositor; None before it runs."""
     return app._driver
 
 
 def write_bytes(driver: Driver, data: bytes) -> None:
-    """Write what is UTF-8 already."""
+    """Write bytes in UTF-8."""
     write = getattr(driver, "write_bytes", None)
     if write is None:
         driver.write(data.decode())
@@ -52,42 +49,39 @@ def write_bytes(driver: Driver, data: bytes) -> None:
 
 
 def writes_waiting(driver: Driver | None) -> int:
-    """How many pieces of output wait for the terminal.
-
-    Textual writes in a thread, from a queue that holds 30 pieces and then blocks the whole console.
-    """
+    """Number of pieces of output in the writer thread's queue; the 31st blocks the console."""
     writer = getattr(driver, "_writer_thread", None)
     return 0 if writer is None else writer._queue.qsize()
 
 
 def writes_block(driver: Driver) -> bool:
-    """Whether the next piece of output would hold up the console."""
+    """Whether the next piece of output would block the console."""
     writer = getattr(driver, "_writer_thread", None)
     return writer is not None and writer._queue.full()
 
 
 def is_understood(sequence: str) -> bool:
-    """Whether Textual knows what an escape sequence means."""
+    """Whether Textual understands an escape sequence."""
     known = sequence in ANSI_SEQUENCES_KEYS or sequence in _xterm_parser.SPECIAL_SEQUENCES
     return known or any(pattern.fullmatch(sequence) for pattern in _UNDERSTOOD)
 
 
 class KeyParser(XTermParser):
-    """Textual's parser, which also tells what a single sequence is without being fed it."""
+    """Textual's parser, which can also look up a single sequence."""
 
     def keys_of(self, sequence: str) -> Iterable[events.Key]:
-        """The keys that a sequence stands for."""
+        """The keys of a sequence."""
         keys = self._sequence_to_key_events(sequence)
         return [key for key in keys if key.key != Keys.Ignore]
 
 
 class LazyStrip(Strip):
-    """A row whose segments are made when something asks for them."""
+    """A row whose segments are made on request."""
 
     __slots__ = ["_made"]
 
     def __init__(self, width: int) -> None:
-        """Prepare a row of so many cells."""
+        """Prepare a row of `width` cells."""
         self._made: list[Segment] | None = None
         super().__init__((), width)
         self._cell_count = width
@@ -109,7 +103,7 @@ class LazyStrip(Strip):
 
     @property
     def kept(self) -> str | None:
-        """What `render` gave the last time."""
+        """The last result of `render`."""
         return self._render_cache
 
     @kept.setter
@@ -117,14 +111,14 @@ class LazyStrip(Strip):
         self._render_cache = rendered
 
 
-with contextlib.suppress(ImportError):  # Windows has no such terminals
+with contextlib.suppress(ImportError):  # not on Windows
     import termios
 
     from textual.drivers._writer_thread import WriterThread
     from textual.drivers.linux_driver import LinuxDriver
 
     class _Sink:
-        """Takes text, and bytes that are UTF-8 already: decoding and encoding frames takes long."""
+        """Takes text, and bytes in UTF-8: to decode and encode frames takes long."""
 
         def __init__(self, file: TextIO) -> None:
             self._buffer = file.buffer
@@ -133,20 +127,20 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
         def write(self, data: str | bytes) -> None:
             self._buffer.write(data if isinstance(data, bytes) else data.encode(errors="replace"))
 
-    def _throw_away(writer: WriterThread) -> None:
-        """Have what waits for the terminal not be written."""
+    def _discard(writer: WriterThread) -> None:
+        """Discard the output that waits for the terminal."""
         with contextlib.suppress(queue.Empty):
             while True:
                 writer._queue.get_nowait()
 
     class InsideDriver(LinuxDriver):
-        """Takes bytes too, and leaves and enters the terminal once for each time it is stopped.
+        """Takes bytes too, and leaves and enters the terminal once at each stop of the process.
 
-        Textual's own would read and write in two threads after any SIGCONT, and in none after `bg`.
+        Textual's own starts second threads after any SIGCONT, and none after `bg`.
         """
 
         _away: bool = False
-        """Whether the terminal is left or entered, or somebody else's."""
+        """Whether another program has the terminal, or a change is under way."""
         _called_back: bool = False
 
         def start_application_mode(self) -> None:
@@ -156,20 +150,19 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
             super().start_application_mode()  # type: ignore[no-untyped-call]
 
         def write_bytes(self, data: bytes) -> None:
-            """Write what is UTF-8 already."""
-            self.write(data)  # type: ignore[arg-type] # the writer hands it on as it is
+            """Write bytes in UTF-8."""
+            self.write(data)  # type: ignore[arg-type] # the writer passes it on unchanged
 
         def suspend_application_mode(self) -> None:
-            """Leave the terminal soon, even if it takes nothing.
+            """Leave the terminal within a time limit, even if it blocks.
 
-            What waits for it is drawn anew when it is entered again. So it is thrown away, and if
-            need be also what the system keeps for the terminal, so that there is room for what
-            leaves it.
+            Waiting output is discarded, as the next entry draws all cells. If necessary, the
+            system's buffer is discarded too, to make room for the codes that leave the terminal.
             """
             writer = self._writer_thread
             if writer is None:
                 return
-            _throw_away(writer)
+            _discard(writer)
             self.stop_application_mode()
             writer._queue.put_nowait(None)
             writer.join(_TAKING_S)
@@ -177,19 +170,19 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
             while writer.is_alive() and time.monotonic() < end:
                 with contextlib.suppress(termios.error):
                     termios.tcflush(self.fileno, termios.TCOFLUSH)
-                    # Linux tells whoever waits for room of it only when output goes on.
+                    # Linux reports room to a waiting writer only when output continues.
                     termios.tcflow(self.fileno, termios.TCOOFF)
                     termios.tcflow(self.fileno, termios.TCOON)
                 writer.join(_TAKING_S / 10)
-            if writer.is_alive():  # it must not leave the terminal once that is entered again
-                _throw_away(writer)
+            if writer.is_alive():  # a late writer must not leave the entered terminal
+                _discard(writer)
                 writer._queue.put_nowait(None)
 
         def _sigtstp_application(self, *given: object) -> None:
-            """Leave the terminal, only then stop with all that the shell started, and come back.
+            """Leave the terminal, then stop the process group, and enter again after it resumes.
 
-            Else the shell would have the terminal before it was left. As soon as that is left,
-            Ctrl-Z is a signal again: a key that repeats must not have it left twice.
+            The shell must not get the terminal before it was left. After that Ctrl-Z is a signal
+            again, and a repeating key must not leave the terminal twice.
             """
             del given
             if self._away:
@@ -205,7 +198,7 @@ with contextlib.suppress(ImportError):  # Windows has no such terminals
             self._away = False
 
         def _enter_again(self) -> None:
-            """Enter the terminal; in the background that stops the console until it is in front."""
+            """Enter the terminal; in the background this stops the process until `fg`."""
             for _ in range(_TRIES):
                 if not self._must_signal_resume:
                     break

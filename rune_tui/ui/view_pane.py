@@ -20,33 +20,29 @@ from rune_tui.ui.pixel_strip import PixelStrip
 
 
 class ViewScreen(Screen[None]):
-    """The screen on which the pane lies."""
+    """The screen of the pane."""
 
     def get_style_at(self, x: int, y: int) -> Style:
-        """No style: Textual asks at each move of the mouse, which would take a row apart."""
+        """No style: a style would divide a row at each move of the mouse."""
         del x, y
         return Style.null()
 
 
 class ViewPane(Widget, can_focus=False):
-    """Holds the newest cells for when Textual draws the screen by itself, and knows when it does.
+    """Holds the newest cells for Textual's own drawing, and notes the rows that it draws.
 
-    That is at the start, at another size, and when something over the pane comes or goes. All else
-    is drawn past Textual.
+    Textual draws at the start, at a new size, and when a list or a question opens or closes. The
+    painter draws all else.
 
     Attributes:
-        cells: The newest, in the terminal's colours; None before the first.
-        pictures: Those in the newest view that have more pixels than the cells.
+        cells: The newest cells, in the terminal's colours; None before the first.
+        pictures: Pictures in the newest view with more pixels than the cells.
     """
 
     DEFAULT_CSS = "ViewPane { width: 100%; height: 100%; background: black; }"
 
     def __init__(self, half: str = UPPER_HALF) -> None:
-        """Prepare; there is nothing to see yet.
-
-        Args:
-            half: The half block to draw with.
-        """
+        """Prepare; `half` is the half block to draw with."""
         super().__init__()
         self._half = half
         self.cells: Cells | None = None
@@ -59,19 +55,19 @@ class ViewPane(Widget, can_focus=False):
         self.cells, self.pictures, self._looks = cells, pictures, None
 
     def drawn_rows(self) -> npt.NDArray[np.intp]:
-        """Which rows Textual has drawn since this was asked last."""
+        """Rows that Textual has drawn since the last call."""
         rows, self._drawn = sorted(self._drawn), set()
         return np.array(rows, np.intp)
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """The rows of `crop`; what lies outside of the newest frame is blank."""
+        """The rows of `crop`; cells outside the newest frame are blank."""
         self._drawn.update(range(crop.y, crop.bottom))
         return [self._row(number).crop(crop.x, crop.right) for number in range(crop.y, crop.bottom)]
 
     def _row(self, number: int) -> Strip:
         cells = self.cells
         if cells is None or number >= cells.rows or cells.columns < self.size.width:
-            # The terminal has grown and the frame that fits it is still to come.
+            # The terminal has grown, and the next frame is not drawn yet.
             return Strip.blank(self.size.width)
         if self._looks is None:
             self._looks = looks_of(cells, self.pictures)

@@ -1,4 +1,4 @@
-"""How other threads have something done in the thread that runs Textual."""
+"""Runs work of other threads in Textual's thread."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from collections.abc import Callable
 
 
 def waker(loop: asyncio.AbstractEventLoop, work: Callable[[], None]) -> Callable[[], None]:
-    """What other threads call to have some work done at once.
+    """A function for other threads that runs some work in the loop's thread at once.
 
     Args:
-        loop: The running loop; what is called after its end has no effect.
-        work: What to do, in the context of this call, in which Textual finds its app.
+        loop: The running loop; calls after its end have no effect.
+        work: The work; it runs in the context of this call, where Textual finds its app.
     """
     context = contextvars.copy_context()
 

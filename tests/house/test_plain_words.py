@@ -76,6 +76,7 @@ ROOMS = (
     "rune_tui/raster",
     "rune_tui/startup",
     "rune_tui/terminal",
+    "rune_tui/ui",
     "rune_tui/view.py",
     "rune_tui/visualizers",
     "rune_tui/widgets",

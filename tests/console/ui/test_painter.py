@@ -38,5 +38,5 @@ def test_in_tmux_no_frame_is_longer_than_it_keeps_when_all_words_change(
         pixels = still.pixels.copy()
         pixels[-4:] = random_cells(number, columns, 2, 99, 0.0).pixels
         cells = dataclasses.replace(still, pixels=pixels)
-        sizes.append(painter.frame(10.0 + number, cells, anew=True).size)
+        sizes.append(painter.frame(10.0 + number, cells, changed=True).size)
     assert max(sizes[1:]) <= painter.control.most_bytes

@@ -1,4 +1,4 @@
-"""Goes on when one thing of many fails: what comes after it may be a stop."""
+"""Continues after a fault in one step of many: the next step may be a stop."""
 
 from __future__ import annotations
 
@@ -14,30 +14,26 @@ _logger = logging.getLogger(__name__)
 _NOT_DONE: Final = "something could not be done; the log says why"
 
 
-class Sparing:
-    """Logs and tells each kind of fault once."""
+class FaultGuard:
+    """Logs and reports each kind of fault once."""
 
-    def __init__(self, tell: Callable[[Outcome], None]) -> None:
-        """Nothing has failed yet.
-
-        Args:
-            tell: Tells the operator.
-        """
-        self._tell = tell
+    def __init__(self, notify: Callable[[Outcome], None]) -> None:
+        """Prepare; `notify` shows the operator a notice."""
+        self._notify = notify
         self._failed: set[object] = set()
 
     @contextlib.contextmanager
     def __call__(self, what: object) -> Iterator[None]:
-        """Go on if what is done in the block fails.
+        """Continue after a fault in the block.
 
         Args:
-            what: An effect, of which each type is a kind, or the name of a step.
+            what: An effect, whose type is the kind of fault, or the name of a step.
         """
         try:
             yield
-        except Exception:  # of a widget of somebody else, or of one robot of several
+        except Exception:  # a fault of a plugin or of one robot must not stop the rest
             kind = what if isinstance(what, str) else type(what)
             if kind not in self._failed:
                 self._failed.add(kind)
                 _logger.exception("%r was not done", what)
-                self._tell(Outcome(text=_NOT_DONE, alarm=True))
+                self._notify(Outcome(text=_NOT_DONE, alarm=True))
