@@ -61,7 +61,7 @@ class PageLayer:
         look: Hashable = (*seen, state.notices if state.log else ()) if state.paged else None
         if look == self._look:
             return False
-        self._look = said
+        self._look = look
         self.layers = ()
         if state.paged:
             canvas = Canvas.blank(columns, 2 * rows)
