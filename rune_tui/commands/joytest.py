@@ -242,7 +242,7 @@ class Bench:
     @property
     def trouble(self) -> str:
         """What is wrong with the user's own roles, in one sentence; empty if nothing is."""
-        return self._mappings.trouble
+        return self._mappings.fault
 
     def turn(self, now: float) -> None:
         """Take what has come."""

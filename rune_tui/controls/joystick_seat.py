@@ -1,4 +1,4 @@
-"""A joystick of the layout, the device that is used for it, and how that stands.
+"""A joystick of the layout, its device, and the state of both.
 
 | event | phase afterwards |
 | --- | --- |
@@ -28,13 +28,13 @@ class JoystickSeat:
     """A joystick of the layout and its device.
 
     Attributes:
-        joystick: What comes of its device's values.
+        joystick: Turns its device's values into events.
         device: The device; the last one while it is gone.
-        controls: What the device has.
+        controls: The device's controls.
         phase: Whether it can be used.
-        why: Why not, or what it lacks, in words.
-        guide: Asks for the ends of its axes; None if that is not under way.
-        absence: What became of a device of another machine.
+        why: The reason for its absence, or its lacks, in words.
+        guide: The calibration under way; None: there is none.
+        absence: The reason for the absence of another machine's device.
     """
 
     joystick: LogicalJoystick
@@ -47,7 +47,7 @@ class JoystickSeat:
 
     @property
     def name(self) -> str:
-        """What the layout calls it."""
+        """Its name in the layout."""
         return self.joystick.spec.name
 
     @property
@@ -61,7 +61,7 @@ class JoystickSeat:
         return self.device is not None and is_meant(self.joystick.spec, self.device)
 
     def state(self, measured: float | None) -> JoystickState:
-        """What is known of it; its newest values were measured then [s], None: just now."""
+        """Its state; `measured`: time of its newest values [s], None: now."""
         device = self.device
         return JoystickState(
             name=self.name,
@@ -112,7 +112,7 @@ class JoystickSeat:
         return self.joystick.lost() if was_connected else ()
 
     def explain(self, devices: Iterable[DeviceInfo], hindered: str) -> None:
-        """No device fits; say why one that is plugged in does not, or why none can be read."""
+        """Set the reason why no connected device fits or can be read."""
         spec = self.joystick.spec
         meant = next((each for each in devices if is_meant(spec, each)), None)
         if meant is not None and not meant.joystick and is_particular(spec):

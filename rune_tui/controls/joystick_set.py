@@ -23,12 +23,12 @@ from rune_tui.layout.spec import ControlKind, JoystickSpec
 from rune_tui.model.joystick_state import Absence, JoystickState
 
 MOST_FAULTS = 3
-"""A device that fell silent so often while it was plugged in is given up."""
+"""Number of silences of a connected device after which it is given up."""
 _FALLS_SILENT = "it falls silent again and again; unplug it, wait, plug it in"
 
 
 class Reader(Devices, Protocol):
-    """What reads devices; see `Sources`."""
+    """The reader of devices; see `Sources`."""
 
     def measured(self, path: str) -> float | None:
         """When the newest state of another machine's device was measured [s]; else None."""
@@ -87,7 +87,7 @@ class Joysticks:
         self._running = True
         try:
             self._reader.start(self._notify)
-        except HidMissingError as error:  # what is plugged in at other machines is read
+        except HidMissingError as error:  # devices of other machines are read
             self._hindered = str(error)
             self._mark_hindered()
 
@@ -121,17 +121,17 @@ class Joysticks:
         self._assign()
 
     def events(self, now: float) -> Iterator[ControlEvent]:
-        """All that has come from devices; what is let go of meanwhile is left out."""
+        """The new events of devices, without controls that were released meanwhile."""
         self._gather(now)
         while self._waiting:
             yield self._waiting.popleft()
 
     def release_all(self, now: float) -> tuple[ControlEvent, ...]:
-        """Let go of everything, what has not been given out yet included.
+        """Release everything, and drop pending events.
 
         Returns:
             That axes are neutral now, and which buttons went up. Buttons that are still held are
-            let go of without a word, as what they do when they go up is not meant.
+            released without an event, because their action at release is not intended.
         """
         self._gather(now)
         self._shown = None
@@ -184,7 +184,7 @@ class Joysticks:
             seat.guide = Guide(axes, now)
             self._shown = None
             if self._notify is not None:
-                self._notify()  # a stick that is held still reports nothing by itself
+                self._notify()  # a motionless stick sends no reports
 
     @property
     def states(self) -> Mapping[str, JoystickState]:
@@ -204,7 +204,7 @@ class Joysticks:
         return self._shown
 
     def _note_absences(self) -> bool:
-        """Note what became of devices of other machines; whether any of it is new."""
+        """Note the absences of devices of other machines; whether any is new."""
         changed = False
         for seat in self._seats:
             if seat.connected or not (seat.device and seat.device.machine):
@@ -234,7 +234,7 @@ class Joysticks:
         return ()
 
     def _conclude(self, seat: JoystickSeat, now: float) -> None:
-        """Use what the operator has shown, if that is all."""
+        """Use the calibration, if it is complete."""
         guide = seat.guide
         if guide is None or not guide.ended or seat.device is None:
             return
@@ -274,8 +274,8 @@ class Joysticks:
         """With the roles that the user's own file gives them."""
         if seat.device is not None:
             controls = self._mappings.applied(seat.device, controls)
-        if self._mappings.trouble:
-            self._said.append(self._mappings.trouble)
+        if self._mappings.fault:
+            self._said.append(self._mappings.fault)
         return controls
 
     def _seated(
@@ -288,7 +288,7 @@ class Joysticks:
         seat.joystick.release_all()
 
     def _known(self, seat: JoystickSeat) -> Mapping[str, Calibration]:
-        """What is known of the axes of its device, by usage."""
+        """The known ranges of its device's axes, by usage."""
         return self.store.of(seat.device.key) if seat.device else {}
 
     def _refused(self, news: Refused) -> None:

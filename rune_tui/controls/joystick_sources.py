@@ -14,13 +14,13 @@ from rune_tui.model.joystick_state import Absence
 
 
 class Devices(Protocol):
-    """What reads the devices of this machine; see `DeviceReader`."""
+    """The reader of this machine's devices; see `DeviceReader`."""
 
     def start(self, notify: Callable[[], None]) -> None:
         """Start the search for devices."""
 
     def news(self) -> list[News]:
-        """What has happened since the last call."""
+        """The events since the last call."""
 
     def read(self, device: DeviceInfo) -> None:
         """Begin to read a device."""
@@ -29,14 +29,14 @@ class Devices(Protocol):
         """Read a device no more."""
 
     def inbox(self, path: str) -> Inbox | None:
-        """What has come from a device."""
+        """The new values of a device."""
 
     def close(self) -> None:
         """End."""
 
 
 class Sources:
-    """One reader for both kinds; each device is read where it came from."""
+    """One reader for both kinds of devices."""
 
     def __init__(self, near: Devices, far: FarPads) -> None:
         self._near, self._far = near, far
@@ -53,7 +53,7 @@ class Sources:
         self._near.start(notify)
 
     def news(self) -> list[News]:
-        """What has happened since the last call."""
+        """The events since the last call."""
         news: list[News] = []
         for each in self._near.news():
             if isinstance(each, Scanned):
@@ -75,7 +75,7 @@ class Sources:
         self._near.stop(path)
 
     def inbox(self, path: str) -> Inbox | None:
-        """What has come from a device."""
+        """The new values of a device."""
         return self._far.inbox(path) or self._near.inbox(path)
 
     def measured(self, path: str) -> float | None:

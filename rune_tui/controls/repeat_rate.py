@@ -32,7 +32,7 @@ class RepeatRate:
         return bool(self.intervals)
 
     def add(self, interval: float) -> None:
-        """A repeat came this long after the one before [s]."""
+        """Add the time between two repeats [s]."""
         self.intervals.append(interval)
 
     @property

@@ -1,1 +1,1 @@
-"""What is known of the operator's terminal: its answers, how far it has got, what it takes."""
+"""The operator's terminal: its answers, its abilities, and its speed."""

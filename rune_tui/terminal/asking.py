@@ -21,12 +21,12 @@ _ENTER: Final = "\x1b[?1049h"
 _LEAVE: Final = "\x1b[?1049l"
 _MODES: Final = (1000, 1002, 1003, 1006, 1015, 1004, 2004, 2026)
 """Reports of the mouse, of focus and of pasting, and drawing that waits for its end."""
-TIDY: Final = "".join(f"\x1b[?{mode}l" for mode in _MODES) + "\x1b[<9u\x1b[0m\x1b[?25h"
-"""What a console that was killed has left on is off again: modes, keyboard protocol, colours."""
+RESET: Final = "".join(f"\x1b[?{mode}l" for mode in _MODES) + "\x1b[<9u\x1b[0m\x1b[?25h"
+"""Switches off what a killed console has left on: modes, keyboard protocol, colours."""
 
 
 def ask(source: int, sink: int, wait_s: float = WAIT_S) -> tuple[Answers, float]:
-    """What a terminal says of itself, and how long it took to [s].
+    """A terminal's answers about itself, and their time [s].
 
     A console that was killed leaves its modes behind; they are ended first.
 
@@ -41,7 +41,7 @@ def ask(source: int, sink: int, wait_s: float = WAIT_S) -> tuple[Answers, float]
     began = time.monotonic()
     received = b""
     with _unbuffered(source), contextlib.suppress(OSError):
-        os.write(sink, f"{_ENTER}{TIDY}{QUESTIONS}".encode())
+        os.write(sink, f"{_ENTER}{RESET}{QUESTIONS}".encode())
         with selectors.DefaultSelector() as selector:
             selector.register(source, selectors.EVENT_READ)
             while len(received) < _MOST_BYTES and not read_answers(received).complete:
@@ -60,7 +60,7 @@ def ask(source: int, sink: int, wait_s: float = WAIT_S) -> tuple[Answers, float]
 
 @contextlib.contextmanager
 def _unbuffered(source: int) -> Iterator[None]:
-    """Input byte by byte, without echo; afterwards as it was, or as a shell wants it."""
+    """Input byte by byte, without echo; afterwards the old mode, or a shell's mode."""
     try:
         before = _for_a_shell(termios.tcgetattr(source))
     except termios.error:  # not a terminal
@@ -85,7 +85,7 @@ def _for_a_shell(modes: list[Any]) -> list[Any]:
 
 
 def ask_own(wait_s: float = WAIT_S) -> tuple[Answers, float]:
-    """What the terminal of this process says of itself; nothing if it has none."""
+    """The answers of this process's terminal; empty: it has none."""
     source, sink = sys.__stdin__, sys.__stderr__
     if source is None or sink is None or not (source.isatty() and sink.isatty()):
         return Answers(), 0.0

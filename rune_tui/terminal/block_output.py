@@ -1,4 +1,4 @@
-"""Views as half blocks and quadrants: what matters first, then the picture as it fits."""
+"""Views as half blocks and quadrants: urgent cells first, then the picture as it fits."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from rune_tui.raster.urgency import Urgencies, Urgency
 from rune_tui.terminal.rate import RateController
 
 _CELL_BYTES: Final = 52
-"""What the dearest cell takes, with the move to it [bytes]."""
+"""Largest size of a cell, with the move to it [bytes]."""
 
 
 class BlockOutput(TerminalOutput):
     """Draws the newest view, the camera's picture only as exactly as there is room for."""
 
     def __init__(self, glyphs: GlyphSet, control: RateController) -> None:
-        """Prepare; nothing is known of what the terminal shows.
+        """Start with an unknown terminal content.
 
         Args:
-            glyphs: The characters that stand for pixels.
-            control: Knows how much the way to the terminal takes.
+            glyphs: The characters for pixels.
+            control: Measures the line to the terminal.
         """
         self._glyphs = glyphs
         self._encoder = ScreenEncoder(half=glyphs.half)
@@ -47,12 +47,12 @@ class BlockOutput(TerminalOutput):
 
     @property
     def inexact(self) -> bool:
-        """Whether the terminal may show less than the newest view says."""
+        """Whether the terminal may show less than the newest view."""
         return self._inexact
 
     @property
     def behind(self) -> bool:
-        """Whether the last frame had no room for all that is around the picture."""
+        """Whether the last frame had no room for all cells around the picture."""
         return self._behind
 
     def draw(
@@ -67,7 +67,7 @@ class BlockOutput(TerminalOutput):
         Args:
             cells: The view, in the terminal's colours.
             pictures: Those in it that have more pixels than the cells, from back to front.
-            urgencies: What each cell shows, shape (rows, columns).
+            urgencies: Urgency of each cell, shape (rows, columns).
             covered: Cells that something else covers.
         """
         looks, video = looks_of(cells, pictures), urgencies == Urgency.VIDEO
@@ -84,7 +84,7 @@ class BlockOutput(TerminalOutput):
         return Frame(first=first, picture=self._picture(cells, looks, video, covered))
 
     def refine(self, covered: Flags | None = None) -> Frame:
-        """What makes the picture more exact, no longer than there is room for; some rows of it."""
+        """Bytes that make some rows of the picture more exact, within the room."""
         if self._newest is None or not self._inexact:
             return Frame()
         picture = self._some_rows(*self._newest, covered)
@@ -92,7 +92,7 @@ class BlockOutput(TerminalOutput):
         return Frame(picture=picture)
 
     def forget(self, where: Flags | None = None) -> None:
-        """Forget what the terminal shows.
+        """Forget the terminal's content.
 
         Args:
             where: In which cells, shape (rows, columns); None for all.
@@ -100,7 +100,7 @@ class BlockOutput(TerminalOutput):
         self._encoder.forget(where)
 
     def _some_rows(self, looks: Looks, video: Flags, covered: Flags | None) -> bytes:
-        """What is wrong in as many rows of the picture as there is room for, made exact."""
+        """Exact bytes for wrong rows of the picture, within the room."""
         height, columns = video.shape
         rows = max(1, int(min(height, self._control.room() / (_CELL_BYTES * columns))))
         for _ in range(-(-height // rows) + 1):  # the first of them may begin between two
@@ -120,7 +120,7 @@ class BlockOutput(TerminalOutput):
             quality = Quality(tolerance=way.tolerance, threshold=way.threshold)
             drawn, only = looks, video
             if way.grain > 1:
-                # What is shown well enough must not become coarser again.
+                # A good cell must not become coarser again.
                 only = video & self._encoder.wrong(looks, way.threshold)
                 drawn = looks_of(coarsened(cells, way.grain))
             picture = self._encoder.encode(drawn, quality, covered, only=only)

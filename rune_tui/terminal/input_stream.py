@@ -1,4 +1,4 @@
-"""What a terminal sends, taken apart into its answers and the rest: keys and the mouse; pure."""
+"""Splits a terminal's input into its answers and the rest: keys and the mouse; pure."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Final
 
 HOLD_S: Final = 0.1
-"""How long the beginning of a sequence waits for its end [s]; Alt and a letter look like one."""
+"""Time that the beginning of a sequence waits for its end [s]; Alt and a letter look like one."""
 _LONGER_S: Final = 1.0
-"""As above where Escape and Alt come as whole sequences: longer than a key is held in silence, so
-that no release is lost that comes in two pieces."""
+"""The same where Escape and Alt come as whole sequences: longer than a key is held in silence, so
+no release in two pieces is lost."""
 _SEQUENCE: Final = re.compile(
     r"""\x1b\[M...                                     # X10 mouse: three characters follow
     |   \x1b\[[0-?]*[\ -/]*[@-~]                       # CSI (ECMA-48, 5.4)
@@ -23,39 +23,39 @@ _SEQUENCE: Final = re.compile(
 _BEGUN: Final = re.compile(
     r"\x1b(?:\[(?:M.{0,2}|[0-?]*[ -/]*))?\Z|\x1b[P\]^_X][^\x1b\x07]*\x1b?\Z", re.DOTALL
 )
-"""The beginning of a sequence whose end has not come yet."""
+"""The beginning of an unfinished sequence."""
 _CURSOR: Final = re.compile(r"\x1b\[(\d{1,5});(\d{1,5})R")
 _KEYBOARD: Final = re.compile(r"\x1b\[\?(\d{1,5})u")
 _KEY: Final = re.compile(
-    r"""\x1b\[ (?P<code>\d{0,7}) (?::[\d:]*)?             # the key, others on its cap
+    r"""\x1b\[ (?P<code>\d{0,7}) (?::[\d:]*)?             # the key, other keys on its cap
     (?: ; (?P<modifiers>\d{0,3}) (?: : (?P<move>[123]) )? )?
     (?: ; (?P<text>[\d:]*) )? (?P<final>[u~ABCDEFHPQS])
     """,
     re.VERBOSE,
 )
-"""A key by the kitty keyboard protocol; F3 there is no longer what looks like a cursor report."""
+"""A key by the kitty keyboard protocol; F3 there does not look like a cursor report."""
 _PASTES: Final = ("\x1b[200~", "\x1b[201~")
-_TELLS_RELEASES: Final = 2 | 8
+_REPORTS_RELEASES: Final = 2 | 8
 """Flags of the kitty keyboard protocol: events of keys, of those too that type text."""
 KEYPAD: Final = (
     *("0", "1", "2", "3", "4", "5", "6", "7", "8", "9"),
     *("decimal", "divide", "multiply", "subtract", "add", "enter", "equal", "separator"),
     *("left", "right", "up", "down", "pageup", "pagedown", "home", "end", "insert", "delete"),
 )
-"""What is on the keys of the keypad, in the order of their codes."""
+"""The keys of the keypad, in the order of their codes."""
 _FIRST_OF_KEYPAD: Final = 57399
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CursorReport:
-    """Where the terminal's cursor was when it came to the question, counted from 1."""
+    """Position of the terminal's cursor at the question, from 1."""
 
     row: int
     column: int
 
 
 class KeyMove(enum.Enum):
-    """What a key did, as the kitty keyboard protocol counts it."""
+    """The event of a key, by the numbers of the kitty keyboard protocol."""
 
     PRESS = 1
     REPEAT = 2
@@ -68,8 +68,8 @@ class KeyReport:
 
     Attributes:
         code: The terminal's number of the key, for any character.
-        move: What it did.
-        press: What a terminal that tells presses alone would have sent for the press.
+        move: Its event.
+        press: The text of the press from a terminal that reports only presses.
         keypad: Its name if it is one of the keypad, such as "kp_8", else empty.
     """
 
@@ -84,22 +84,22 @@ class KeyboardReport:
     """The terminal's reports of keys.
 
     Attributes:
-        tells_releases: Whether it tells when keys repeat and go up.
+        reports_releases: Whether it reports repeats and releases of keys.
     """
 
-    tells_releases: bool
+    reports_releases: bool
 
 
 InputPart = str | CursorReport | KeyReport | KeyboardReport
 
 
 class InputStream:
-    """Takes what was read, in pieces of any size.
+    """Takes input in pieces of any size.
 
-    Once the terminal has said that it tells when keys go up, keys come as `KeyReport`s. If it
+    After the terminal has confirmed that it reports releases, keys are `KeyReport`s. If it
     reports releases of some keys only, such as arrows, all keys count as without them. Reports of
     the cursor below the first row are answers; in the first row they are what xterm sends for F3
-    with a modifier. Sequences that nobody understands, such as late answers to other questions, are
+    with a modifier. Unknown sequences, such as late answers to other questions, are
     left out: as keys, they would drive.
     """
 
@@ -112,7 +112,7 @@ class InputStream:
         self._understood = understood
         self._held = ""
         self._held_since = 0.0
-        self._tells_releases = False
+        self._reports_releases = False
 
     @property
     def holding(self) -> bool:
@@ -120,17 +120,17 @@ class InputStream:
         return bool(self._held)
 
     def feed(self, text: str, now: float) -> Iterator[InputPart]:
-        """Answers, and what is no answer, in the order in which it came.
+        """Answers and other input, in order.
 
         To be called with nothing now and then while it is `holding`.
 
         Args:
-            text: What was read.
+            text: The input.
             now: The time [s].
         """
         held, self._held = self._held, ""
         rest = []
-        if held and now - self._held_since >= (_LONGER_S if self._tells_releases else HOLD_S):
+        if held and now - self._held_since >= (_LONGER_S if self._reports_releases else HOLD_S):
             rest.append(held)
             held = ""
         since = self._held_since if held else now
@@ -154,19 +154,19 @@ class InputStream:
         yield from filter(None, ("".join(rest),))
 
     def _report(self, sequence: str) -> InputPart | None:
-        """What a sequence says, if it is more than a key or the mouse, or what stands for it."""
+        """The meaning of a sequence, if it is more than a key or the mouse, or its replacement."""
         if (cursor := _CURSOR.fullmatch(sequence)) and int(cursor[1]) > 1:
             return CursorReport(row=int(cursor[1]), column=int(cursor[2]))
         if keyboard := _KEYBOARD.fullmatch(sequence):
-            self._tells_releases = int(keyboard[1]) & _TELLS_RELEASES == _TELLS_RELEASES
-            return KeyboardReport(tells_releases=self._tells_releases)
+            self._reports_releases = int(keyboard[1]) & _REPORTS_RELEASES == _REPORTS_RELEASES
+            return KeyboardReport(reports_releases=self._reports_releases)
         key = _KEY.fullmatch(sequence)
-        if key is None or not (self._tells_releases or key["move"]):
+        if key is None or not (self._reports_releases or key["move"]):
             return None
         if key["code"] and not int(key["code"]):
             return None  # text of an input method, which never goes up
         report = None if sequence in _PASTES else self._key(key)
-        if self._tells_releases or report is None:
+        if self._reports_releases or report is None:
             return report
         return "" if report.move is KeyMove.RELEASE else report.press
 

@@ -1,8 +1,8 @@
-"""How far the terminal has got with what was drawn: frames are numbered, and it answers; pure.
+"""The terminal's progress with drawn frames: frames have numbers, and it answers; pure.
 
-After each frame the terminal is asked where its cursor is (CSI 6 n). It answers when it has come
-to the question, so when it shows the frame. As long as too much is unanswered nothing is drawn, so
-that what is drawn next is the newest, however slow the way to the terminal is.
+Each frame ends with the question for the cursor's place (CSI 6 n). The terminal answers when it has
+shown the frame. While too many frames are unanswered nothing is drawn. So the next frame is the
+newest, even on a slow line to the terminal.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ _MISSES: Final = 4
 """After this number of unanswered frames in a row, or of wrong answers, the terminal counts as one
 without answers."""
 _NARROWEST: Final = 8_000.0
-"""What the narrowest way takes that can be worked with [bytes/s]."""
+"""Least usable speed of a line [bytes/s]."""
 _ROW: Final = 2
-"""Where the cursor is put for the question; in the first row, answers look like keys."""
+"""Place of the cursor for the question; in the first row, answers look like keys."""
 _NUMBERS: Final = 8
 """Number of columns that number the frames; any terminal has them."""
 
@@ -34,10 +34,10 @@ class SentFrame:
     """A frame that the terminal has not answered yet.
 
     Attributes:
-        number: Tells it from the others, 0 to 7.
+        number: Its number, 0 to 7.
         size: How long it is [bytes].
         sent: When it was handed over [s].
-        behind: Whether another one was under way.
+        behind: Whether another one was under way before it.
     """
 
     number: int
@@ -64,7 +64,7 @@ class Acknowledgement:
 
 
 class FramePacer:
-    """Keeps account of frames under way; every method gets the time [s].
+    """Tracks frames under way; every method gets the time [s].
 
     A terminal that has never answered, or no longer does, is not waited for: `answers` is False
     then, and the caller has to see by other means whether it keeps up. It is asked all the same.
@@ -74,7 +74,7 @@ class FramePacer:
         """Begin.
 
         Args:
-            heard: Whether the terminal has answered such a question before.
+            heard: Whether the terminal has ever answered such a question.
         """
         self._under_way: deque[SentFrame] = deque()
         self._number = 0
@@ -97,7 +97,7 @@ class FramePacer:
 
     def may_send(self, now: float, window: int = WINDOW) -> bool:
         """Whether another frame may follow, given the unanswered ones; late ones are dropped."""
-        if self._under_way and now - self._under_way[0].sent >= self._patience():
+        if self._under_way and now - self._under_way[0].sent >= self._answer_time():
             self._under_way.clear()
             self._timeout = min(_LONGEST_S, 2.0 * self._timeout)
             self._missed += 1
@@ -114,7 +114,7 @@ class FramePacer:
         return f"\x1b[{_ROW};{frame.number + 1}H\x1b[6n"
 
     def answered(self, now: float, report: CursorReport) -> Acknowledgement | None:
-        """The terminal answers; None if that is no answer to a frame under way."""
+        """Take an answer of the terminal; None: it answers no frame under way."""
         number = report.column - 1
         if report.row != _ROW or all(frame.number != number for frame in self._under_way):
             self._wrong += 1
@@ -132,12 +132,12 @@ class FramePacer:
         self._missed = self._wrong = 0
         return Acknowledgement(frame=frame, age=now - frame.sent, gap=gap, size=size)
 
-    def _patience(self) -> float:
-        """How long the oldest answer may take [s]; one that answers may be at a narrow way."""
+    def _answer_time(self) -> float:
+        """Longest wait for the oldest answer [s]; a terminal that answers may have a slow line."""
         more = sum(frame.size for frame in self._under_way) / _NARROWEST
         return self._timeout + min(_LONGEST_S, more)
 
     def restart(self) -> None:
-        """The terminal is another one, or was away: what is under way is not answered."""
+        """Forget frames under way, after another terminal or an absence."""
         self._under_way.clear()
         self._timeout, self._missed = TIMEOUT_S, 0

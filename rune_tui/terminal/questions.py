@@ -1,8 +1,8 @@
-"""What a terminal is asked at the start, and what its answers say; pure.
+"""The questions to a terminal at the start, and its answers; pure.
 
-A terminal's name says little of what it can do, and less through tmux and SSH, so the terminal
-itself is asked. The last question is one that every terminal answers, so that nobody has to wait
-for those that this one does not know.
+A terminal's name tells little of its abilities, and less through tmux and SSH, so the terminal
+itself is asked. Every terminal answers the last question: so there is no wait for answers that this
+terminal does not have.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ _OWN_COLOUR: Final = (b"48:2::1:2:3", b"48:2:1:2:3", b"48;2;1;2;3")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answers:
-    """What a terminal said of itself; None where it said nothing.
+    """A terminal's answers; None: no answer.
 
     Attributes:
-        complete: Whether it came to the last question.
+        complete: Whether it answered the last question.
         synchronized: Whether it can show a frame all at once (mode 2026).
         truecolour: Whether it has 24-bit colours.
         cell: Width and height of a cell [pixels].
         area: Width and height of all cells [pixels].
-        keyboard: Flags of the kitty keyboard protocol in force; None if it does not know it.
-        reports_cursor: Whether it tells where its cursor is, so that frames can be acknowledged.
+        keyboard: Active flags of the kitty keyboard protocol; None: it lacks the protocol.
+        reports_cursor: Whether it reports its cursor, and so can acknowledge frames.
     """
 
     complete: bool = False
@@ -82,7 +82,7 @@ def read_answers(data: bytes) -> Answers:
 
 
 def _truecolour(data: bytes) -> bool | None:
-    """Whether the colour that was set is in force as it was set, or the terminal says so."""
+    """Whether the terminal kept the set colour, or reports truecolour."""
     capability, colour = _CAPABILITY.search(data), _SGR.search(data)
     if capability and capability[1] == b"1":
         return True
@@ -92,5 +92,5 @@ def _truecolour(data: bytes) -> bool | None:
 
 
 def _size(found: re.Match[bytes] | None) -> tuple[int, int] | None:
-    """Width and height, which terminals tell the other way round."""
+    """Width and height, which terminals report in reverse order."""
     return (int(found[2]), int(found[1])) if found else None

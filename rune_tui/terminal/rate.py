@@ -1,8 +1,8 @@
-"""How exactly pictures are drawn, so that what the operator sees is now; pure.
+"""The exactness of pictures, so that the operator sees the present; pure.
 
-What the way to the terminal takes is measured by the terminal's acknowledgements. From it follows
-how long a frame is under way. If that is too long, the picture is drawn with coarser colours, then
-more seldom, and last with coarser pixels; where nothing moves it becomes exact.
+The terminal's acknowledgements measure the line to it, and so the time of a frame under way. If
+that is too long, the picture gets coarser colours, then a lower rate, and last coarser pixels.
+Where nothing moves it becomes exact.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rune_tui.terminal.pacing import Acknowledgement, SentFrame
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coarseness:
-    """A way to draw pictures.
+    """A step of coarseness.
 
     Attributes:
         tolerance: How far colours may be off that neighbours share, 0 to 127.
@@ -46,13 +46,13 @@ LADDER: Final = (
 )
 """Steps of coarseness, from exact to hardly recognisable."""
 _FIRST: Final = 3
-"""Where to begin, as long as nothing is known of the way."""
+"""The first step, on an unknown line."""
 _STEP: Final = 2.2
-"""A finer way makes frames at most so much longer, as a rule."""
+"""Usual growth of frames by a finer step."""
 _TOO_LONG: Final = 2.0
 """A frame that would take this multiple of the longest time is drawn again, coarser."""
-_TELLING_BYTES: Final = 2000
-"""Shorter frames say how long the way is, not how wide."""
+_MEASURING_BYTES: Final = 2000
+"""Least size of a frame that measures the speed of the line, not its delay."""
 _SAMPLES: Final = 5
 _TRIPS_S: Final = 10.0
 """How long the shortest round trip is remembered [s]."""
@@ -63,8 +63,8 @@ class RateController:
     """Chooses how pictures are drawn; used with one `FramePacer`.
 
     Attributes:
-        most_bytes: No frame may be longer [bytes]; a multiplexer throws away what is.
-        level: Number of the way in the ladder, 0 is exact.
+        most_bytes: Longest frame [bytes]; a multiplexer drops longer ones.
+        level: Number of the present step, 0 is exact.
     """
 
     def __init__(self, round_trip: float = 0.0, most_bytes: float = math.inf) -> None:
@@ -87,19 +87,19 @@ class RateController:
 
     @property
     def width(self) -> float:
-        """What the way to the terminal takes [bytes/s]; infinite as long as it is not known."""
+        """Speed of the line to the terminal [bytes/s]; infinite: not known yet."""
         if not self._widths:
             return math.inf
         return sorted(self._widths)[len(self._widths) // 2]
 
     @property
     def round_trip(self) -> float:
-        """How long the shortest frames are under way [s]."""
+        """Time of the shortest frames under way [s]."""
         return min((trip for _, trip in self._trips), default=self._round_trip)
 
     def acknowledged(self, now: float, answer: Acknowledgement) -> None:
         """The terminal shows a frame."""
-        short = answer.size < _TELLING_BYTES
+        short = answer.size < _MEASURING_BYTES
         if short or answer.age < self.round_trip:
             self._round_trip = min(answer.age, self.round_trip)
             self._trips.append((now, answer.age))
@@ -117,9 +117,9 @@ class RateController:
         return size / self.width
 
     def may_follow(self, now: float, frames: Iterable[SentFrame]) -> bool:
-        """Whether a frame may follow those that are under way.
+        """Whether another frame may follow those under way.
 
-        It may when they should have gone through; their answers need not be back.
+        It may after their expected arrival, even before their answers.
         """
         through = -math.inf
         for frame in frames:

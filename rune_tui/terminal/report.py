@@ -1,4 +1,4 @@
-"""What was found out of a terminal, for people and for machines."""
+"""The report on a terminal, for people and for machines."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from rune_tui.terminal.traits import Traits
 
 
 def report(traits: Traits, answers: Answers, took: float, size: tuple[int, int]) -> str:
-    """A table: what is so, and why; and a picture in each set of glyphs, if there is a choice.
+    """A table of traits with reasons, and a picture in each set of glyphs, if there is a choice.
 
     Args:
-        traits: What the terminal is taken to be able to do.
-        answers: What it said.
+        traits: The terminal's assumed traits.
+        answers: Its answers.
         took: How long its answers took [s].
         size: Columns and rows.
     """

@@ -1,4 +1,4 @@
-"""What the console takes the terminal to be able to do, and why it thinks so."""
+"""The assumed abilities of the terminal, with reasons."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.terminal.questions import Answers
 
 USUAL_ASPECT: Final = 2.0
-"""Height of a cell over its width, where nobody says."""
+"""Default height of a cell over its width."""
 _ASPECTS: Final = (1.0, 4.0)
-"""What a font can be; others are taken for a fault."""
+"""Possible values of a font; others count as a fault."""
 _REPORTED: Final = "the terminal says so"
 _GIVEN: Final = "the command line says so"
 _SILENT: Final = "the terminal does not say"
@@ -22,16 +22,16 @@ _SILENT: Final = "the terminal does not say"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Traits:
-    """What the terminal can do.
+    """The abilities of the terminal.
 
     Attributes:
         depth: Its colours.
-        glyphs: What pictures are made of; `GlyphSet.HALF` where the colours leave no choice.
+        glyphs: The glyphs of pictures; `GlyphSet.HALF` where the colours leave no choice.
         aspect: Height of a cell over its width.
         synchronized: Whether it shows a frame all at once.
-        acknowledges: Whether it tells when it shows a frame.
-        releases: Whether it can tell when a key goes up.
-        discards: Whether it throws away what does not fit between two looks of its own terminal.
+        acknowledges: Whether it reports that it shows a frame.
+        releases: Whether it can report the release of a key.
+        discards: Whether it drops output that is too much for its own terminal.
         reasons: Why each is so, by its name.
     """
 
@@ -54,15 +54,15 @@ def traits_of(
     glyphs: GlyphSet | None = None,
     aspect: float | None = None,
 ) -> Traits:
-    """What follows from all that is known.
+    """The traits by answers, command line and environment.
 
     Args:
-        answers: What the terminal said.
+        answers: The terminal's answers.
         environment: The environment's variables.
         size: Columns and rows.
-        depth: What the command line says of colours.
-        glyphs: What the command line says of the characters for pixels.
-        aspect: What the command line says of the shape of cells.
+        depth: Colours by the command line.
+        glyphs: Characters for pixels by the command line.
+        aspect: Shape of cells by the command line.
     """
     colours, why_colours = _colours(answers, environment, depth)
     blocks, why_blocks = _blocks(colours, glyphs)
@@ -125,14 +125,14 @@ def _shape(answers: Answers, size: tuple[int, int], given: float | None) -> tupl
 def colours_by_environment(
     environment: Mapping[str, str], described: Callable[[str], int | None] | None = None
 ) -> tuple[ColourDepth, str]:
-    """What colours the terminal has by what the environment says of it, and why.
+    """The terminal's colours by the environment, and the reason.
 
-    COLORTERM, by which terminals tell that they have truecolour, comes before the description of
+    COLORTERM, by which terminals claim truecolour, comes before the description of
     TERM.
 
     Args:
         environment: The variables.
-        described: How many colours the description of a terminal says it has, 0 for none, None
+        described: Number of colours in the description of a terminal, 0 for none, None
             where there is no description; terminfo's by default.
     """
     if environment.get("COLORTERM", "").lower() in {"truecolor", "24bit"}:
@@ -144,7 +144,7 @@ def colours_by_environment(
         return ColourDepth.MONO, "TERM is not set"
     colours = (described or _described)(name)
     if colours is None:
-        # A terminal that this machine has never heard of is newer than its descriptions.
+        # An unknown terminal is newer than this machine's descriptions.
         return ColourDepth.INDEXED_256, f"this machine has no description of {name}"
     reason = f"the description of {name} says {colours} colours"
     if colours >= 1 << 24:
@@ -155,7 +155,7 @@ def colours_by_environment(
 
 
 def _described(name: str) -> int | None:
-    """How many colours terminfo says a terminal has; only the first name of a process counts."""
+    """Number of a terminal's colours by terminfo; only the first name of a process counts."""
     try:
         import curses
     except ImportError:  # Windows

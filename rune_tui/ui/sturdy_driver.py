@@ -142,7 +142,7 @@ class SturdyDriver(InsideDriver):
                     case KeyReport():
                         self._post_key(parser, part)
                     case KeyboardReport():
-                        self.process_message(ReleasesReported(reported=part.tells_releases))
+                        self.process_message(ReleasesReported(reported=part.reports_releases))
                     case str():
                         self._read_events(parser, _STALE.sub("", part))
             for event in parser.tick():

@@ -18,7 +18,7 @@ from rune_tui.errors import DescriptorError
 
 _logger = logging.getLogger(__name__)
 
-_LOOK_S = 1.0
+_CHECK_S = 1.0
 """Time between two searches for devices; no library reports new ones [s]."""
 _READ_S = 0.1
 _PAUSE_S = 0.004
@@ -31,7 +31,7 @@ _CLOSE_S = 2.0
 
 @dataclass(frozen=True, slots=True)
 class Scanned:
-    """The devices that are plugged in, joysticks and others."""
+    """The connected devices, joysticks and others."""
 
     devices: tuple[DeviceInfo, ...]
 
@@ -69,7 +69,7 @@ class OpenDevice(Protocol):
     """A device that is read.
 
     Attributes:
-        controls: What it has; none: it is no joystick.
+        controls: Its controls; none: it is no joystick.
         descriptor: A HID report descriptor with these controls.
     """
 
@@ -77,7 +77,7 @@ class OpenDevice(Protocol):
     descriptor: bytes
 
     def read(self, timeout: float) -> tuple[Value, ...] | None:
-        """The values of the next report; None if none comes within this time [s].
+        """The values of the next report; None: there is none within this time [s].
 
         Raises:
             Exception: The device is gone, or a fault of its library.
@@ -101,7 +101,7 @@ class Kind(Protocol):
         """All devices of this kind, each once, joysticks and others."""
 
     def mark(self) -> object:
-        """A value that changes when a device comes or goes; None: the system has none."""
+        """A value that changes with the connected devices; None: the system has none."""
 
     def open(self, info: DeviceInfo) -> OpenDevice:
         """Open a device.
@@ -123,7 +123,7 @@ class DeviceReader:
         """Prepare.
 
         Args:
-            kinds: Where devices are looked for; what the first of them has, no other one offers.
+            kinds: The kinds of devices; a device of the first kind is not offered by others.
         """
         self._kinds = tuple(kinds)
         self._kind_of: dict[str, Kind] = {}
@@ -131,7 +131,7 @@ class DeviceReader:
         self._news: list[News] = []
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._look_now = threading.Event()
+        self._check_now = threading.Event()
         self._readings: dict[str, _Reading] = {}
         self._threads: list[threading.Thread] = []
 
@@ -146,10 +146,10 @@ class DeviceReader:
         """
         self._kinds[0].require()
         self._notify = notify
-        self._run(self._look_out, "rune-joysticks")
+        self._run(self._watch, "rune-joysticks")
 
     def news(self) -> list[News]:
-        """What has happened since the last call, in its order."""
+        """The events since the last call, in order."""
         with self._lock:
             news, self._news = self._news, []
         return news
@@ -169,18 +169,18 @@ class DeviceReader:
             reading.ended.set()
 
     def inbox(self, path: str) -> Inbox | None:
-        """What has come from a device that is read."""
+        """The new values of a device in use."""
         reading = self._readings.get(path)
         return None if reading is None else reading.inbox
 
-    def look_now(self) -> None:
+    def check_now(self) -> None:
         """Search now, not at the next second."""
-        self._look_now.set()
+        self._check_now.set()
 
     def close(self) -> None:
         """End all threads."""
         self._ended.set()
-        self._look_now.set()
+        self._check_now.set()
         for path in list(self._readings):
             self.stop(path)
         for thread in self._threads:
@@ -198,11 +198,11 @@ class DeviceReader:
         self._threads.append(thread)
         thread.start()
 
-    def _look_out(self) -> None:
+    def _watch(self) -> None:
         seen: object = None
         devices: tuple[DeviceInfo, ...] = ()
         while not self._ended.is_set():
-            self._look_now.clear()
+            self._check_now.clear()
             try:
                 # To list devices takes a library tens of milliseconds on some machines.
                 marks = [kind.mark() for kind in self._kinds]
@@ -211,7 +211,7 @@ class DeviceReader:
                 self._post(Scanned(devices))
             except Exception:  # of the library; devices that are read go on
                 _logger.exception("the devices cannot be listed")
-            if self._look_now.wait(_LOOK_S):
+            if self._check_now.wait(_CHECK_S):
                 seen = None
 
     def _plugged_in(self) -> tuple[DeviceInfo, ...]:
@@ -222,7 +222,7 @@ class DeviceReader:
         with self._lock:
             self._news.append(news)
         if isinstance(news, Gone):
-            self.look_now()
+            self.check_now()
         self._notify()
 
 

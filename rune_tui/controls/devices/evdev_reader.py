@@ -56,7 +56,7 @@ class EvdevKind:
         for node in sorted(nodes, key=lambda each: (len(each.name), each.name)):
             about = node / "device"
             axes, keys = _bits(about / "capabilities/abs"), _bits(about / "capabilities/key")
-            # What a HID device has more than the input layer tells, `hid_reader` reads.
+            # `hid_reader` reads HID devices: they have more than the input layer reports.
             is_hid = (about / "device" / "hidraw").exists()
             if is_hid or KernelPad.of(dict.fromkeys(axes, (0, 1)), frozenset(keys)) is None:
                 continue
@@ -76,7 +76,7 @@ class EvdevDevice:
     """A joystick of the input layer that is read.
 
     Attributes:
-        controls: What it has; none: it is no joystick.
+        controls: Its controls; none: it is no joystick.
         descriptor: A HID report descriptor with these controls.
     """
 
@@ -103,7 +103,7 @@ class EvdevDevice:
             raise
 
     def read(self, timeout: float) -> tuple[Value, ...] | None:
-        """The values of the next report; None if none comes within this time [s].
+        """The values of the next report; None: there is none within this time [s].
 
         The first tells how all controls are when it is opened; one after events were lost, how
         they are then.

@@ -1,4 +1,4 @@
-"""HID devices through hidapi: what is plugged in, and its reports. Only this file uses hidapi."""
+"""HID devices through hidapi: connected devices and their reports. Only this file uses hidapi."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class HidMissingError(ConsoleError, ImportError):
 
 
 def hidapi() -> Any:  # noqa: ANN401 - an untyped library
-    """The library; on Linux the half of it that goes through the kernel's own driver.
+    """The library; on Linux its half for the kernel's own driver.
 
     The other half, over libusb, would take a device away from the kernel and sees no Bluetooth.
 
@@ -110,7 +110,7 @@ class HidDevice:
     """A HID device that is read.
 
     Attributes:
-        controls: What it has; none: it is no joystick.
+        controls: Its controls; none: it is no joystick.
         descriptor: Its report descriptor.
     """
 
@@ -125,7 +125,7 @@ class HidDevice:
         self.descriptor = self._decoder.descriptor
 
     def read(self, timeout: float) -> tuple[Value, ...] | None:
-        """The values of the next report; None if none comes within this time [s]."""
+        """The values of the next report; None: there is none within this time [s]."""
         # Without a time-out hidapi does not wait, as the device does not block.
         wait_ms = round(1000.0 * timeout)
         report = (
@@ -167,7 +167,7 @@ def _open(device: Any, info: DeviceInfo) -> DeviceDecoder:  # noqa: ANN401 - of 
 
 
 def _nodes() -> object:
-    """A value that changes when a device comes or goes; None: the system has none."""
+    """A value that changes with the connected devices; None: the system has none."""
     try:
         with os.scandir(_HIDRAW) as entries:
             return sorted((entry.name, entry.inode()) for entry in entries)
@@ -176,7 +176,7 @@ def _nodes() -> object:
 
 
 def _port(path: str) -> str:
-    """Where a device is plugged in, where Linux tells; hidapi does not."""
+    """The port of a device, on Linux; hidapi does not report it."""
     about = _HIDRAW / Path(path).name / "device/uevent"
     try:
         lines: Iterable[str] = about.read_text("utf-8", errors="replace").splitlines()

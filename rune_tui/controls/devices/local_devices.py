@@ -17,7 +17,7 @@ def kinds() -> tuple[Kind, ...]:
 
 
 def reader() -> DeviceReader:
-    """What reads the devices of this machine."""
+    """The reader of this machine's devices."""
     return DeviceReader(kinds())
 
 

@@ -46,7 +46,7 @@ class DeviceInfo:
 
     @property
     def shown(self) -> str:
-        """What to call it to an operator."""
+        """Its name for an operator."""
         name = self.name or f"device {self.vid:04x}:{self.pid:04x}"
         return f"{name} at {self.machine}" if self.machine else name
 

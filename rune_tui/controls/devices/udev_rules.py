@@ -22,7 +22,7 @@ def udev_rule(device: DeviceInfo) -> str:
 
 
 def rule_advice(device: DeviceInfo) -> str:
-    """What to do where a device may not be read, in words."""
+    """The remedy for an unreadable device, in words."""
     if device.path.startswith(_INPUT):
         return "join the group of input devices (sudo usermod -aG input $USER) and log in again"
     return f"put into {RULE_FILE}: {udev_rule(device)}"

@@ -1,1 +1,1 @@
-"""What joysticks send, decoded: report descriptors and reports of USB HID; knows no device file."""
+"""Decodes joysticks: report descriptors and reports of USB HID; opens no device."""

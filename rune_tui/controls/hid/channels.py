@@ -1,4 +1,4 @@
-"""The controls of a joystick as its descriptor has them: where each is, what it is called."""
+"""The controls of a joystick by its descriptor: their places and names."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rune_tui.layout.spec import ControlKind
 MAX_CONTROLS = 512
 """Most controls of one device; real ones have up to about 140."""
 MAX_ELEMENTS = 4096
-"""Most elements that are looked at for controls."""
+"""Most elements that are checked for controls."""
 MAX_SIZE = 32
 """Longest value of a control [bits]."""
 
@@ -23,12 +23,12 @@ class Channel:
     """A control in the report that holds it.
 
     Attributes:
-        kind: What kind of control it is.
+        kind: Its kind.
         name: Its usage as layouts write it; "#2" for the second of the same.
         field: The field that holds it.
         bit: Where its element begins, after the byte of the report id [bits]; in an array the
             first element.
-        value: In an array what the elements hold while it is on; None elsewhere.
+        value: In an array, the elements' value while it is on; else None.
         minimum: Least value that means something.
         maximum: Greatest one.
     """
@@ -92,7 +92,7 @@ def _may_hold_controls(field: InputField) -> bool:
 
 
 def _limits(field: InputField) -> tuple[int, int]:
-    """The range of values; all that fit in where the descriptor's is empty."""
+    """The range of values; all possible values if the descriptor's is empty."""
     if field.minimum < field.maximum:
         return field.minimum, field.maximum
     half = 1 << (field.size - 1)
@@ -114,5 +114,5 @@ def _meaning(field: InputField, usage: int) -> tuple[ControlKind, str]:
 
 
 def _turns(field: InputField) -> bool:
-    """Whether the values look like the eight directions of a hat."""
+    """Whether the values may be the eight directions of a hat."""
     return field.size == 4 and field.maximum - field.minimum == 7

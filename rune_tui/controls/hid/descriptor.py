@@ -75,7 +75,7 @@ class InputField:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportDescriptor:
-    """What a device says its input reports are.
+    """The input reports of a device, by its descriptor.
 
     Attributes:
         fields: All fields in the descriptor's order.
@@ -91,7 +91,7 @@ class ReportDescriptor:
 def parse(descriptor: bytes) -> ReportDescriptor:
     """Reads a descriptor of any bytes.
 
-    What follows the last collection is ignored: some devices pad there.
+    Bytes behind the last collection are ignored: some devices pad there.
 
     Raises:
         DescriptorError: It cannot be read, or describes more than any real device has.
@@ -116,7 +116,7 @@ def parse(descriptor: bytes) -> ReportDescriptor:
 
 
 def _items(descriptor: bytes) -> Iterator[tuple[int, int, int, bytes | None]]:
-    """Place, type, tag and data of each item; data None where the end comes too early."""
+    """Place, type, tag and data of each item; data None: the descriptor ends too early."""
     place, end = 0, len(descriptor)
     while place < end:
         prefix = descriptor[place]
@@ -151,7 +151,7 @@ class _Global:
 
 @dataclass(slots=True)
 class _Local:
-    """What holds until the next main item; usages whose page is open have page None."""
+    """The state until the next main item; usages without a page have page None."""
 
     usages: list[tuple[int | None, int, int]] = field(default_factory=list)
     least: tuple[int | None, int] | None = None

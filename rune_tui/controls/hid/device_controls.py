@@ -1,4 +1,4 @@
-"""What controls a joystick has, and their values out of its reports."""
+"""The controls of a joystick, and their values in its reports."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class PhysicalControl:
     """A control that a device has.
 
     Attributes:
-        kind: What kind of control it is.
+        kind: Its kind.
         index: Which one of its kind, from 0.
-        usage: What the device calls it, such as "x", "button 3", "hat switch"; "#2" at the end
+        usage: Its name at the device, such as "x", "button 3", "hat switch"; "#2" at the end
             for the second of the same.
-        role: What it is for, such as "leftx"; empty if that is not known.
+        role: Its role, such as "leftx"; empty: not known.
         minimum: Least raw value; for a ball of one report.
         maximum: Greatest raw value.
         flipped: Whether raw values grow down or towards the operator.
@@ -46,8 +46,8 @@ class DeviceDecoder:
     """Decodes the reports of one device.
 
     Attributes:
-        controls: All that it has, in the order of its descriptor.
-        joystick: Whether it is one: a keyboard, a mouse is not, nor what has no controls.
+        controls: All its controls, in the order of its descriptor.
+        joystick: Whether it is a joystick: not a keyboard, a mouse, or a device without controls.
         descriptor: The report descriptor.
         unread: How many reports made no sense.
     """

@@ -1,4 +1,4 @@
-"""A gamepad as Linux's input layer has it, as a HID report descriptor and its reports; pure.
+"""Turns a gamepad of Linux's input layer into a HID report descriptor and its reports; pure.
 
 Pads that speak no HID, such as Xbox pads over USB, are read by drivers of the kernel, which give
 event codes. Written as HID, they go through all that HID joysticks go through: roles, calibration,
@@ -50,7 +50,7 @@ Code = tuple[int, int]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KernelPad:
-    """What a device has, by the kernel's codes.
+    """The controls of a device, by the kernel's codes.
 
     Attributes:
         axes: Least and greatest value by code, without those of the hat.
@@ -64,7 +64,7 @@ class KernelPad:
 
     @classmethod
     def of(cls, axes: Mapping[int, tuple[int, int]], keys: frozenset[int]) -> KernelPad | None:
-        """What a device with these axes and keys has; None if it is no joystick."""
+        """The controls of a device with these axes and keys; None: it is no joystick."""
         buttons = tuple(sorted(key for key in keys if BTN_JOYSTICK <= key < BTN_DIGITAL))
         if not buttons or not {ABS_X, ABS_Y} <= axes.keys():
             return None
@@ -74,12 +74,12 @@ class KernelPad:
 
     @property
     def gamepad(self) -> bool:
-        """Whether its driver says that it is a gamepad, so that its buttons have meanings."""
+        """Whether its driver reports a gamepad, so that its buttons have meanings."""
         return any(code >= BTN_GAMEPAD for code in self.buttons)
 
     @property
     def descriptor(self) -> bytes:
-        """A HID report descriptor with all that it has: axes, the hat, buttons."""
+        """A HID report descriptor with its axes, its hat and its buttons."""
         parts = [bytes((0x05, _DESKTOP, 0x09, 0x05 if self.gamepad else 0x04, 0xA1, 0x01))]
         for code, (low, high) in self.axes.items():
             page, usage = self._usage(code)

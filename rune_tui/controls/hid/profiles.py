@@ -1,4 +1,4 @@
-"""What the buttons of common gamepads are called, and mistakes of some descriptors.
+"""Names of the buttons of common gamepads, and mistakes of some descriptors.
 
 Names follow the place, as SDL's do: "a" is the lowest of the four buttons at the right, with any
 letter printed on it. Sources: the mappings of SDL and of SDL_GameControllerDB (both zlib licence),
@@ -19,7 +19,7 @@ _DUALSHOCK_3 = (
 )
 # 7 and 8 are the triggers, which are axes too.
 _DUALSHOCK_4 = "x a b y leftshoulder rightshoulder - - back start leftstick rightstick guide"
-# What Google asks of gamepads; the gaps are C, Z and the triggers.
+# Google's rules for gamepads; the gaps are C, Z and the triggers.
 _ANDROID = "a b - x y - leftshoulder rightshoulder - - back start guide leftstick rightstick"
 _DIRECT_INPUT = (
     "x a b y leftshoulder rightshoulder lefttrigger righttrigger back start leftstick rightstick"
@@ -92,7 +92,7 @@ _PROFILES = (
 
 
 def find_profile(vid: int, pid: int, *, gamepad: bool) -> Mapping[str, str]:
-    """Roles by usage that are known of a device; `gamepad` for one with Android's usages."""
+    """Known roles of a device, by usage; `gamepad` for one with Android's usages."""
     for profile in _PROFILES:
         if profile.vid == vid and (pid in profile.pids or not profile.pids):
             return profile.roles

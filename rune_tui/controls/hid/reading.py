@@ -23,7 +23,7 @@ class ReportSlot:
         size: Its length [bits].
         signed: Whether it is a two's complement.
         limits: Values outside mean "no value".
-        table: What each value stands for instead of itself.
+        table: The replacement of each value.
     """
 
     position: int
@@ -54,7 +54,7 @@ class ArraySlot:
 
 
 class Reading:
-    """What one kind of report holds."""
+    """The content of one kind of report."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class Reading:
 
         Args:
             slots: The controls with values of their own.
-            arrays: The others.
+            arrays: The other fields.
             prefix: Bytes before the first bit.
             needed: Byte of the report, and mask: one of these bits has to be set, else the
                 report holds nothing; no mask for any report.
@@ -140,7 +140,7 @@ class Reading:
 
 
 def read_as_described(channels: Sequence[Channel], *, numbered: bool) -> dict[int, Reading]:
-    """What each report holds, by its id."""
+    """The content of each report, by its id."""
     slots: defaultdict[int, list[ReportSlot]] = defaultdict(list)
     arrays: defaultdict[int, dict[int, tuple[Channel, dict[int, int]]]] = defaultdict(dict)
     for position, channel in enumerate(channels):

@@ -1,6 +1,6 @@
 """Which control is the left stick, the trigger, the twist: guessed from usages and from profiles.
 
-The guess follows what gamepads have in common: of 95 sticks and triggers of real devices it names
+The guess follows the common order of gamepads: of 95 sticks and triggers of real devices it names
 94 as SDL's database of game controllers does.
 """
 
@@ -28,7 +28,7 @@ _OTHERS = {
     "home": "guide",
 } | {f"button {number}": f"button{number}" for number in range(1, 33)}
 _STICKS_ONLY = frozenset({"slider", "throttle", "rudder"})
-"""What no gamepad has."""
+"""Usages that no gamepad has."""
 
 
 def find_roles(channels: Sequence[Channel], *, vid: int, pid: int) -> tuple[str, ...]:

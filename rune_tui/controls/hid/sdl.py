@@ -72,7 +72,7 @@ def roles_from_sdl(
     Lines for other systems count in other ways and are left out, as are places of halves of axes.
 
     Args:
-        lines: Lines of such a file; what is none is skipped.
+        lines: Lines of such a file; others are skipped.
         controls: All controls of the device.
         vid: The maker's number.
         pid: The product's.
@@ -81,7 +81,7 @@ def roles_from_sdl(
     fitting = [line for each in lines if (line := _read(each, vid, pid)) is not None]
     if not fitting:
         return tuple(controls)
-    # With the upper bit of the version they count what a vendor's own driver makes of the pad.
+    # With the upper bit of the version they count the controls of a vendor's own driver.
     best = min(fitting, key=lambda line: (line.bus != bus, line.version & _VENDOR_NUMBERING))
     order = {
         "a": _in_order(controls, _axis_codes(controls)),

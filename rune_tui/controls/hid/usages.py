@@ -1,4 +1,4 @@
-"""What usages mean on a joystick, and what layouts call them.
+"""The usages of joysticks, and their names in layouts.
 
 HID Usage Tables 1.5, sections 4 (generic desktop), 5 (simulation), 12 (button), 15 (consumer).
 """
@@ -15,7 +15,7 @@ JOYSTICK, GAMEPAD = 0x0001_0004, 0x0001_0005
 
 HAT = 0x0001_0039
 UNNAMED = 0x0001_0000
-"""What some cheap pads call their hat."""
+"""The name of the hat on some cheap pads."""
 
 AXES = {
     DESKTOP << 16 | usage: name
@@ -47,7 +47,7 @@ AXES = {
         0xCC: "ballast",
     }.items()
 }
-"""What has a value along a line, by usage."""
+"""Usages with a value along a line."""
 
 _SWITCHES = {
     DESKTOP << 16 | 0x3D: "start",
@@ -68,7 +68,7 @@ _SWITCHES = {
 
 
 def switch_name(usage: int) -> str:
-    """What a usage that is on or off is called; empty if it is none of a joystick's."""
+    """The name of an on-off usage; empty: it is none of a joystick."""
     page, number = usage >> 16, usage & 0xFFFF
     if page == BUTTON and number:
         return f"button {number}"

@@ -30,7 +30,7 @@ def _in_bytes(first: int, usages: str, hat: int) -> dict[str, tuple[int, int]]:
 _DUALSHOCK_4_PLACES = _in_bytes(2, "x y z rz", 6) | {"rx": (72, 8), "ry": (80, 8)}
 _DUALSENSE_PLACES = _in_bytes(1, "x y z rz rx ry", 8)
 _SWITCH_STICKS = {"x": (40, 12), "y": (52, 12), "z": (64, 12), "rz": (76, 12)}
-_SWITCH_STICKS |= {"rx": (64, 12), "ry": (76, 12)}  # what the right one is called over Bluetooth
+_SWITCH_STICKS |= {"rx": (64, 12), "ry": (76, 12)}  # name of the right one over Bluetooth
 _SWITCH_BUTTONS = (18, 19, 16, 17, 38, 22, 39, 23, 24, 25, 27, 26, 28, 29)
 """Bits of: B A Y X, L R ZL ZR, minus, plus, left and right stick, home, capture."""
 _SWITCH_HAT = (32, 4)
@@ -45,7 +45,7 @@ _STICKS_UP = _STICKS[::-1]
 def read_vendor_reports(
     channels: Sequence[Channel], *, vid: int, pid: int, bus: int
 ) -> dict[int, Reading]:
-    """What such reports hold, by report id."""
+    """The content of such reports, by report id."""
     if vid == _SONY and bus == _BLUETOOTH and pid in _DUALSHOCK_4:
         # Only if the first bit is set there is a state in it, not sound.
         slots = _slots(channels, _DUALSHOCK_4_PLACES)

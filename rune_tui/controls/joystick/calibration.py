@@ -1,4 +1,4 @@
-"""What numbers an axis really gives: asked of the operator, or learned while it is used; pure."""
+"""The real range of an axis: measured with the operator, or learned in use; pure."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 TIME_TO_ACT_S = 60.0
 """How long a step of the guide waits for the operator [s]."""
-_LEAST_WAY = 0.25
+_LEAST_RANGE = 0.25
 """Least distance between the ends of an axis, as a share of its nominal range."""
 _LEAST_END = 0.6
 """Ends nearer than this share of the nominal range are not valid."""
@@ -16,7 +16,7 @@ _SAME_END = 0.016
 """Ends that differ by less are one, two steps of an axis with eight bits."""
 _TIMES = 4
 _BACK = 0.1
-"""What is moved by less than this share is back at rest."""
+"""Largest share of the range at which an axis counts as at rest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +73,7 @@ class Ends:
         stop = len(turns) == _TIMES and max(turns) - min(turns) <= _SAME_END
         end = min(turns) if stop and far >= _LEAST_END else before
         if far > end + _SAME_END:
-            end = min(1.0, far)  # it goes further than it was thought to
+            end = min(1.0, far)  # it goes beyond its known range
         if positive:
             self.positive = end
         else:
@@ -82,7 +82,7 @@ class Ends:
 
 
 class CalibrationStep(enum.Enum):
-    """What the operator is asked to do with an axis, in this order."""
+    """The steps of the operator with an axis, in order."""
 
     MAXIMUM = "to its maximum (up, right, away from you)"
     MINIMUM = "to its minimum"
@@ -110,7 +110,7 @@ class Guide:
     """Asks for the ends of one axis after the other; the clock is passed in.
 
     Attributes:
-        found: What was found, by the axes' usages.
+        found: The results, by the axes' usages.
         ended: Whether nothing more is asked.
         given_up: Whether the operator did nothing for too long.
     """
@@ -119,7 +119,7 @@ class Guide:
         """Begin.
 
         Args:
-            axes: What to ask for.
+            axes: The axes to measure.
             now: The time now [s].
         """
         self.found: dict[str, Calibration] = {}
@@ -137,7 +137,7 @@ class Guide:
 
     @property
     def prompt(self) -> str:
-        """What the operator is asked; empty when it has ended."""
+        """The request to the operator; empty: it has ended."""
         if self.ended:
             return ""
         axis = self._left[0].control
@@ -178,7 +178,7 @@ class Guide:
         )
         calibration = Calibration(low=low, high=high, centre=self._raws.get(CalibrationStep.REST))
         self._raws, self._step = {}, CalibrationStep.MAXIMUM
-        if not calibration.sound or high - low < _LEAST_WAY * axis.width:
+        if not calibration.sound or high - low < _LEAST_RANGE * axis.width:
             self._problem = f"That cannot be: {axis.control} gave {low} to {high}. "
             if calibration.centre is not None:
                 self._problem = self._problem[:-2] + f" and {calibration.centre} at rest. "

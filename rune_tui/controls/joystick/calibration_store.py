@@ -58,7 +58,7 @@ class CalibrationStore:
         return self._known.get(device, {})
 
     def add(self, device: str, found: Mapping[str, Calibration]) -> None:
-        """Remember what was found of a device's axes, by usage; `save` writes it."""
+        """Keep the ranges of a device's axes, by usage; `save` writes them."""
         others = {key: axes for key, axes in self._known.items() if key != device}
         newest = {**self._known.get(device, {}), **found}
         # The mapping as a whole, as a thread may be writing the one before.

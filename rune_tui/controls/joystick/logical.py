@@ -1,4 +1,4 @@
-"""A joystick of the layout at work: what its device reports in, control events out; pure."""
+"""A joystick of the layout at work: reports of its device in, control events out; pure."""
 
 from __future__ import annotations
 
@@ -114,13 +114,13 @@ class LogicalJoystick:
         return tuple(events)
 
     def lost(self) -> tuple[ControlEvent, ...]:
-        """The device is gone: everything is released."""
+        """Release everything, because the device is gone."""
         released = self.release_all()
         self._forget_device()
         return released
 
     def release_all(self) -> tuple[ControlEvent, ...]:
-        """Everything is let go; what is deflected now counts again after it has been neutral."""
+        """Release everything; a deflected control counts again after it was neutral."""
         released = tuple(ControlEvent(name=name, pressed=False, value=0.0) for name in self._out)
         self._blocked |= self._out.keys()
         self._out.clear()
@@ -151,7 +151,7 @@ class LogicalJoystick:
         return axes + tuple(part.shown for part in self._parts.get(position, ()))
 
     def raws(self) -> Mapping[str, int | None]:
-        """What the axes give now [device units], by usage."""
+        """The present values of the axes [device units], by usage."""
         return {axis.physical.usage: axis.raw for axis in self._axes.values()}
 
     def to_calibrate(self, control: str = "") -> tuple[GuidedAxis, ...]:
@@ -200,7 +200,7 @@ class LogicalJoystick:
         return bool(parts)
 
     def _parts_of(self, spec: ControlSpec) -> Iterator[_Part]:
-        """Where a button, ball or hat comes from; a cross of buttons is a hat as well."""
+        """The source of a button, ball or hat; a cross of buttons is a hat as well."""
         position = self._find(spec)
         if spec.kind is not ControlKind.HAT:
             if position is not None:

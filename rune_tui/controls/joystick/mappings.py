@@ -23,24 +23,24 @@ class Mappings:
 
     Attributes:
         path: The file.
-        trouble: What is wrong with it, in one sentence; empty if nothing is.
+        fault: The fault of the file, in one sentence; empty: none.
     """
 
     def __init__(self, path: Path | None = None) -> None:
         self.path = path or user_file(FILE_NAME)
-        self.trouble = ""
+        self.fault = ""
 
     def applied(
         self, device: DeviceInfo, controls: tuple[PhysicalControl, ...]
     ) -> tuple[PhysicalControl, ...]:
         """A device's controls with the roles of its line; as they are if it has none."""
-        self.trouble = ""
+        self.fault = ""
         try:
             text = read_user_file(self.path, _LARGEST_FILE).decode("utf-8", errors="replace")
         except FileNotFoundError:
             return controls
         except (OSError, ValueError) as error:
-            self.trouble = (
+            self.fault = (
                 f"the mappings of gamepads in {self.path} cannot be read ({error}); gamepads are "
                 "used without them"
             )

@@ -14,7 +14,7 @@ SATURATION = 0.02
 """How much short of its end an axis counts as fully moved."""
 STICK_EXPO = 0.3
 LARGEST_REST = 0.25
-"""What an axis is off its centre when a device appears, up to this, is taken for its rest."""
+"""Largest offset of an axis at the start that counts as its rest."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +64,7 @@ class AxisRange:
         )
 
     def share(self, raw: float) -> float:
-        """How far it is moved, -1 to 1; each side by its own length."""
+        """Its deflection, -1 to 1; each side by its own length."""
         if raw < self.rest_low:
             return max(-1.0, (raw - self.rest_low) / (self.rest_low - self.low or math.inf))
         if raw > self.rest_high:

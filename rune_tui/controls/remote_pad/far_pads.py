@@ -1,6 +1,6 @@
-"""Gamepads at other machines, as they come over the bus: which are there, and what they report.
+"""Gamepads at other machines, over the bus: their presence and their reports.
 
-Nothing that comes is trusted: it is a state or it is counted and left out. Silence is an unplug.
+No message is trusted: it is a valid state, or it is counted and dropped. Silence is an unplug.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class _Pad:
         announced: Its newest announcement.
         heard: Time of that [s].
         info: The device.
-        controls: Its controls; none if `why` says that it cannot be used.
+        controls: Its controls; none: it is unusable, see `why`.
         here: Whether its states arrive.
         measured: Time of the newest state [s].
         active: Whether it is in use, and so sends its state all the time.
@@ -68,7 +68,7 @@ class _Pad:
 
     @property
     def silent_at(self) -> float:
-        """When it counts as unplugged, if nothing else comes [s]."""
+        """Time at which it counts as unplugged, without a further message [s]."""
         return self.measured + (OLDEST_S if self.active else IDLE_SILENCE_S)
 
 
@@ -85,7 +85,7 @@ class FarPads:
         """Prepare.
 
         Args:
-            operator: The operator of this console; pads for others are left out.
+            operator: The operator of this console; pads for others are ignored.
             clock: Monotonic time [s].
         """
         self.refused = self.late = 0
@@ -148,7 +148,7 @@ class FarPads:
             self._notify()
 
     def news(self) -> list[News]:
-        """What has happened since the last call, in its order."""
+        """The events since the last call, in order."""
         with self._lock:
             self._expire()
             news, self._news = self._news, []
@@ -176,7 +176,7 @@ class FarPads:
                 pad.inbox = None
 
     def inbox(self, path: str) -> Inbox | None:
-        """What has come from a device that is read."""
+        """The new values of a device in use."""
         with self._lock:
             pad = self._at(path)
             return None if pad is None else pad.inbox
@@ -252,7 +252,7 @@ class FarPads:
         self._expire()  # the silence before this state may not have been noticed
         pad, now = self._pads.get(sender), self._clock()
         if pad is None or state.session != pad.announced.session:
-            return False  # it is for another console, or what it is of has not come yet
+            return False  # it is for another console, or its device is unknown yet
         if not state.values.size:
             pad.absent = now
             return self._unplug(pad, Absence.UNPLUGGED if state.active else Absence.ENDED)
@@ -287,7 +287,7 @@ class FarPads:
         self._news.append(Scanned(tuple(pad.info for pad in self._pads.values() if pad.here)))
 
     def _expire(self) -> float:
-        """Unplug what is silent; time until the next may be [s]."""
+        """Unplug silent devices; returns the time until the next check [s]."""
         now, least = self._clock(), math.inf
         for pad in self._pads.values():
             if pad.here and now > pad.silent_at:
@@ -308,7 +308,7 @@ class FarPads:
 
 
 def _same(one: PadDevice, other: PadDevice) -> bool:
-    """Whether these tell the same."""
+    """Whether these are equal."""
     first, second = (
         {**dataclasses.asdict(each), "descriptor": each.descriptor.tobytes()}
         for each in (one, other)

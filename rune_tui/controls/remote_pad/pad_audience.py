@@ -8,7 +8,7 @@ from hub.gcm.pad import CONSOLE_HZ, PadConsole
 from rune_tui.controls.devices.matching import plain_text
 
 FORGOTTEN_S = 3.0 / CONSOLE_HZ
-"""A console is gone after this time without a message [s]."""
+"""Silence after which a console counts as gone [s]."""
 MOST_CONSOLES = 16
 """Largest number of consoles; further ones are left out."""
 

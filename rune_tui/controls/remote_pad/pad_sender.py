@@ -21,7 +21,7 @@ from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
 ACTIVE_FOR_S = 1.0
 """A pad is in use until this time after its last change [s]."""
 DEAD_ZONE = 0.02
-"""Smaller than any that layouts are likely to have: what may drive there is being used here."""
+"""Smaller than usual in layouts: a control that drives there counts as in use here."""
 _WAITS = 1
 _EARLY_S = 0.002
 """A timer may be that much ahead of its time [s]."""
@@ -94,7 +94,7 @@ class PadSender:
         self._begin()
 
     def unplug(self) -> None:
-        """The device is gone: let go of it there, now."""
+        """Release the device there now, because it is gone."""
         if self._described is not None:
             self._send_state(PadState(session=self.session, active=_WAITS))
         self._described, self.active = None, False
@@ -106,10 +106,10 @@ class PadSender:
         self._described, self.active = None, False
 
     def turn(self, values: Iterable[Value], now: float) -> None:
-        """Send what is due; to be called at least every 20 ms.
+        """Send the messages that are due; call it at least every 20 ms.
 
         Args:
-            values: What the device has reported since the last call.
+            values: The device's reports since the last call.
             now: The time now [s].
         """
         values = tuple(values)

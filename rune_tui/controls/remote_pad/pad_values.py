@@ -31,7 +31,7 @@ class Row:
         self.values = [_nothing(kind) for kind in self._kinds]
 
     def take(self, values: Iterable[Value]) -> bool:
-        """Follow what the device reports; whether anything changed."""
+        """Take reports of the device; whether a value changed."""
         changed = [self._follow(position, raw) for position, raw in values]
         return True in changed
 

@@ -98,12 +98,12 @@ def test_keys_of_the_keypad_are_told_by_their_own_names(code: int, name: str) ->
 
 
 def test_keys_are_taken_apart_only_for_a_terminal_that_tells_releases() -> None:
-    assert split("\x1b[?1u", "\x1b[97;5u") == [KeyboardReport(tells_releases=False), "\x1b[97;5u"]
+    assert split("\x1b[?1u", "\x1b[97;5u") == [KeyboardReport(reports_releases=False), "\x1b[97;5u"]
     stream = InputStream(KEYS.__contains__)
     assert list(stream.feed(f"{TELLS}\x1b[97;5u\x1b[?0u\x1b[97;5u", 0.0)) == [
-        KeyboardReport(tells_releases=True),
+        KeyboardReport(reports_releases=True),
         KeyReport(code="97u", move=KeyMove.PRESS, press="\x1b[97;5u"),
-        KeyboardReport(tells_releases=False),
+        KeyboardReport(reports_releases=False),
         "\x1b[97;5u",
     ]
 
@@ -115,7 +115,7 @@ def test_a_terminal_that_tells_releases_of_some_keys_is_as_one_that_tells_of_non
     stream = InputStream(lambda _: True)
     arrow = "w\x1b[A\x1b[1;1:1A\x1b[1;1:2A\x1b[1;5:2A\x1b[1;1:3Aw"
     assert list(stream.feed(f"\x1b[?{flags}u{arrow}", 0.0)) == [
-        KeyboardReport(tells_releases=False),
+        KeyboardReport(reports_releases=False),
         "w\x1b[A\x1b[1A\x1b[1A\x1b[1;5Aw",
     ]
 
@@ -123,7 +123,7 @@ def test_a_terminal_that_tells_releases_of_some_keys_is_as_one_that_tells_of_non
 @pytest.mark.parametrize("flags", [10, 11, 15, 27, 31])
 def test_a_terminal_that_tells_releases_of_all_keys_is_believed(flags: int) -> None:
     (told,) = InputStream(lambda _: True).feed(f"\x1b[?{flags}u", 0.0)
-    assert told == KeyboardReport(tells_releases=True)
+    assert told == KeyboardReport(reports_releases=True)
 
 
 def test_text_of_an_input_method_is_no_key_that_goes_up() -> None:
@@ -134,7 +134,7 @@ def test_text_of_an_input_method_is_no_key_that_goes_up() -> None:
 
 def test_no_release_is_lost_that_comes_in_two_pieces() -> None:
     stream = InputStream(lambda _: True)
-    assert list(stream.feed(f"{TELLS}\x1b[119;1", 0.0)) == [KeyboardReport(tells_releases=True)]
+    assert list(stream.feed(f"{TELLS}\x1b[119;1", 0.0)) == [KeyboardReport(reports_releases=True)]
     assert list(stream.feed("", 3 * HOLD_S)) == []
     up = KeyReport(code="119u", move=KeyMove.RELEASE, press="\x1b[119u")
     assert list(stream.feed(":3u", 6 * HOLD_S)) == [up]

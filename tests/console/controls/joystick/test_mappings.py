@@ -45,7 +45,7 @@ def test_without_a_line_for_the_pad_and_without_the_file_all_is_as_it_was(path: 
     path.write_text(SWAPPED)
     assert mappings.applied(device(pid=1), PAD) == PAD
     assert mappings.applied(device(), PAD) != PAD
-    assert mappings.trouble == ""
+    assert mappings.fault == ""
 
 
 @pytest.mark.parametrize("damage", ["pipe", "folder", "large"])
@@ -94,5 +94,5 @@ def test_a_file_of_any_lines_does_not_hold_up_hands(path: Path, line: str) -> No
     mappings = Mappings()
     start = time.thread_time()
     assert mappings.applied(device(), PAD) != PAD
-    assert not mappings.trouble
+    assert not mappings.fault
     assert time.thread_time() - start < 0.2
