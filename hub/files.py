@@ -10,7 +10,7 @@ from pathlib import Path
 from hub.errors import MapFileError
 
 
-def replace(path: Path, content: bytes, *, sync: bool = True) -> None:
+def replace(path: Path, content: bytes, *, sync: bool = True, mode: int = 0o644) -> None:
     """Put a file in place in one step.
 
     After a crash at any moment the file has the old content or the new one, never a mixture.
@@ -19,6 +19,7 @@ def replace(path: Path, content: bytes, *, sync: bool = True) -> None:
         path: The file.
         content: Its new content.
         sync: Whether to wait until it is on the disk; else a stop of the machine may lose it.
+        mode: Who may read and write it; until it is in place, only its owner.
 
     Raises:
         OSError: It cannot be written; the old file is as it was.
@@ -31,7 +32,7 @@ def replace(path: Path, content: bytes, *, sync: bool = True) -> None:
             file.flush()
             if sync:
                 os.fsync(file.fileno())
-        unfinished.chmod(0o644)
+        unfinished.chmod(mode)
         unfinished.replace(path)
     except BaseException:
         with contextlib.suppress(OSError):
@@ -58,16 +59,28 @@ def read(path: Path, most: int) -> bytes:
         MapFileError: It cannot be read, is no regular file, or is larger than `most` bytes.
     """
     try:
-        # Checked before opening: a pipe would wait for a writer.
-        regular = path.is_file() or not path.exists()
-        raw = b""
-        if regular:
-            with path.open("rb") as file:
-                raw = file.read(most + 1)
+        return read_regular(path, most)
     except OSError as fault:
         text = f"{path} cannot be read: {fault.strerror or fault}"
         raise MapFileError(text) from fault
-    if not regular or len(raw) > most:
+    except ValueError as fault:
         text = f"{path} is no regular file of at most {most} bytes"
-        raise MapFileError(text)
+        raise MapFileError(text) from fault
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """The content of a file.
+
+    Raises:
+        OSError: It is not there, or cannot be read.
+        ValueError: It is no regular file, or is larger than `most` bytes.
+    """
+    if path.exists() and not path.is_file():  # to open a pipe would wait for a writer
+        text = "it is no regular file"
+        raise ValueError(text)
+    with path.open("rb") as file:
+        raw = file.read(most + 1)
+    if len(raw) > most:
+        text = f"it is larger than {most} bytes"
+        raise ValueError(text)
     return raw

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from hub.files import read_regular
 from hub.nearest import did_you_mean
 from hub.plain_text import is_plain, plain
 
@@ -310,19 +311,10 @@ def load(
         Exception: Made by `error`: it cannot be read, is too large, or is not TOML.
     """
     try:
-        # Checked before opening: a pipe would wait for a writer.
-        regular = path.is_file() or not path.exists()
-        raw = b""
-        if regular:
-            with path.open("rb") as file:
-                raw = file.read(MAX_FILE_BYTES + 1)
+        raw = read_regular(path, MAX_FILE_BYTES)
     except (OSError, ValueError) as fault:
         reason = getattr(fault, "strerror", None) or str(fault)
         raise error(str(path), [f"cannot be read: {reason}"]) from fault
-    if not regular:
-        raise error(str(path), ["cannot be read: it is no regular file"])
-    if len(raw) > MAX_FILE_BYTES:
-        raise error(str(path), [f"is larger than {MAX_FILE_BYTES} bytes"])
     try:
         text = raw.decode()
     except UnicodeDecodeError as fault:

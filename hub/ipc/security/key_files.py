@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import secrets
 import stat
 import sys
 from collections.abc import Mapping
@@ -14,6 +13,7 @@ from typing import Any
 
 from zmq.utils import z85
 
+from hub import files
 from hub.errors import KeyFileError
 from hub.ipc.roles import Role
 from hub.toml_reader import Key, Problems, Reader, RefusedError, choice, load, read_table, shorten
@@ -108,17 +108,9 @@ def write_private(path: Path, text: str) -> None:
     Raises:
         KeyFileError: It cannot be written; the old file stays.
     """
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
-        descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(path)
+        files.replace(path, text.encode(), mode=0o600)
     except OSError as fault:
-        with contextlib.suppress(OSError):
-            beside.unlink(missing_ok=True)
         reason = f"it cannot be written ({reason_of(fault)}); make room or choose another --folder"
         raise KeyFileError(path, reason) from fault
 

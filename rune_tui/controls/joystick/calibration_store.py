@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from hub import files
 from rune_tui.controls.joystick.calibration import Calibration
-from rune_tui.controls.joystick.user_files import read_user_file, user_file
+from rune_tui.controls.joystick.user_files import user_file
 
 FILE_NAME = "joysticks.json"
 _VERSION = 1
@@ -79,19 +78,10 @@ class CalibrationStore:
             device: dict(map(_written, axes.items())) for device, axes in self._known.items()
         }
         text = json.dumps({"version": _VERSION, "devices": devices}, indent=1)
-        handle, name = tempfile.mkstemp(dir=self.path.parent, prefix=f"{FILE_NAME}.")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-            Path(name).replace(self.path)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
+        files.replace(self.path, text.encode(), mode=0o600)
 
     def _read(self) -> dict[str, dict[str, Calibration]]:
-        whole = _mapping(json.loads(read_user_file(self.path, _LARGEST_FILE)))
+        whole = _mapping(json.loads(files.read_regular(self.path, _LARGEST_FILE)))
         if whole.get("version") != _VERSION:
             text = f"it is not of version {_VERSION}"
             raise ValueError(text)

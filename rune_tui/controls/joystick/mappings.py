@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
+from hub.files import read_regular
 from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.controls.hid.device_controls import PhysicalControl
 from rune_tui.controls.hid.sdl import roles_from_sdl
-from rune_tui.controls.joystick.user_files import read_user_file, user_file
+from rune_tui.controls.joystick.user_files import user_file
 
 FILE_NAME = "gamecontrollerdb.txt"
 """As SDL_GameControllerDB and the games that take it call it."""
@@ -36,7 +37,7 @@ class Mappings:
         """A device's controls with the roles of its line; as they are if it has none."""
         self.fault = ""
         try:
-            text = read_user_file(self.path, _LARGEST_FILE).decode("utf-8", errors="replace")
+            text = read_regular(self.path, _LARGEST_FILE).decode("utf-8", errors="replace")
         except FileNotFoundError:
             return controls
         except (OSError, ValueError) as error:
