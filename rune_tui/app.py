@@ -90,7 +90,7 @@ class Console(CoveredApp, inherit_bindings=False):
         self.effects = EffectRunner(
             self, source, current, self.inputs, links, self._pane, self._state, self._leave
         )
-        recorder = self.effects.filing.recorder
+        recorder = self.effects.file_writer.recorder
         self._live = LiveState(current, self.inputs, links, painter, recorder)
         self._frames = FrameClock(current, self.inputs, links, painter, self._state)
 

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from rune_tui.files.file_writer import Filing
+from rune_tui.files.file_writer import FileWriter
 from rune_tui.files.user_files import Outcome, undelivered
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.rules import Purpose
@@ -56,7 +56,7 @@ class EffectRunner:
 
     Attributes:
         guard: Logs a fault and continues.
-        filing: Writes files.
+        file_writer: Writes files.
         layouts: Opens other layouts.
     """
 
@@ -92,7 +92,9 @@ class EffectRunner:
         self._leave = leave
         self._changes = ChangeNotifier()
         self.guard = FaultGuard(self.notify)
-        self.filing = Filing(links, partial(app.run_worker, exit_on_error=False), self.notify)
+        self.file_writer = FileWriter(
+            links, partial(app.run_worker, exit_on_error=False), self.notify
+        )
         self.layouts = LayoutFollower(source, self.open_layout, self.report_trouble)
 
     def run(self, effects: Iterable[Effect]) -> None:
@@ -120,7 +122,7 @@ class EffectRunner:
         gone = self._links.follow(layout)
         self._app.title = f"Rune {layout.path}"
         self._inputs.follow()
-        self.filing.recorder.follow(layout)
+        self.file_writer.recorder.follow(layout)
         self.notify(Outcome(text=f"opened {layout.path}"))
         self._inputs.name_unreported_keys()
         self.ask_for_pictures()
@@ -129,15 +131,15 @@ class EffectRunner:
 
     def end_recording(self) -> None:
         """End a running recording; returns when its file is complete."""
-        if self.filing.recorder.path:
-            self.filing.recorder.end()()
+        if self.file_writer.recorder.path:
+            self.file_writer.recorder.end()()
 
     def tick(self, now: float) -> None:
         """Record, report changes and tick the widgets; runs 20 times a second."""
         self._save_calibrations()
         state = self._state()
         if state.display is not None:
-            self.filing.recorder.note(now, state.display)
+            self.file_writer.recorder.note(now, state.display)
         self.run(Notify(notice=notice) for notice in self._changes.look(state))
         self.run(self._current.dispatch.tick(state))
 
@@ -218,7 +220,7 @@ class EffectRunner:
                 self._send(effect)
             case ScreenshotEffect() | RecordEffect() | ExportEffect():
                 cells, pictures = self._pane.cells, self._pane.pictures
-                self.filing.do(effect, self._current.layout, state, cells, pictures)
+                self.file_writer.do(effect, self._current.layout, state, cells, pictures)
             case CalibrateEffect(joystick=name, control=control):
                 self._inputs.joysticks.calibrate(name, control, state.now)
             case NextLayoutEffect():
@@ -229,7 +231,7 @@ class EffectRunner:
         joysticks = self._inputs.joysticks
         if joysticks.unsaved:
             joysticks.unsaved = False
-            self.filing.keep_calibrations(joysticks.store)
+            self.file_writer.write_calibrations(joysticks.store)
 
     def _send(self, effect: SendEffect | ControlEffect | MissionEffect) -> None:
         link = self._links[effect.robot]

@@ -1,4 +1,4 @@
-"""The arguments of `rune`: commands, options, and what they may say."""
+"""The arguments of `rune`: commands, options and their values."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _aspect = number_type(float, 1.0, 4.0, "ratio from 1 to 4, such as 2.2")
 
 
 def parser() -> CommandParser:
-    """What reads the command line, and says what is wrong with it."""
+    """The parser of the command line."""
     parser = CommandParser(
         prog="rune",
         description="Rune, the Robot-User Nexus: drive robots from a terminal.",
@@ -140,10 +140,10 @@ def _add_pad(commands: Commands, keys_help: str) -> None:
         "pad",
         help="send this machine's joystick to a console that runs elsewhere",
         description="Send a joystick of this machine to consoles that run elsewhere, on the robot "
-        "for instance. It goes through the robot's hub. A console at that hub takes it "
-        "where its layout has a joystick that it fits and nothing else is plugged in there.",
-        epilog="Ctrl-C ends it. What is held is let go of there, as it is when this machine falls "
-        "silent for 0.25 s; then nothing drives before it has been neutral. Exit codes: 0 ended "
+        "for instance. It goes through the robot's hub. A console at that hub uses it "
+        "if it fits a joystick of the layout and no other device is plugged in there.",
+        epilog="Ctrl-C ends it. The console then releases all held controls, as it does after "
+        "0.25 s of silence; a control must be neutral before it drives again. Exit codes: 0 ended "
         "by you, 2 wrong usage, or a key that may only watch, 3 no hub.",
     )
     pad.add_argument(
@@ -154,7 +154,7 @@ def _add_pad(commands: Commands, keys_help: str) -> None:
         "--ssh",
         default="",
         metavar="[USER@]HOST[:PORT]",
-        help="go to the robot through ssh; HOST is then its hub as the robot knows it (127.0.0.1)",
+        help="go to the robot through ssh; HOST is then its hub as seen from the robot (127.0.0.1)",
     )
     pad.add_argument(
         "--device",

@@ -1,4 +1,4 @@
-"""The hub of `rune demo`: a simulated robot as a process of its own, on free loopback ports."""
+"""The hub of `rune demo`: a simulated robot in its own process, on free loopback ports."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _STOP_S = 8.0
 
 
 class DemoHub:
-    """`rune-hub run` of a shipped robot; it ends with this process, however that ends."""
+    """`rune-hub run` of a shipped robot; it ends with this process at any kind of end."""
 
     def __init__(self, robot: str, log: Path, settings: Sequence[str] = ()) -> None:
-        """Start the process; it goes on starting while the console does.
+        """Start the process; its start continues in parallel with the console's.
 
         Args:
             robot: Name of a shipped robot.
-            log: File for what the hub logs.
-            settings: Values in place of the robot file's, such as "simulation.arena=empty".
+            log: File for the hub's log.
+            settings: Values that replace the robot file's, such as "simulation.arena=empty".
 
         Raises:
             DemoError: The process cannot be started.
@@ -37,7 +37,7 @@ class DemoHub:
         self._log = log
         command = [sys.executable, "-m", "hub", "run", robot, "--port", "0", "--json"]
         command += [word for setting in settings for word in ("--set", setting)]
-        # What is found in a demo ends with it, and the next one begins with an empty map.
+        # A demo's data end with it, so that the next one begins with an empty map.
         self._kept = tempfile.TemporaryDirectory(prefix="rune-demo-", ignore_cleanup_errors=True)
         try:
             with log.open("ab") as file:
@@ -65,10 +65,10 @@ class DemoHub:
         self.close()
 
     def endpoint(self) -> str:
-        """Where it listens, as soon as it does.
+        """Wait until the hub listens; returns its endpoint.
 
         Raises:
-            DemoError: It ended, or takes too long.
+            DemoError: The hub ended, or takes too long.
         """
         pipe = self._process.stdout
         if pipe is None:
@@ -88,7 +88,7 @@ class DemoHub:
         raise DemoError(text)
 
     def close(self) -> None:
-        """End it and all its modules."""
+        """End the hub and all its modules."""
         if self._process.stdin is not None:
             self._process.stdin.close()
         try:

@@ -1,4 +1,4 @@
-"""`rune joytest`: what is plugged in, what it reports, and how layouts name its controls."""
+"""`rune joytest`: the joysticks of this machine, their reports, and names for layouts."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ _BAR = 21
 _CURVE = 16
 _HEIGHTS = "·▁▂▃▄▅▆▇█"
 _MEANT = 0.6
-"""How far a control has to be moved to be learned."""
+"""Least deflection of a control that is learned."""
 _NOT_IN_LAYOUT = JoystickSpec(name="")
 _ENTER, _LEAVE = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
 _HOME, _REST_OF_LINE, _BELOW = "\x1b[H", "\x1b[K", "\x1b[J"
 
 
 def described(number: int, device: DeviceInfo) -> dict[str, Any]:
-    """The facts of a device, for programs; opens it for a moment."""
+    """The facts of a device, for programs; opens the device for a moment."""
     controls: Sequence[PhysicalControl] = ()
     why = ""
     try:
@@ -81,7 +81,7 @@ def described(number: int, device: DeviceInfo) -> dict[str, Any]:
 
 
 def listed(*, as_json: bool) -> str:
-    """All joysticks, for people or for programs."""
+    """All joysticks, as text or as JSON."""
     line = [described(number, device) for number, device in enumerate(joysticks_here(), 1)]
     if as_json:
         return json.dumps(line, indent=2) + "\n"
@@ -97,27 +97,27 @@ def listed(*, as_json: bool) -> str:
 
 
 def rules() -> str:
-    """A file of rules with which users of this system may read the joysticks."""
+    """A udev rules file that lets users of this system read the joysticks."""
     devices = joysticks_here()
     return udev_rules(devices) if devices else f"# {NOTHING}\n"
 
 
 def watch(joysticks: Sequence[JoystickSpec] | None = None) -> None:
-    """Show what all joysticks report, until somebody ends it.
+    """Show the reports of all joysticks until Ctrl-C.
 
     Args:
-        joysticks: Those of a layout, to show what becomes of it there; None: without a layout.
+        joysticks: Joysticks of a layout, to show the values there; None: without a layout.
     """
     _follow(_Pictures(), joysticks)
 
 
 def learn() -> None:
-    """Write what a layout says of each control that is moved, until somebody ends it."""
+    """Write the layout's line for each control that is moved, until Ctrl-C."""
     _follow(_Lines())
 
 
-class Seat:
-    """A device that is read, with all of its controls as a layout could use them."""
+class TestedDevice:
+    """A device and its reports, with all controls that a layout could use."""
 
     def __init__(self, device: DeviceInfo) -> None:
         self.device = device
@@ -134,12 +134,12 @@ class Seat:
         store: CalibrationStore,
         spec: JoystickSpec | None = None,
     ) -> None:
-        """It can be read.
+        """Note that the device is open.
 
         Args:
-            controls: What it has.
-            store: What is known of it.
-            spec: The joystick of the layout that it is; None: all that it has, by its usage.
+            controls: Its controls.
+            store: Calibrations.
+            spec: Its joystick in the layout; None: all controls, by usage.
         """
         self.why = ""
         self.controls = controls
@@ -150,7 +150,7 @@ class Seat:
         self.joystick.connect(controls, store.of(self.device.key))
 
     def take(self, inbox: Inbox, now: float) -> None:
-        """What has come since the last call."""
+        """Take the reports since the last call."""
         values = inbox.take()
         self.raws.update(values)
         self.joystick.feed(values, now)
@@ -160,32 +160,32 @@ class Seat:
             self._counted = (inbox.reports, now)
 
     def moved(self, position: int) -> bool:
-        """Whether a control is moved so far that it is meant."""
+        """Whether a control is moved far enough to be learned."""
         values = self.joystick.values
         return any(abs(values.get(n, 0.0)) > _MEANT for n in self.joystick.shown_at(position))
 
 
-def lines_of(seat: Seat) -> list[str]:
-    """A device in words and bars."""
-    device = seat.device
+def lines_of(one: TestedDevice) -> list[str]:
+    """The lines of a device: words and bars."""
+    device = one.device
     name = f"{device.vid:04x}:{device.pid:04x} {device.shown} {device.serial}".rstrip()
-    if seat.why:
-        return [name, f"  {seat.why}"]
-    lines = [f"{name}: {seat.rate:.0f} reports a second"]
-    for position, control in enumerate(seat.controls):
-        raw = seat.raws.get(position)
+    if one.why:
+        return [name, f"  {one.why}"]
+    lines = [f"{name}: {one.rate:.0f} reports a second"]
+    for position, control in enumerate(one.controls):
+        raw = one.raws.get(position)
         line = f"  {control.usage:16} {control.role:14} {'-' if raw is None else raw:>7}"
-        shown = seat.joystick.shown_at(position)
+        shown = one.joystick.shown_at(position)
         if control.kind is ControlKind.HAT:
-            shown = shown[:1]  # of all directions
-        lines += [f"{line}  {made_of(seat, position, each)}" for each in shown]
+            shown = shown[:1]  # one line for all directions
+        lines += [f"{line}  {made_of(one, position, each)}" for each in shown]
         lines += [] if shown else [f"{line}  not in the layout"]
     return lines
 
 
-def made_of(seat: Seat, position: int, name: str) -> str:
-    """What becomes of a control of the device in one of the layout."""
-    joystick, control = seat.joystick, seat.controls[position]
+def made_of(one: TestedDevice, position: int, name: str) -> str:
+    """The layout's value of a device's control."""
+    joystick, control = one.joystick, one.controls[position]
     own = name == control.usage
     if control.kind is ControlKind.HAT:
         pushed = [each for each in joystick.shown_at(position) if joystick.values.get(each)]
@@ -204,18 +204,18 @@ def made_of(seat: Seat, position: int, name: str) -> str:
 
 
 def fold(line: str, columns: int) -> list[str]:
-    """A line in rows of this width [columns]; the next rows are indented."""
+    """A line in rows of this width [columns]; rows after the first are indented."""
     return textwrap.wrap(line, max(20, columns), subsequent_indent=" " * 8) or [""]
 
 
 def curve(shape: Shape) -> str:
-    """How much becomes of an axis, from its rest to its end."""
+    """The response curve of an axis, from rest to end."""
     shares = (column / (_CURVE - 1) for column in range(_CURVE))
     return "".join(_HEIGHTS[round(shape.shaped(share) * (len(_HEIGHTS) - 1))] for share in shares)
 
 
 def control_line(control: PhysicalControl) -> str:
-    """What a layout says to mean this control on any such device."""
+    """The layout's line for this control."""
     name = (control.role or control.usage).replace(" ", "-")
     which = (
         f"role={quoteattr(control.role)}" if control.role else f"usage={quoteattr(control.usage)}"
@@ -224,78 +224,78 @@ def control_line(control: PhysicalControl) -> str:
 
 
 def joystick_line(device: DeviceInfo) -> str:
-    """What a layout says to mean this kind of device."""
+    """The layout's line for this kind of device."""
     return f'<joystick name="pad" vid="{device.vid:04x}" pid="{device.pid:04x}">'
 
 
-class Bench:
-    """All joysticks that are plugged in, being read."""
+class TestedDevices:
+    """All joysticks of this machine, with their reports."""
 
     def __init__(self, reader: DeviceReader, joysticks: Sequence[JoystickSpec] | None) -> None:
         self._joysticks = joysticks
         self._assigned: Mapping[str, DeviceInfo] = {}
-        self.seats: dict[str, Seat] = {}
+        self.tested: dict[str, TestedDevice] = {}
         self._reader = reader
         self._store = CalibrationStore()
         self._mappings = Mappings()
 
     @property
     def trouble(self) -> str:
-        """What is wrong with the user's own roles, in one sentence; empty if nothing is."""
+        """The fault in the user's own roles, in one sentence; else empty."""
         return self._mappings.fault
 
     def turn(self, now: float) -> None:
-        """Take what has come."""
+        """Take new reports."""
         for news in self._reader.news():
             self._learn(news)
-        for path, seat in self.seats.items():
+        for path, one in self.tested.items():
             inbox = self._reader.inbox(path)
             if inbox is not None:
-                seat.take(inbox, now)
+                one.take(inbox, now)
 
     def _learn(self, news: News) -> None:
         match news:
             case Scanned(devices=devices):
                 here = {device.path: device for device in devices if device.joystick}
-                for path in [each for each in self.seats if each not in here]:
+                for path in [each for each in self.tested if each not in here]:
                     self._reader.stop(path)
-                    del self.seats[path]
+                    del self.tested[path]
                 self._assigned = assigned(self._joysticks or (), devices, self._assigned)
                 for path, device in here.items():
-                    self.seats.setdefault(path, Seat(device))
+                    self.tested.setdefault(path, TestedDevice(device))
                     self._reader.read(device)
-            case Opened(path=path, controls=controls) if path in self.seats:
-                self._opened(self.seats[path], controls)
-            case Refused(path=path) if path in self.seats:
+            case Opened(path=path, controls=controls) if path in self.tested:
+                self._opened(self.tested[path], controls)
+            case Refused(path=path) if path in self.tested:
                 self._reader.stop(path)
-                self.seats[path].why = news.why
+                self.tested[path].why = news.why
                 if news.forbidden:
-                    self.seats[path].why += f"; {rule_advice(self.seats[path].device)}"
-            case Gone(path=path) if path in self.seats:
+                    self.tested[path].why += f"; {rule_advice(self.tested[path].device)}"
+            case Gone(path=path) if path in self.tested:
                 self._reader.stop(path)
-                self.seats[path].why = "it is gone"
+                self.tested[path].why = "it is gone"
 
-    def _opened(self, seat: Seat, controls: tuple[PhysicalControl, ...]) -> None:
+    def _opened(self, one: TestedDevice, controls: tuple[PhysicalControl, ...]) -> None:
         specs = [
-            spec for spec in self._joysticks or () if self._assigned.get(spec.name) == seat.device
+            spec for spec in self._joysticks or () if self._assigned.get(spec.name) == one.device
         ]
-        seat.opened(
-            self._mappings.applied(seat.device, controls),
+        one.opened(
+            self._mappings.applied(one.device, controls),
             self._store,
             next(iter(specs), None if self._joysticks is None else _NOT_IN_LAYOUT),
         )
 
 
 class _Pictures:
-    """The whole terminal, again and again."""
+    """Draws the whole terminal repeatedly."""
 
     def begin(self) -> None:
         sys.stdout.write(_ENTER)
 
-    def show(self, bench: Bench) -> None:
+    def show(self, devices: TestedDevices) -> None:
         columns, rows = shutil.get_terminal_size()
-        lines = [line for seat in bench.seats.values() for line in lines_of(seat)]
-        lines += [bench.trouble] if bench.trouble else []
+        lines = [line for one in devices.tested.values() for line in lines_of(one)]
+        lines += [devices.trouble] if devices.trouble else []
         lines = lines or [f"{NOTHING}; waiting for one"]
         folded = [row for line in lines for row in fold(line, columns)]
         shown = [*folded[: max(0, rows - 2)], "", "ctrl+c ends this"]
@@ -309,7 +309,7 @@ class _Pictures:
 
 
 class _Lines:
-    """A line for each control, when it is moved for the first time."""
+    """Writes a line for each control at its first move."""
 
     def __init__(self) -> None:
         self._reported: set[tuple[str, int]] = set()
@@ -318,12 +318,12 @@ class _Lines:
     def begin(self) -> None:
         sys.stderr.write("move each control as far as it goes; ctrl+c ends this\n")
 
-    def show(self, bench: Bench) -> None:
-        for path, seat in bench.seats.items():
-            for position, control in enumerate(seat.controls):
-                if seat.moved(position) and (path, position) not in self._reported:
+    def show(self, devices: TestedDevices) -> None:
+        for path, one in devices.tested.items():
+            for position, control in enumerate(one.controls):
+                if one.moved(position) and (path, position) not in self._reported:
                     self._reported.add((path, position))
-                    self._report(seat.device, control)
+                    self._report(one.device, control)
 
     def _report(self, device: DeviceInfo, control: PhysicalControl) -> None:
         if device.path != self._device:
@@ -343,15 +343,15 @@ class _Lines:
 def _follow(output: _Pictures | _Lines, joysticks: Sequence[JoystickSpec] | None = None) -> None:
     moved = threading.Event()
     reader = local_devices.reader()
-    bench = Bench(reader, joysticks)
+    devices = TestedDevices(reader, joysticks)
     reader.start(moved.set)
     output.begin()
     try:
         while True:
             moved.wait(_RATE_S)
             moved.clear()
-            bench.turn(time.monotonic())
-            output.show(bench)
+            devices.turn(time.monotonic())
+            output.show(devices)
             time.sleep(_FRAME_S)
     finally:
         output.end()

@@ -1,4 +1,4 @@
-"""`rune pad`: sends the gamepad of this machine to consoles elsewhere, through a robot's hub."""
+"""`rune pad`: sends this machine's gamepad to consoles on other machines, through a robot's hub."""
 
 from __future__ import annotations
 
@@ -33,30 +33,30 @@ from rune_tui.layout.spec import JoystickSpec
 from rune_tui.link.tunnel import Tunnel
 
 CONNECT_S = 5.0
-"""Time for the hub to answer at the start [s]; later it may be away for as long as it wants."""
+"""Longest wait for the hub at the start [s]; later losses have no limit."""
 _TURN_S = 1.0 / pad.STATE_HZ
 _SHOW_S = 0.5
-_LAST_WORD_S = 0.5
+_LAST_REPORT_S = 0.5
 _ANY = "pad"
 _START_OF_LINE, _REST_OF_LINE = "\r", "\x1b[K"
 
 
 class Choice:
-    """Which of the joysticks of this machine is sent: one that was named, or the first.
+    """The choice of the joystick to send: by name or number, or the first.
 
     Attributes:
-        shown: What to call it while it is not there.
+        shown: Its name while it is absent.
     """
 
     def __init__(self, wanted: str, devices: Sequence[DeviceInfo]) -> None:
         """Choose.
 
         Args:
-            wanted: A number, from 1, a name or a part of it, or a pattern of one; empty: any.
-            devices: All joysticks that are plugged in now, in the order of their numbers.
+            wanted: A number from 1, a name, a part of it, or a pattern of it; empty: any.
+            devices: All present joysticks, in the order of their numbers.
 
         Raises:
-            DeviceChoiceError: There is none of this number.
+            DeviceChoiceError: No joystick has this number.
         """
         self.shown = "a joystick to be plugged in"
         self._spec = JoystickSpec(name=_ANY)
@@ -76,7 +76,7 @@ class Choice:
             self.shown = f"a joystick called {wanted}"
 
     def of(self, devices: Sequence[DeviceInfo]) -> DeviceInfo | None:
-        """The one of these; the one before, if it is there again."""
+        """The chosen device; the device before, if it is present again."""
         usable = [device for device in devices if device.joystick]
         found = assigned([self._spec], usable, self._last).get(_ANY)
         if found is not None:
@@ -85,12 +85,12 @@ class Choice:
 
 
 class Agent:
-    """Reads the device and hands what it reports to a sender; used by one thread.
+    """Reads the device and passes its reports to a sender; for one thread.
 
     Attributes:
-        choice: Which it is.
-        device: The device that is sent; None while there is none.
-        why: Why it cannot be read; empty if it can.
+        choice: The choice of the device.
+        device: The device; None while absent.
+        why: Why it cannot be read; else empty.
     """
 
     def __init__(self, choice: Choice, reader: Devices, sender: PadSender) -> None:
@@ -101,10 +101,10 @@ class Agent:
         self._faults: dict[str, int] = {}
 
     def turn(self) -> None:
-        """Take what has come, and send what is due."""
+        """Take new reports, and send the states that are due."""
         for news in self._reader.news():
             self._learn(news)
-        # What comes before the device is known to be open waits until it is.
+        # Reports wait until the device is known to be open.
         opened = self.device is not None and self._sender.plugged
         inbox = self._reader.inbox(self.device.path) if self.device and opened else None
         self._sender.turn(inbox.take() if inbox else (), time.monotonic())
@@ -138,22 +138,22 @@ class Agent:
         if device is None:
             return
         if self._faults.get(device.path, 0) > MOST_FAULTS:
-            self.why = "it falls silent again and again; plug it in anew"
+            self.why = "it falls silent again and again; plug it in again"
         else:
             self._reader.read(device)
 
 
 @dataclass(slots=True, kw_only=True)
 class Progress:
-    """One line that says how it goes: on a terminal rewritten, else written when it changes.
+    """One status line: rewritten on a terminal, else written at each change.
 
     Attributes:
-        agent: Has the device.
-        sender: Sends it.
+        agent: Reads the device.
+        sender: Sends its states.
         audience: The consoles that may use it.
-        client: The connection.
-        tunnel: The way there, if there is one.
-        out: Where the line is written.
+        client: The connection to the hub.
+        tunnel: The ssh tunnel, if any.
+        out: The stream to write to.
     """
 
     agent: Agent
@@ -162,28 +162,28 @@ class Progress:
     client: Client
     tunnel: Tunnel | None
     out: TextIO = field(default_factory=lambda: sys.stderr)
-    _said: str = ""
+    _written: str = ""
     _looked: float = field(default_factory=time.monotonic)
     _sent: int = 0
 
     def show(self) -> None:
-        """Say it."""
+        """Write the line."""
         flow = self._flow()
         if self.out.isatty():
             line = self._line(flow)[: shutil.get_terminal_size().columns - 1]
             self.out.write(f"{_START_OF_LINE}{line}{_REST_OF_LINE}")
-        elif (line := self._line("")) != self._said:
+        elif (line := self._line("")) != self._written:
             self.out.write(f"{line}\n")
-        self._said = line
+        self._written = line
         self.out.flush()
 
     def end(self) -> None:
-        """Leave the line."""
-        if self.out.isatty() and self._said:
+        """End the line."""
+        if self.out.isatty() and self._written:
             self.out.write("\n")
 
     def _line(self, flow: str) -> str:
-        """All of it; what says how it flows is left out where lines cannot be rewritten."""
+        """The whole line; `flow` is empty if lines cannot be rewritten."""
         agent, client = self.agent, self.client
         device = agent.device.shown if agent.device else f"waiting for {agent.choice.shown}"
         device += f": {agent.why}" if agent.why else ""
@@ -198,7 +198,7 @@ class Progress:
         return f"{device}{used}{flow}; connected to {where}"
 
     def _flow(self) -> str:
-        """What changes all the time."""
+        """The part that changes all the time: rate and round trip."""
         now, sent = time.monotonic(), self.sender.sent
         rate = (sent - self._sent) / max(now - self._looked, 1e-3)
         self._looked, self._sent = now, sent
@@ -216,21 +216,21 @@ def run(
     device: str = "",
     operator: str = "",
 ) -> None:
-    """Send a joystick's states until the end of the command, through losses of device and hub.
+    """Send a joystick's states until Ctrl-C; continue after losses of device and hub.
 
     Args:
-        hub: Endpoint of the robot's hub; with `ssh` as the robot itself knows it.
-        ssh: Where ssh goes, [USER@]HOST[:PORT]; empty: not through ssh.
+        hub: Endpoint of the robot's hub; with `ssh`, as seen from the robot.
+        ssh: Destination [USER@]HOST[:PORT]; empty: no ssh.
         keys: File of the operator's key, for a hub on another machine.
-        device: Which joystick; see `Choice`.
-        operator: Whose console it is for; empty: any at this hub.
+        device: The joystick; see `Choice`.
+        operator: Operator of the receiving console; empty: any at this hub.
 
     Raises:
         DeviceChoiceError: There is no such joystick.
         HidMissingError: There is no hidapi.
-        TunnelError: There is no way through ssh.
+        TunnelError: Ssh cannot open a tunnel.
         CentralUnreachableError: No hub answers.
-        HubError: The hub cannot be asked, or does not let this key send states.
+        HubError: The hub refuses the connection, or this key may not send states.
     """
     choice = Choice(device, local_devices.joysticks_here())
     own_keys = read_client_keys(keys) if keys else None
@@ -241,7 +241,7 @@ def run(
         tunnel = stack.enter_context(contextlib.closing(Tunnel(ssh, hub))) if ssh else None
         if tunnel is not None:
             tunnel.open()
-        # A process has the number of one on another machine now and then.
+        # A process number is not unique across machines.
         name = f"rune-pad-{secrets.token_hex(4)}"
         endpoint = tunnel.endpoint if tunnel else hub
         client = Client(name, endpoint, keys=own_keys, near=tunnel is None)
@@ -269,7 +269,7 @@ def run(
         )
         stack.callback(progress.end)
         stack.callback(reader.close)
-        stack.callback(_say_the_last_word, client, sender)
+        stack.callback(_report_unplugged, client, sender)
         ended = stack.enter_context(_ends())
         reader.start(lambda: client.post(agent.turn))
         client.every(_TURN_S, agent.turn)
@@ -279,14 +279,14 @@ def run(
 
 
 def _wait_connected(client: Client, beyond: str) -> None:
-    """Wait until the hub answers; without an answer, say what else may be tried.
+    """Wait until the hub answers; the error names another way to connect.
 
     Args:
         client: The connection.
-        beyond: Where the hub is, if it is reached through ssh.
+        beyond: The hub's endpoint and destination, if through ssh.
 
     Raises:
-        HubError: It does not answer, or refuses.
+        HubError: The hub does not answer, or refuses.
     """
     try:
         client.wait_connected(CONNECT_S)
@@ -299,16 +299,16 @@ def _wait_connected(client: Client, beyond: str) -> None:
         raise CentralUnreachableError(text) from error
 
 
-def _say_the_last_word(client: Client, sender: PadSender) -> None:
-    """Report the device as gone, if the hub answers."""
+def _report_unplugged(client: Client, sender: PadSender) -> None:
+    """Report the device as unplugged, if the hub answers."""
     sender.end()
     with contextlib.suppress(HubError):
-        client.wait_published(_LAST_WORD_S)
+        client.wait_published(_LAST_REPORT_S)
 
 
 @contextlib.contextmanager
 def _ends() -> Iterator[threading.Event]:
-    """Set when the operator or the system wants the process to end; nothing is cut off by it."""
+    """An event that is set by Ctrl-C and by the system's signal to end."""
     ended = threading.Event()
     names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
     numbers = [getattr(signal, name) for name in names]

@@ -16,7 +16,7 @@ from rune_tui.view import View
 
 _LOOK_S = 0.02
 _PATIENCE_S = 10.0
-"""How much longer to watch at most, as a robot that was just started has not sent all yet [s]."""
+"""Longest extra time to watch: a robot that just started has not sent all messages [s]."""
 
 
 def take(
@@ -28,18 +28,18 @@ def take(
     offline: bool,
     output: PictureFile,
 ) -> bool:
-    """Watch the robots for a while, then write what the console would show.
+    """Watch the robots for a time, then write the console's picture.
 
     Args:
-        layout: What is shown.
-        links: A connection for each robot, not yet started.
+        layout: The layout.
+        links: A link for each robot, not yet started.
         size: Columns and rows of the terminal [cells].
-        seconds: How long to watch [s].
-        offline: Whether it is written although no hub answers.
+        seconds: Time to watch [s].
+        offline: Whether to write the file although no hub answers.
         output: The file to write.
 
     Returns:
-        Whether every robot's hub answered; if not, nothing is written, except with `offline`.
+        Whether every robot's hub answered; if not, the file is written only with `offline`.
 
     Raises:
         PictureFileError: The file cannot be written.
@@ -74,7 +74,7 @@ def take(
 
 
 def _waits(links: Mapping[str, RobotLink], pictured: Collection[str]) -> bool:
-    """Whether something is still to come that hubs that answer could send."""
+    """Whether messages of hubs that answer are still missing."""
     robots = [link.state for link in links.values()]
     return any(
         (robot.name in pictured and robot.picture is None)

@@ -1,1 +1,1 @@
-"""Files that operators take home: what was marked, and where."""
+"""Files with the results of a run: marks, pages and recordings."""

@@ -17,24 +17,21 @@ from rune_tui.model.world import metres_text
 COLUMNS = (
     "number", "kind", "x_m", "y_m", "uncertainty_m", "distance_m", "time", "by", "note",
 )  # fmt: skip
-"""Of the table; x and y in `map`, the time in UTC after ISO 8601; what is not known is empty."""
+"""Columns of the table; x and y in `map`, time in UTC (ISO 8601); an unknown value is empty."""
 _FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r")
-"""What spreadsheets take for the beginning of a formula."""
+"""Characters that begin a formula in a spreadsheet."""
 _JPEG = b"\xff\xd8"
 
 
 def csv_table(points: Sequence[InterestPoint]) -> str:
-    """A table with a line for each point.
-
-    Words that a spreadsheet would compute are written with an apostrophe before them.
-    """
+    """A table with a line for each point; an apostrophe precedes text that looks like a formula."""
     text = io.StringIO()
     writer = csv.writer(text)
     writer.writerow(COLUMNS)
     for point in points:
         place = (f"{point.x:.3f}", f"{point.y:.3f}")
         sure = (metres_text(point.uncertainty, 3), metres_text(point.distance, 3))
-        words = (_harmless(point.by), _harmless(point.note))
+        words = (_without_formula(point.by), _without_formula(point.note))
         writer.writerow(
             (point.number, point.kind.name.lower(), *place, *sure, moment(point.stamp), *words)
         )
@@ -46,10 +43,10 @@ def _coordinates(point: InterestPoint) -> list[float]:
 
 
 def geojson(points: Sequence[InterestPoint], robot: str) -> str:
-    """A FeatureCollection; a hub's mapping module reads it as well.
+    """A FeatureCollection, which a hub's mapping module can read too.
 
     The coordinates are metres in the robot's `map`, not degrees on the earth, as the member
-    "frame" says; the third one is the height above the floor. What is not known is null.
+    "frame" says. The third one is the height above the floor. An unknown value is null.
     """
     features: list[dict[str, Any]] = [
         {
@@ -80,7 +77,7 @@ def geojson(points: Sequence[InterestPoint], robot: str) -> str:
 
 
 def moment(stamp: float) -> str:
-    """A time [s since the epoch] as people and programs read it; empty if it is none."""
+    """A time [s since the epoch] as text; empty if invalid."""
     try:
         when = datetime.datetime.fromtimestamp(stamp, datetime.UTC)
     except (ValueError, OverflowError, OSError):
@@ -89,7 +86,7 @@ def moment(stamp: float) -> str:
 
 
 def thumbnail_text(point: InterestPoint) -> str:
-    """The JPEG file of a point as base64; empty if there is none."""
+    """The JPEG file of a point in base64; empty if there is none."""
     raw = point.thumbnail.tobytes()
     return base64.b64encode(raw).decode() if raw.startswith(_JPEG) else ""
 
@@ -98,5 +95,5 @@ def _known(metres: float) -> float | None:
     return metres if math.isfinite(metres) else None
 
 
-def _harmless(text: str) -> str:
+def _without_formula(text: str) -> str:
     return f"'{text}" if text.startswith(_FORMULA_SIGNS) else text

@@ -1,9 +1,8 @@
-"""Everything that comes from robots and goes to them, as an MCAP file.
+"""Writes all messages from and to robots into an MCAP file.
 
-Payloads are written as they are on the bus, which is as ROS 2 writes them, with the ROS 2 text of
-each message beside it: Foxglove and the mcap tools open it. Messages are handed to the system at
-least every FLUSH_S: a file whose writer was killed, or whose disk is full, has all before that and
-lacks its index only; `mcap recover` makes it again.
+Payloads are those of the bus, in ROS 2's encoding, with the ROS 2 definition of each message:
+Foxglove and the mcap tools open the file. The system gets all messages within FLUSH_S. After a
+kill or on a full disk, a file has all messages before that, but no index; `mcap recover` writes it.
 """
 
 from __future__ import annotations
@@ -27,27 +26,27 @@ from hub.ipc.ros_schema import ros2msg, ros_type
 _logger = logging.getLogger(__name__)
 
 FLUSH_S = 0.5
-"""No message waits longer than this before it is handed to the system [s]."""
+"""Longest time until the system gets a message [s]."""
 _MOST_WAITING = 4000
-"""Messages that wait for the disk; what comes beyond is left out and counted."""
+"""Most messages that wait for the disk; further messages are dropped and counted."""
 
 
 class Recording:
-    """A file that grows while anybody hands it messages; `add` may be called by any thread.
+    """A file of messages; any thread may call `add`.
 
     Attributes:
         path: The file.
-        count: Number of messages that are safe in the file, even if this process ends.
-        dropped: Messages left out, as the disk was too slow.
-        fault: Why nothing more is written; empty while all is well.
+        count: Number of messages that the system has.
+        dropped: Number of messages dropped for a slow disk.
+        fault: Why writing ended; else empty.
     """
 
     def __init__(self, path: Path, about: dict[str, str]) -> None:
         """Begin.
 
         Args:
-            path: A file that is not there yet.
-            about: Further facts, such as the layout and the number of the run.
+            path: A new file.
+            about: Facts, such as the layout and the number of the run.
 
         Raises:
             OSError: The file cannot be written.
@@ -72,14 +71,14 @@ class Recording:
     def add(
         self, robot: str, definition: MessageDefinition[Any], value: object, measured: float
     ) -> None:
-        """Write a message of this robot that was measured then, on the monotonic clock [s]."""
+        """Write a message of this robot, measured at this time of the monotonic clock [s]."""
         try:
             self._waiting.put_nowait((robot, definition, value, measured, time.time_ns()))
         except queue.Full:
             self.dropped += 1
 
     def close(self) -> None:
-        """Write what waits, and the index."""
+        """Write the waiting messages and the index."""
         self._waiting.put(None)
         self._thread.join()
 
@@ -94,7 +93,7 @@ class Recording:
             self._end()
 
     def _next(self) -> _Entry | tuple[()] | None:
-        """The next message; empty where it is time to flush before one comes, None at the end."""
+        """The next message; empty when a flush is due, None at the end."""
         left = self._flush_due - time.monotonic()
         try:
             return self._waiting.get(timeout=None if math.isinf(left) else max(0.0, left))
@@ -102,7 +101,7 @@ class Recording:
             return ()
 
     def _flush(self) -> None:
-        """Hand all that was written to the system; what it does not take is cut off."""
+        """Pass all bytes to the system; cut off the bytes that it does not take."""
         self._flush_due = math.inf
         if self.fault:
             return
@@ -116,7 +115,7 @@ class Recording:
             self._end_of_whole = self._file.tell()
 
     def _give_up(self, error: OSError) -> None:
-        """Write nothing more; the file ends with what can be read."""
+        """Stop writing; the file ends with its last complete part."""
         self.fault = error.strerror or str(error)
         with contextlib.suppress(OSError):
             os.truncate(self.path, self._end_of_whole)
@@ -171,7 +170,7 @@ class Recording:
                 self._file.flush()
         except OSError as error:
             self._give_up(error)
-        # What did not get through is still in the file's memory, and closing tries it again.
+        # The file's buffer still has the rest, and `close` writes it again.
         with contextlib.suppress(OSError):
             self._file.close()
         if self.fault:

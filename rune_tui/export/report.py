@@ -1,7 +1,4 @@
-"""A page for people: the map with what was marked on it, and a table with the pictures; pure.
-
-One HTML file, which needs no other and asks no other for anything.
-"""
+"""An HTML page of a robot's marks: the map, and a table with pictures; one file, pure."""
 
 from __future__ import annotations
 
@@ -28,11 +25,11 @@ svg { width: 100%; max-height: 80vh; background: #b0b4b8 }
 @media print { svg { max-height: 16cm } }
 """
 _UNKNOWN = 176
-"""Grey of what is not known."""
+"""Grey of unknown cells."""
 _ROOM = 1.0
-"""Around what is drawn [m]."""
+"""Margin around the drawing [m]."""
 _MARK = 0.18
-"""Half of the size of a mark, for a drawing ten metres wide [m]."""
+"""Half the size of a mark in a drawing ten metres wide [m]."""
 
 
 def html_page(
@@ -42,9 +39,9 @@ def html_page(
 
     Args:
         robot: The robot's name.
-        points: What is marked.
+        points: Its marks.
         grid: Its map; None if it has none.
-        made: When the page is made, in words.
+        made: Time of the page, in words.
     """
     shown = [point for point in points if math.isfinite(point.x) and math.isfinite(point.y)]
     victims = sum(point.kind is PointKind.VICTIM for point in shown)
@@ -59,7 +56,7 @@ def html_page(
 <p>{counted}. Made {escape(made)}.</p>
 {_drawing(shown, grid)}
 <p>Circles with a number are victims, squares are landmarks. Coordinates are metres in the
-robot's map, x to the right and y up; ± is how far off they may be, where that is known.</p>
+robot's map, x to the right and y up; ± is their error, where it is known.</p>
 <table>
 <tr><th>No.</th><th>what</th><th>x [m]</th><th>y [m]</th><th>± [m]</th><th>seen from [m]</th>
 <th>when</th><th>by</th><th>note</th><th>picture</th></tr>
@@ -85,7 +82,7 @@ def _row(point: InterestPoint) -> str:
 
 
 def _drawing(points: Sequence[InterestPoint], grid: OccupancyMap | None) -> str:
-    """The map and the marks as SVG, in metres; its y grows downwards, so y changes its sign."""
+    """The map and the marks as SVG, in metres; y is negated, as SVG's y points down."""
     left, bottom, right, top = _extent(points, grid)
     size = _MARK * max(right - left, top - bottom) / 10.0
     parts = [
@@ -118,14 +115,14 @@ def _mark(point: InterestPoint, size: float) -> str:
 def _extent(
     points: Sequence[InterestPoint], grid: OccupancyMap | None
 ) -> tuple[float, float, float, float]:
-    """Least x, least y, greatest x, greatest y of the drawing, with room around [m]."""
+    """Least x, least y, greatest x, greatest y of the drawing, with its margin [m]."""
     corners = [*((point.x, point.y) for point in points), *_known_corners(grid)] or [(0.0, 0.0)]
     xs, ys = zip(*corners, strict=True)
     return min(xs) - _ROOM, min(ys) - _ROOM, max(xs) + _ROOM, max(ys) + _ROOM
 
 
 def _known_corners(grid: OccupancyMap | None) -> Iterator[tuple[float, float]]:
-    """Two corners around what is known of a map [m]; none if nothing is."""
+    """Two corners around the known cells of a map [m]; none if all are unknown."""
     if grid is None:
         return
     rows, columns = np.nonzero(grid.cells >= 0)

@@ -1,4 +1,4 @@
-"""What operators have put on file: recordings, pictures of the screen, marks, calibrations."""
+"""Writes files for the operator: recordings, screenshots, marks, calibrations."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from rune_tui.model.effects import ExportEffect, RecordEffect, ScreenshotEffect
 from rune_tui.model.robot_state import RobotState
 
 
-class Filing:
-    """Writes files without holding up the robots' commands, and tells what became of them.
+class FileWriter:
+    """Writes files in threads, so that commands are not delayed, and reports the outcome.
 
     Attributes:
-        recorder: What is being recorded.
+        recorder: The running recording, if any.
     """
 
     def __init__(
@@ -32,12 +32,12 @@ class Filing:
         run: Callable[[Coroutine[Any, Any, None]], object],
         report: Callable[[user_files.Outcome], None],
     ) -> None:
-        """Prepare; nothing is recorded.
+        """Prepare.
 
         Args:
-            links: What comes and goes there is recorded.
-            run: Runs a coroutine beside what the console does.
-            report: Tells the operator.
+            links: Links to the robots; recordings contain their messages.
+            run: Runs a coroutine in the background.
+            report: Shows an outcome to the operator.
         """
         self.recorder = Recorder(links)
         self._run, self._report = run, report
@@ -50,42 +50,42 @@ class Filing:
         cells: Cells | None,
         pictures: Collection[SeenPicture],
     ) -> None:
-        """Write what a widget asks for.
+        """Execute an effect that writes files.
 
         Args:
-            effect: What that is.
-            layout: What is shown.
-            state: What the console knows.
-            cells: What the operator sees; None before the first frame.
-            pictures: Those in it that have more pixels than the cells.
+            effect: The effect.
+            layout: The open layout.
+            state: The console's state.
+            cells: The newest view; None before the first frame.
+            pictures: Pictures in the view with more pixels than the cells.
         """
         match effect:
             case RecordEffect():
-                self.record_or_not(layout, state.operator)
+                self.toggle_recording(layout, state.operator)
             case ScreenshotEffect() if cells is not None:
-                self.keep_screen(cells, pictures)
+                self.write_screenshot(cells, pictures)
             case ExportEffect(robot=name):
-                self.keep_marks(state.robots[name])
+                self.write_marks(state.robots[name])
 
-    def record_or_not(self, layout: LayoutSpec, operator: str) -> None:
-        """Begin to record, or end it."""
+    def toggle_recording(self, layout: LayoutSpec, operator: str) -> None:
+        """Begin a recording, or end the running one."""
         if self.recorder.path:
             self._write(self.recorder.end())
         else:
             self._report(self.recorder.begin(layout, operator))
 
-    def keep_screen(self, cells: Cells, pictures: Collection[SeenPicture]) -> None:
-        """Write a picture of what the operator sees."""
+    def write_screenshot(self, cells: Cells, pictures: Collection[SeenPicture]) -> None:
+        """Write a picture of the view."""
         now = _now()
         self._write(lambda: user_files.write_screenshot(cells, pictures, now))
 
-    def keep_marks(self, robot: RobotState) -> None:
-        """Write what is marked."""
+    def write_marks(self, robot: RobotState) -> None:
+        """Write a robot's marks."""
         now = _now()
         self._write(lambda: user_files.write_marks(robot, now))
 
-    def keep_calibrations(self, store: CalibrationStore) -> None:
-        """Write what is known of joysticks."""
+    def write_calibrations(self, store: CalibrationStore) -> None:
+        """Write the calibrations of joysticks."""
         self._write(lambda: user_files.write_calibrations(store))
 
     def _write(self, job: Callable[[], user_files.Outcome]) -> None:

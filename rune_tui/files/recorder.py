@@ -1,4 +1,4 @@
-"""Records what comes from robots and goes to them, and how it reached the operator's eyes."""
+"""Records messages from and to robots, and the state of the terminal's picture."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from rune_tui.export.recording import Recording
 
 _DISPLAY_S = 1.0
-"""Between two notes of the way to the terminal [s]."""
+"""Period of the records of the display's state [s]."""
 _OWN = "console"
-"""In place of a robot's name, for what the console says of itself."""
+"""Name in place of a robot's, for messages of the console itself."""
 
 
 class Recorder:
-    """Begins and ends recordings; used by the console's own thread."""
+    """Begins and ends recordings; for the console's own thread only."""
 
     def __init__(self, links: RobotLinks) -> None:
         self._links = links
@@ -36,29 +36,29 @@ class Recorder:
 
     @property
     def path(self) -> str:
-        """The file that everything is being recorded in; empty if nothing is."""
+        """The file of the running recording; else empty."""
         return str(self._recording.path) if self._recording is not None else ""
 
     def begin(self, layout: LayoutSpec, operator: str) -> user_files.Outcome:
-        """Begin to record; what became of it."""
+        """Begin a recording; returns the outcome."""
         now = datetime.datetime.now().astimezone()
         self._recording, said = user_files.begin_recording(layout, operator, now)
         self.follow(layout)
         for link in self._links.values():
             described = link.state.newest(ROBOT_DESCRIPTION)
-            if described is not None:  # it came before, and does not come again
+            if described is not None:  # its only message came before the recording
                 link.record(ROBOT_DESCRIPTION, described.value, described.measured)
         return said
 
     def follow(self, layout: LayoutSpec) -> None:
-        """Go on with this layout and all links that there are now; note when that was."""
+        """Record another layout and all present links, with the time of the change."""
         self._tap()
         if self._recording is not None:
             shown = ShownLayout(layout=layout.path, run=layout.run_number)
             self._recording.add(_OWN, SHOWN_LAYOUT, shown, time.monotonic())
 
     def end(self) -> Callable[[], user_files.Outcome]:
-        """No longer record; what is left to do for that, which takes a while."""
+        """Stop to record; returns the slow rest of the work."""
         recording, self._recording = self._recording, None
         self._tap()
         if recording is None:
@@ -66,20 +66,20 @@ class Recorder:
         return lambda: user_files.end_recording(recording)
 
     def _tap(self) -> None:
-        """Have all links, also new ones, hand what comes and goes to the recording."""
+        """Connect all links, also new ones, to the recording."""
         names = _names(self._links.values())
         for link, name in zip(self._links.values(), names, strict=True):
             add = self._recording.add if self._recording is not None else None
             link.tap(functools.partial(add, name) if add is not None else None)
 
     def note(self, now: float, display: DisplayState) -> None:
-        """Record once a second how pictures reach the operator's eyes."""
+        """Record the display's state once a second."""
         if self._recording is not None and now - self._noted >= _DISPLAY_S:
             self._noted = now
             self._recording.add(_OWN, RUNE_DISPLAY, display, now)
 
 
 def _names(links: Iterable[RobotLink]) -> list[str]:
-    """What a recording calls the robots: as the screen does, but a name in a topic has no `/`."""
+    """Names of robots in a recording: as on the screen, without `/`."""
     called = titles(link.state for link in links)
     return [name if "/" not in name else role for role, name in called.items()]

@@ -1,4 +1,4 @@
-"""What the console does on the operator's own machine: files, and what became of orders."""
+"""Files on the operator's machine, and outcomes of the operator's orders."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ _MOST_AT_ONCE = 100
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What became of something.
+    """The outcome of an order.
 
     Attributes:
         text: One sentence for the operator.
-        alarm: Whether it went wrong.
+        alarm: Whether the order failed.
         robot: Its robot; empty: the console itself.
-        routine: Whether it only says that what the operator wanted is done.
+        routine: Whether it only confirms the order.
     """
 
     text: str
@@ -50,7 +50,7 @@ class Outcome:
 def undelivered(
     effect: SendEffect | ControlEffect | MissionEffect, robot: RobotState
 ) -> Outcome | None:
-    """Why an order has no effect now; None if it has, or if a newer one follows it anyway."""
+    """Why an order has no effect now; None if it has, or if the next one follows soon."""
     if isinstance(effect, ControlEffect):
         what = "request for control"
     elif isinstance(effect, MissionEffect):
@@ -76,7 +76,7 @@ def undelivered(
 def write_screenshot(
     cells: Cells, pictures: Collection[SeenPicture], now: datetime.datetime
 ) -> Outcome:
-    """Write what is shown into the user's pictures folder, as PNG and as text."""
+    """Write the view into the user's pictures folder, as PNG and as text."""
     from rune_tui.compositor.picture import PictureFile
 
     base = platformdirs.user_pictures_path() / _FOLDER / f"rune-{now:%Y%m%d-%H%M%S}"
@@ -91,7 +91,7 @@ def write_screenshot(
 
 
 def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
-    """Write what is marked into the user's documents folder: CSV, GeoJSON and a page."""
+    """Write a robot's marks into the user's documents folder: CSV, GeoJSON and a page."""
     from rune_tui.export.points import csv_table, geojson
     from rune_tui.export.report import html_page
 
@@ -118,7 +118,7 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
 
 
 def write_calibrations(store: CalibrationStore) -> Outcome:
-    """Write what is known of joysticks into the user's configuration folder."""
+    """Write the calibrations of joysticks into the user's configuration folder."""
     try:
         store.save()
     except OSError as error:
@@ -129,7 +129,7 @@ def write_calibrations(store: CalibrationStore) -> Outcome:
 def begin_recording(
     layout: LayoutSpec, operator: str, now: datetime.datetime
 ) -> tuple[Recording | None, Outcome]:
-    """Begin a recording in the user's documents folder; None, and why, if that cannot be."""
+    """Begin a recording in the user's documents folder; None, and the reason, if that fails."""
     try:
         from rune_tui.export.recording import Recording
     except ModuleNotFoundError:
@@ -148,14 +148,14 @@ def begin_recording(
 
 
 def _free(folder: Path, name: str, suffix: str) -> Path:
-    """A file that is not there yet; two are begun in one second now and then."""
+    """A free file name: two files can begin in one second."""
     numbered = (f"{name}-{number}" for number in range(2, _MOST_AT_ONCE))
     paths = [folder / f"{each}{suffix}" for each in (name, *numbered)]
     return next((path for path in paths if not path.exists()), paths[0])
 
 
 def end_recording(recording: Recording) -> Outcome:
-    """End a recording, and say what became of it."""
+    """End a recording; returns the outcome."""
     recording.close()
     text = f"{recording.count} messages are recorded in {recording.path}"
     if recording.fault:

@@ -113,7 +113,7 @@ def test_a_device_that_falls_silent_again_and_again_is_left_alone_until_it_is_pl
         desk.turn(Scanned((ONE,)), Gone(ONE.path))
     desk.turn(Scanned((ONE,)))
     assert len(desk.reader.asked) == MOST_FAULTS + 1
-    assert "plug it in anew" in desk.agent.why
+    assert "plug it in again" in desk.agent.why
     desk.turn(Scanned(()), Scanned((ONE,)))
     assert len(desk.reader.asked) == MOST_FAULTS + 2
 
