@@ -133,8 +133,8 @@ class Desk:
         end = time.monotonic() + TIMEOUT
         while not condition():
             assert time.monotonic() < end, self.notices
-            self.robot.client.listen(0.01)
-            await self.pilot.pause(0.01)
+            self.robot.client.listen(0.0)
+            await self.pilot.pause(0.02)
 
     @property
     def notices(self) -> list[str]:
@@ -157,8 +157,8 @@ class Desk:
             await self.press("w")
             again = time.monotonic() + 1.0
             while self.robot.speeds[-1:] <= [0.0] and time.monotonic() < again:
-                self.robot.client.listen(0.005)
-                await self.pilot.pause(0.005)
+                self.robot.client.listen(0.0)
+                await self.pilot.pause(0.02)
 
     async def commands(self, count: int) -> list[float]:
         """The next so many speeds that are commanded."""

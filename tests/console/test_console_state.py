@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.mapping import PointKind
 from rune_tui.layout.spec import LayoutSpec
@@ -14,6 +12,7 @@ from rune_tui.model.robot_state import LinkPhase, LinkState
 from rune_tui.model.world import WorldPoint
 from rune_tui.startup.opening import open_layout
 from tests.console.states import described, robot_of
+from tests.support.cases import for_each
 
 
 def layout_of(folder: Path, run: int, robots: str, viewports: str) -> LayoutSpec:
@@ -60,7 +59,7 @@ def test_the_ghost_of_a_mark_ends_with_the_layout_whose_widgets_would_end_it(
     assert not carried_over(state, layout_of(tmp_path, 2, "a", "v")).ghosts
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("own", "titles"),
     [
         ({"robot": "magellan"}, ["magellan"]),

@@ -9,7 +9,6 @@ import os
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
@@ -22,6 +21,7 @@ from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, 
 from rune_tui.view import View
 from tests.console.situations import shipped
 from tests.console.states import described, renamed, rendered, robot_of
+from tests.support.cases import for_each
 from tests.support.messages import camera_state, robot_state
 
 ROOT = Path(__file__).parents[2]
@@ -136,9 +136,9 @@ LOST = RobotState(
 )
 
 
-@pytest.mark.parametrize("size", [(120, 40), (80, 24), (20, 5)], ids=lambda size: f"{size[0]}")
-@pytest.mark.parametrize("layout", sorted(path.stem for path in (ROOT / "layouts").glob("*.xml")))
-@pytest.mark.parametrize("state", ["live", "stale", "lost"])
+@for_each("size", [(120, 40), (80, 24), (20, 5)])
+@for_each("layout", sorted(path.stem for path in (ROOT / "layouts").glob("*.xml")))
+@for_each("state", ["live", "stale", "lost"])
 def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) -> None:
     opened = shipped(layout)
     view = View(opened, spent=lambda: 0.0)

@@ -25,6 +25,7 @@ from rune_tui.startup.opening import BUILT_IN
 from rune_tui.view import View
 from tests.console.situations import NOW, ROOT, SITUATIONS, scene, shipped
 from tests.console.test_contrast import least_contrast
+from tests.support.cases import for_each
 from tests.support.repetitions import repetitions
 
 LAYOUTS = sorted((ROOT / "layouts").glob("*.xml"))
@@ -32,7 +33,7 @@ SIZES = [(80, 24), (120, 40), (160, 48), (200, 60)]
 LINES = {"visualizeStatus", "visualizeLabel"}
 """Lines with a ground of their own, which part what is above them from what is below."""
 
-each_layout = pytest.mark.parametrize("path", LAYOUTS, ids=lambda path: path.stem)
+each_layout = for_each("path", LAYOUTS)
 
 
 def drawn_of(layout: LayoutSpec, name: str) -> str:

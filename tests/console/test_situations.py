@@ -6,10 +6,12 @@ After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest tests/cons
 from __future__ import annotations
 
 import dataclasses
+import functools
 import os
 
 import pytest
 
+from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.theme import DARK
 from tests.console.situations import ROOT, SITUATIONS, scene, shipped
@@ -27,6 +29,12 @@ ALARMS = {
 }
 
 
+@functools.cache
+def shown(name: str, size: tuple[int, int]) -> Cells:
+    """What `search` shows in a situation."""
+    return scene(SEARCH, SITUATIONS[name], size)
+
+
 def words(cells) -> str:
     return "\n".join("".join(chr(p or 32) for p in row) for row in cells.glyphs.tolist())
 
@@ -34,7 +42,7 @@ def words(cells) -> str:
 @pytest.mark.parametrize("size", [(120, 40), (80, 24)], ids=lambda size: f"{size[0]}")
 @pytest.mark.parametrize("name", SITUATIONS)
 def test_situation_looks_as_it_did(name: str, size: tuple[int, int]) -> None:
-    text = plain_text(scene(SEARCH, SITUATIONS[name], size))
+    text = plain_text(shown(name, size))
     path = SNAPSHOTS / f"{name}-{size[0]}x{size[1]}.txt"
     if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
         path.parent.mkdir(exist_ok=True)
@@ -47,7 +55,7 @@ def test_situation_looks_as_it_did(name: str, size: tuple[int, int]) -> None:
 def test_what_must_be_seen_first_is_the_banner_and_stands_there_only(
     name: str, told: str, size: tuple[int, int]
 ) -> None:
-    cells = scene(SEARCH, SITUATIONS[name], size)
+    cells = shown(name, size)
     keys = 0 if size == (40, 12) else 1  # there the line of keys is a lower one
     row = keys + (1 if size[1] >= 30 else 0)
     assert (cells.pixels[2 * row, :, :3] == DARK.alarm[:3]).all()
@@ -61,7 +69,7 @@ def test_what_must_be_seen_first_is_the_banner_and_stands_there_only(
 
 @pytest.mark.parametrize("name", ["driving", "exploring"])
 def test_where_nothing_is_wrong_nothing_is_red(name: str) -> None:
-    cells = scene(SEARCH, SITUATIONS[name], (120, 40))
+    cells = shown(name, (120, 40))
     assert "!!" not in words(cells)
     plate = (cells.pixels[..., :3] == DARK.alarm[:3]).all(axis=2)
     assert not plate[:4].any()
@@ -73,14 +81,14 @@ def test_where_nothing_is_wrong_nothing_is_red(name: str) -> None:
 
 @pytest.mark.parametrize("size", [(120, 40), (160, 48), (200, 60)])
 def test_a_pane_says_how_far_the_robot_is_by_itself_and_how_it_ended(size: tuple[int, int]) -> None:
-    assert "3.1 m to go" in words(scene(SEARCH, SITUATIONS["exploring"], size))
-    assert "took 41 s, ended 2 s ago" in words(scene(SEARCH, SITUATIONS["goal-blocked"], size))
+    assert "3.1 m to go" in words(shown("exploring", size))
+    assert "took 41 s, ended 2 s ago" in words(shown("goal-blocked", size))
 
 
 @pytest.mark.parametrize("size", [(40, 12), (80, 24), (120, 40), (200, 60)])
 @pytest.mark.parametrize("name", SITUATIONS)
 def test_the_key_that_stops_is_always_in_sight(name: str, size: tuple[int, int]) -> None:
-    assert "Space STOP" in words(scene(SEARCH, SITUATIONS[name], size))
+    assert "Space STOP" in words(shown(name, size))
 
 
 @pytest.mark.parametrize("over", [{"full": "camera"}, {"help": True}, {"log": True}])

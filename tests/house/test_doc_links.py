@@ -8,18 +8,20 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.cases import for_each
+
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+@for_each("page", PAGES)
 def test_links_of_a_page_exist(page: Path) -> None:
     links = re.findall(r"\]\(([^)#]+)", page.read_text())
     local = [link for link in links if "://" not in link]
     assert [link for link in local if not (page.parent / link).exists()] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+@for_each("page", PAGES)
 def test_code_blocks_of_a_page_are_closed(page: Path) -> None:
     """An open one turns all that follows inside out, and hides its commands from the tests."""
     is_open = False
@@ -38,7 +40,7 @@ OF_THE_HOUSE = [
 ]
 
 
-@pytest.mark.parametrize("page", OF_THE_HOUSE, ids=lambda page: page.stem)
+@for_each("page", OF_THE_HOUSE)
 def test_files_that_a_page_names_exist(page: Path) -> None:
     """A table that names a test that is gone promises what nobody shows."""
     named = set(re.findall(r"`([\w/]+\.py)`", page.read_text()))

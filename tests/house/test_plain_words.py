@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.cases import for_each
+
 ROOT = Path(__file__).parents[2]
 NAMES = (
     "README",
@@ -238,12 +240,12 @@ def test_names_are_of_the_field(room: str) -> None:
     assert found == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@for_each("page", PAGES)
 def test_no_sentence_is_long(page: Path) -> None:
     assert long_sentences(page.read_text()) == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@for_each("page", PAGES)
 def test_words_that_few_know_do_not_occur(page: Path) -> None:
     assert avoided_words(page.read_text()) == []
 

@@ -6,6 +6,7 @@ from itertools import groupby, pairwise
 
 import pytest
 
+from tests.support.cases import for_each
 from tests.support.sharing_out import shared_out
 
 Test = tuple[str, int]
@@ -23,7 +24,7 @@ def written(**files: int) -> list[Test]:
     return [(file, number) for file, tests in files.items() for number in range(tests)]
 
 
-@pytest.mark.parametrize("workers", [1, 2, 3, 4])
+@for_each("workers", [1, 2, 3, 4])
 def test_each_worker_begins_with_whole_files_of_tests_that_wait(workers: int) -> None:
     tests = written(a=50, b=31, waits_1=4, waits_2=1, waits_3=3, waits_4=2, waits_5=2, z=20)
     ordered = shared_out(tests, workers, file_of, waits)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.plain_text import is_plain, plain
+from tests.support.cases import for_each
 
 HOSTILE = "\x1b]0;PWNED\x07\x9b31m\u202e\u2066\u200b\u2028\ud800\x7f\r\x08"
 
@@ -26,7 +26,7 @@ def test_what_commands_a_terminal_is_spelt_out() -> None:
     assert shown.isascii()
 
 
-@pytest.mark.parametrize("text", ["", "Änne prüft", "10\xa0m", "地図", "3 °/s ½ ▀", "e\u0301"])
+@for_each("text", ["", "Änne prüft", "10\xa0m", "地図", "3 °/s ½ ▀", "e\u0301"])
 def test_what_people_write_stays(text: str) -> None:
     assert plain(text) == text
 

@@ -9,6 +9,7 @@ import pytest
 
 from hub.errors import RobotFileError
 from hub.robomon.module_table import hub_arguments, load_robot_table
+from tests.support.cases import for_each
 
 
 def test_values_stand_in_place_of_the_files_and_every_module_gets_them() -> None:
@@ -20,7 +21,7 @@ def test_values_stand_in_place_of_the_files_and_every_module_gets_them() -> None
     assert given == settings
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("setting", "problem"),
     [
         ("arena=empty", "write TABLE.KEY=VALUE"),

@@ -26,13 +26,14 @@ from rune_tui.controls.remote_pad.pad_sender import PadSender
 from rune_tui.errors import DeviceChoiceError
 from tests.console.controls.joystick.pads import LEFT_Y, PAD, A, device
 from tests.console.controls.test_joystick_set import FakeReader
+from tests.support.cases import for_each
 
 ONE = device("/dev/hidraw1", name="Logitech F310", pid=1, port="1")
 TWO = device("/dev/hidraw2", name="Logitech F710", pid=2, port="2")
 MOUSE = device("/dev/hidraw0", name="Logitech Mouse", joystick=False)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("wanted", "chosen"),
     [("", ONE), ("1", ONE), ("2", TWO), ("f710", TWO), ("*310", ONE), ("mouse", None)],
 )

@@ -16,6 +16,7 @@ from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from tests.console.compositor.frames import flat, frames, random_cells
 from tests.console.compositor.terminal_model import Terminal, assert_shows
+from tests.support.cases import for_each
 
 FEWER = [depth for depth in ColourDepth if depth is not ColourDepth.TRUECOLOUR]
 Shown = tuple[str, tuple[int, ...] | None, tuple[int, ...] | None]
@@ -163,7 +164,7 @@ def test_no_code_point_whatever_puts_a_control_byte_on_the_terminal(points: list
     assert row.count("\x1b") == len(re.findall(r"\x1b\[[\d;]+m", row))
 
 
-@pytest.mark.parametrize("point", [1, 10, 27, 0x7F, 0x9B, 0xD800, 0x110000, 0xFFFFFFFF])
+@for_each("point", [1, 10, 27, 0x7F, 0x9B, 0xD800, 0x110000, 0xFFFFFFFF])
 def test_control_characters_and_non_characters_become_question_marks(point: int) -> None:
     cells = flat(1, 1, 7)
     cells.glyphs[0, 0] = point

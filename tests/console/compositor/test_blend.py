@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from rune_tui.compositor.blend import Layer, compose, mix
 from rune_tui.compositor.cells import Cells
 from rune_tui.raster.canvas import Canvas
+from tests.support.cases import for_each
 
 COLUMNS, ROWS = 9, 5
 BACKGROUND = (10, 20, 30)
@@ -194,7 +195,7 @@ def test_faint_text_does_not_replace_text_behind_it(alpha: int, glyph: int) -> N
     assert cells.glyphs[0, 0] == glyph
 
 
-@pytest.mark.parametrize("alpha", [0, 1, 127, 128, 254, 255])
+@for_each("alpha", [0, 1, 127, 128, 254, 255])
 def test_mixing_rounds_every_share_to_the_nearest(alpha: int) -> None:
     under, over = np.meshgrid(np.arange(256, dtype=np.uint8), np.arange(256, dtype=np.uint8))
     exact = (over.astype(int) * alpha + under.astype(int) * (255 - alpha)) / 255

@@ -12,6 +12,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
 from rune_tui.compositor.depth import ColourDepth
 from tests.console.compositor.frames import flat, frames, random_cells
+from tests.support.cases import for_each
 
 FEWER = [ColourDepth.INDEXED_256, ColourDepth.INDEXED_16, ColourDepth.MONO]
 INDEXED = FEWER[:2]
@@ -66,13 +67,13 @@ def test_256_colours_are_the_nearest_ones(fives: list[tuple[int, int, int]]) -> 
     assert (got <= best + 2.0).all()  # the whole part of a colour of five bits is up to 1 off
 
 
-@pytest.mark.parametrize("depth", INDEXED)
-@pytest.mark.parametrize("grey", [0, 255])
+@for_each("depth", INDEXED)
+@for_each("grey", [0, 255])
 def test_black_stays_black_and_white_stays_white(depth: ColourDepth, grey: int) -> None:
     assert (at_depth(flat(8, 4, grey), depth).pixels[..., :3] == grey).all()
 
 
-@pytest.mark.parametrize(("number", "colour"), VGA_GREYS.items())
+@for_each(("number", "colour"), VGA_GREYS.items())
 def test_greys_of_the_16_stay_as_they_are(number: int, colour: tuple[int, int, int]) -> None:
     pixels = at_depth(flat(8, 4, *colour), ColourDepth.INDEXED_16).pixels
     assert np.unique(pixels.reshape(-1, 4), axis=0).tolist() == [[*colour, number]]
@@ -114,7 +115,7 @@ def test_text_always_stands_out(
     assert abs(brightness(shown.ink[0, 0]) - brightness(shown.pixels[0, 0])) > 55.0
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("ink", "ground", "turned"),
     [
         ((240, 240, 240), (24, 28, 34), False),
@@ -131,7 +132,7 @@ def test_without_colours_dark_text_and_alarms_are_the_other_way_round(
     assert shown.ink[0, 0, 3] != turned
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("upper", "lower", "wanted"),
     [
         (0, 0, (0, 0, "\0")),

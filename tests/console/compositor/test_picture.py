@@ -19,6 +19,7 @@ from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.compositor.picture import PictureFile, image, plain_text, svg
 from rune_tui.errors import PictureFileError
 from tests.console.compositor.frames import in_quadrants
+from tests.support.cases import for_each
 
 
 @pytest.fixture
@@ -148,8 +149,8 @@ def test_pictures_show_quadrants() -> None:
     assert '<rect x="4" y="0" width="4" height="8" fill="#c8c8c8"/>' in svg(cells, pictures)
 
 
-@pytest.mark.parametrize("depth", ColourDepth)
-@pytest.mark.parametrize("glyphs", GlyphSet)
+@for_each("depth", ColourDepth)
+@for_each("glyphs", GlyphSet)
 def test_a_file_wants_more_pixels_for_quadrants_in_truecolour_only(
     glyphs: GlyphSet, depth: ColourDepth
 ) -> None:

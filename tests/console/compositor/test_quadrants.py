@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_tui.compositor.looks import packed, unpacked
 from rune_tui.compositor.quadrants import BLOCKS, quarters_of, split
 from rune_tui.raster.placed_picture import PlacedPicture
+from tests.support.cases import for_each
 
 VISIBLE = 192.0
 """A gain that is larger must not be lost, as a sum of squares over a cell."""
@@ -76,8 +76,8 @@ def test_pixels_that_are_equal_in_pairs_stay_as_they_are(seed: int, colours: int
     assert (shown(pixels) == pixels).all()
 
 
-@pytest.mark.parametrize("shape", BLOCKS)
-@pytest.mark.parametrize("colours", [(20, 200), (200, 20)])
+@for_each("shape", BLOCKS)
+@for_each("colours", [(20, 200), (200, 20)])
 def test_cells_of_two_colours_are_exact(shape: int, colours: tuple[int, int]) -> None:
     has = [bool(shape & quarter) for quarter in (8, 4, 2, 1)]
     pixels = np.zeros((2, 2, 4), np.uint8)

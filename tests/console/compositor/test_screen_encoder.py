@@ -20,6 +20,7 @@ from rune_tui.compositor.quality import EXACT, Quality
 from rune_tui.compositor.screen_encoder import ScreenEncoder
 from tests.console.compositor.frames import flat, in_quadrants, random_cells, with_picture
 from tests.console.compositor.terminal_model import Mark, Terminal, assert_cell, assert_shows
+from tests.support.cases import for_each
 
 ROUGH = Quality(tolerance=8, threshold=10)
 
@@ -332,7 +333,7 @@ def test_what_was_shown_does_not_change_with_later_frames_or_with_the_caller() -
     assert unpacked(shown.upper)[0, :, 0].tolist() == [1, 2, 3]
 
 
-@pytest.mark.parametrize("numbers", [(-1, 0), (128, 0), (0, -1), (0, 256)])
+@for_each("numbers", [(-1, 0), (128, 0), (0, -1), (0, 256)])
 def test_qualities_beyond_what_a_colour_has_are_refused(numbers: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="choose other numbers"):
         Quality(tolerance=numbers[0], threshold=numbers[1])

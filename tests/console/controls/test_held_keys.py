@@ -14,6 +14,7 @@ from rune_tui.controls.keyboard import KeyboardHold
 from rune_tui.controls.release_guard import TABLE, GuardEvent, GuardState
 from tests.console.controls.finger_model import Terminal, explore
 from tests.console.controls.random_fingers import Play
+from tests.support.cases import for_each
 
 _FRESH_S = 0.35
 """So long after its press a key drives that was silent after a stop, on a fast line [s]."""
@@ -49,8 +50,8 @@ def test_whoever_types_on_whatever_line_moves_nothing_before_fingers_went_up(cou
     assert driven > count / 2, "hardly anything moves at all"
 
 
-@pytest.mark.parametrize("silence", [0.8, 2.0])
-@pytest.mark.parametrize("round_trip", [0.005, 0.05])
+@for_each("silence", [0.8, 2.0])
+@for_each("round_trip", [0.005, 0.05])
 def test_after_a_stop_a_fresh_press_drives_after_a_moment(
     silence: float, round_trip: float
 ) -> None:

@@ -11,6 +11,7 @@ from textual.keys import _character_to_key
 
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key
+from tests.support.cases import for_each
 
 DELAY = 0.5
 
@@ -72,9 +73,7 @@ def test_the_first_hold_bridges_the_delay_of_the_keyboard():
     assert keyboard.held == ("w",)
 
 
-@pytest.mark.parametrize(
-    ("rate", "hold"), [(0.033, 0.15), (0.06, 0.15), (0.1, 0.25), (0.2, 0.5), (0.25, 0.6)]
-)
+@for_each(("rate", "hold"), [(0.033, 0.15), (0.06, 0.15), (0.1, 0.25), (0.2, 0.5), (0.25, 0.6)])
 def test_a_repeating_key_holds_for_two_and_a_half_intervals_within_bounds(rate: float, hold: float):
     keyboard = KeyboardHold()
     last = hold_down(keyboard, "w", 0.0, 4, rate)
@@ -256,7 +255,7 @@ def test_the_names_of_a_key_are_one_key():
     assert keyboard.press("+", 0.1) == (repeat("+"),)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("key", "character", "name"),
     [
         ("w", "w", "w"),
@@ -364,13 +363,13 @@ def after_a_pause(
     return keyboard
 
 
-@pytest.mark.parametrize("pause", [0.2, 0.3, 0.5, 0.9])
+@for_each("pause", [0.2, 0.3, 0.5, 0.9])
 def test_a_key_that_is_down_drives_on_after_its_line_paused(pause: float):
     assert after_a_pause(pause).held == ("w",)
 
 
-@pytest.mark.parametrize("apart", [1e-3, 5e-3, 0.011, 0.018])
-@pytest.mark.parametrize("pause", [0.2, 0.5, 0.9])
+@for_each("apart", [1e-3, 5e-3, 0.011, 0.018])
+@for_each("pause", [0.2, 0.5, 0.9])
 def test_a_key_that_went_up_while_its_line_paused_does_not_however_slowly_the_rest_comes(
     pause: float, apart: float
 ):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold
 from tests.console.controls.test_keyboard import (
@@ -12,6 +10,7 @@ from tests.console.controls.test_keyboard import (
     release,
     told_press,
 )
+from tests.support.cases import for_each
 
 
 def repeating(key: str) -> tuple[ControlEvent, ...]:
@@ -38,9 +37,7 @@ def told_down(keyboard: KeyboardHold, key: str, start: float, end: float, rate: 
     return last
 
 
-@pytest.mark.parametrize(
-    ("rate", "silence"), [(0.033, 0.6), (0.2, 0.6), (0.4, 1.0), (1.8, 4.5), (2.5, 5.0)]
-)
+@for_each(("rate", "silence"), [(0.033, 0.6), (0.2, 0.6), (0.4, 1.0), (1.8, 4.5), (2.5, 5.0)])
 def test_a_key_that_repeated_and_falls_silent_is_up_though_no_release_was_told(
     rate: float, silence: float
 ):
@@ -86,7 +83,7 @@ def test_a_key_that_never_repeats_is_held_for_as_long_as_keys_move():
     assert answering(keyboard, 24.9, 25.1) == (release("w"),)
 
 
-@pytest.mark.parametrize("key", ["left_super", "right_super", "super+w", "super+tab"])
+@for_each("key", ["left_super", "right_super", "super+w", "super+tab"])
 def test_what_window_managers_take_ends_what_is_held(key: str):
     keyboard = KeyboardHold()
     keyboard.down("w", 0.0, repeat=False)

@@ -23,6 +23,7 @@ from hub.missions.point_file import decode_points
 from rune_tui.export.points import COLUMNS, csv_table, geojson, moment
 from rune_tui.export.report import html_page
 from rune_tui.raster.thumbnail import thumbnail
+from tests.support.cases import for_each
 
 JPEG = thumbnail(np.full((40, 40, 3), 200, np.uint8), (0.5, 0.5))
 UNSURE = {"kind": PointKind.LANDMARK, "uncertainty": math.nan, "distance": math.nan}
@@ -90,7 +91,7 @@ def test_what_is_nowhere_is_in_no_drawing():
     assert "<circle" not in html_page("m", [lost], None, "now")
 
 
-@pytest.mark.parametrize("stamp", [math.nan, math.inf, 1e300, -1e300])
+@for_each("stamp", [math.nan, math.inf, 1e300, -1e300])
 def test_a_time_that_is_none_is_left_empty(stamp: float):
     assert moment(stamp) == ""
 

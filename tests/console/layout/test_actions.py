@@ -10,6 +10,7 @@ import pytest
 from rune_tui.layout.actions import Action, actions_of
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.startup.opening import BUILT_IN, open_layout
+from tests.support.cases import for_each
 
 LAYOUT = """\
 <rune>
@@ -86,7 +87,7 @@ def test_what_is_held_pointed_or_turned_cannot_be_chosen_from_a_list(
     assert listed == {("H",), ("F",), ("Q",)}
 
 
-@pytest.mark.parametrize("handler", sorted(BUILT_IN.widgets))
+@for_each("handler", sorted(BUILT_IN.widgets))
 def test_every_handler_says_in_a_few_plain_words_what_its_inputs_do(handler: str):
     rule = BUILT_IN.widgets[handler].rule
     assert rule.section is not None

@@ -21,6 +21,7 @@ from rune_tui.layout.loader import schema_rules
 from rune_tui.layout.rules import LOCAL_MESSAGES, HandlerRule, Option, VisualizerRule
 from rune_tui.startup.opening import BUILT_IN, open_layout
 from rune_tui.terminal import input_stream
+from tests.support.cases import for_each
 
 ROOT = Path(__file__).parents[3]
 PATH = ROOT / "docs" / "layout-reference.md"
@@ -60,7 +61,7 @@ def test_the_page_has_a_section_for_every_element_and_no_other():
     assert set(re.findall(r"^### `<(\w+)>`$", PAGE, re.MULTILINE)) == set(RULES.elements)
 
 
-@pytest.mark.parametrize("element", sorted(RULES.elements))
+@for_each("element", sorted(RULES.elements))
 def test_the_page_lists_the_attributes_of_an_element_with_values_and_defaults(element: str):
     table = {row[0]: row[1:] for row in rows(f"### `<{element}>`") if len(row) == 3}
     attributes = RULES.elements[element].attributes
@@ -188,14 +189,12 @@ def test_keys_are_named_as_textual_names_them():
     assert not set(names.KEYS_REPORTED_AS) & reported
 
 
-@pytest.mark.parametrize("key", ["", " ", "W", "ww", "ctrl+", "ctrl+1", "f0", "f25", "\x9b"])
+@for_each("key", ["", " ", "W", "ww", "ctrl+", "ctrl+1", "f0", "f25", "\x9b"])
 def test_what_no_terminal_reports_is_no_key(key: str):
     assert not names.is_key(key)
 
 
-@pytest.mark.parametrize(
-    ("written", "known"), [("plus", "+"), ("W", "w"), (" ", "space"), ("CTRL+C", "ctrl+c")]
-)
+@for_each(("written", "known"), [("plus", "+"), ("W", "w"), (" ", "space"), ("CTRL+C", "ctrl+c")])
 def test_a_key_that_goes_by_several_names_has_one(written: str, known: str):
     assert names.canonical_key(written) == known
 

@@ -10,6 +10,7 @@ from rune_tui.errors import LayoutError
 from rune_tui.layout.loader import load_layout
 from rune_tui.layout.rules import Purpose
 from rune_tui.startup.opening import BUILT_IN
+from tests.support.cases import for_each
 
 LAYOUT = """<rune>
   <extension file="own.py"/>
@@ -110,7 +111,7 @@ def test_a_visualizer_has_the_flags_of_its_methods(
     assert (rule.locates, rule.draws_over, rule.pictures) == flags
 
 
-@pytest.mark.parametrize("name", BUILT_IN.visualizers)
+@for_each("name", BUILT_IN.visualizers)
 def test_the_rules_of_rune_name_all_flags_of_their_classes(name: str) -> None:
     kind = BUILT_IN.visualizers[name]
     assert kind.rule.locates == hasattr(kind, "locate")

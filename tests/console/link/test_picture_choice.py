@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import itertools
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.vision import ImageCoding, ImageKind, ImageRequest
 from rune_tui.link.picture_choice import LEAST_WIDTH_PX, START, STEPS, PictureChoice
 from rune_tui.model.console_state import PictureWish
+from tests.support.cases import for_each
 
 SIZE = (160, 96)
 USUAL = PictureWish()
@@ -127,7 +127,7 @@ def test_an_answer_that_does_not_come_makes_the_next_smaller() -> None:
     assert choice.request(SIZE, USUAL).width_px == 80
 
 
-@pytest.mark.parametrize("coding", ImageCoding)
+@for_each("coding", ImageCoding)
 def test_a_coding_that_the_layout_asks_for_is_not_changed(coding: ImageCoding) -> None:
     wish = PictureWish(coding=coding, quality=33, width=90, kind=ImageKind.GREY)
     request = PictureChoice().request(SIZE, wish)

@@ -9,6 +9,7 @@ from hub.errors import CodecError
 from hub.gcm.vision import Image, ImageCoding
 from hub.modules.vision.coding import code
 from rune_tui.link.pictures import picture_of
+from tests.support.cases import for_each
 from tests.support.messages import camera_state
 
 RAMP = np.linspace(0, 255, 24 * 32 * 3).astype(np.uint8).reshape(24, 32, 3)
@@ -26,8 +27,8 @@ def image(pixels: np.ndarray, coding: ImageCoding, *, width: int = 32) -> Image:
     )
 
 
-@pytest.mark.parametrize("coding", ImageCoding)
-@pytest.mark.parametrize("pixels", [RAMP, RAMP[..., 0]], ids=["colour", "grey"])
+@for_each("coding", ImageCoding)
+@for_each("pixels", [RAMP, RAMP[..., 0]])
 def test_every_coding_of_the_robot_comes_out_as_it_went_in(
     pixels: np.ndarray, coding: ImageCoding
 ) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import pytest
-
 from hub.gcm.autonomy import AUTONOMY_STATE, Behaviour, Phase
 from hub.gcm.navigation import NAVIGATION_STATUS, Cause, Task
 from rune_tui.model.console_state import ConsoleState
@@ -14,6 +12,7 @@ from rune_tui.model.doings import WAIT_S, DoingWatch
 from tests.console.visualizers import known
 from tests.console.visualizers.conftest import Made, received
 from tests.console.visualizers.words.test_autonomy import navigation
+from tests.support.cases import for_each
 
 
 class Story:
@@ -51,7 +50,7 @@ ENDS = [
 ]
 
 
-@pytest.mark.parametrize(("phase", "why", "verb", "alarm"), ENDS)
+@for_each(("phase", "why", "verb", "alarm"), ENDS)
 def test_an_exploration_is_told_when_it_begins_and_how_it_ends(
     phase: Phase,
     why: str,
@@ -80,7 +79,7 @@ CAUSES = [
 ]
 
 
-@pytest.mark.parametrize(("task", "cause", "verb", "alarm"), CAUSES)
+@for_each(("task", "cause", "verb", "alarm"), CAUSES)
 def test_a_goal_is_told_when_it_begins_and_how_it_ends(
     task: Task,
     cause: Cause,

@@ -14,6 +14,7 @@ from hub.gcm.vision import CameraState
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.pose import Pose
 from tests.console.model.cameras import CAMERAS, SIZES, WIDE, camera, geometry, numbers
+from tests.support.cases import for_each
 
 
 def pixel_grid(width: int, height: int) -> npt.NDArray[np.float64]:
@@ -173,7 +174,7 @@ def test_spread_is_what_half_a_pixel_to_all_sides_changes(
         assert told == pytest.approx(moved / small, rel=1e-4)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "wrong",
     [
         {"horizontal_fov": 0.0},

@@ -20,6 +20,7 @@ from tests.console.model.simulated_views import (
     aimed,
     take,
 )
+from tests.support.cases import for_each
 
 
 def looked(
@@ -96,9 +97,7 @@ def test_the_feet_of_a_victim_are_found_within_3_percent(
     assert float(np.hypot(*beyond)) < 0.03 * away
 
 
-@pytest.mark.parametrize(
-    ("tilt", "zoom"), [(-0.3, 0.0), (-0.1, 0.6), (0.0, 0.9), (0.2, 0.0), (0.1, 0.3)]
-)
+@for_each(("tilt", "zoom"), [(-0.3, 0.0), (-0.1, 0.6), (0.0, 0.9), (0.2, 0.0), (0.1, 0.3)])
 def test_the_horizon_is_where_no_ray_of_the_simulator_falls_any_more(
     tilt: float, zoom: float
 ) -> None:

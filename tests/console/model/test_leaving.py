@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 
-import pytest
-
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import MotionState
 from rune_tui.model.console_state import ConsoleState
@@ -14,6 +12,7 @@ from rune_tui.model.leaving import ORDERED_S, question, reasons_to_stay
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from rune_tui.model.state_changes import changed
 from tests.console.states import robot_of
+from tests.support.cases import for_each
 from tests.support.messages import robot_state
 
 MINE, OTHERS = 7, 8
@@ -46,7 +45,7 @@ def test_a_recording_and_a_robot_that_goes_by_itself_do():
     assert len(reasons(MotionState.GOING, recording="run.mcap")) == 2
 
 
-@pytest.mark.parametrize("motion", [each for each in MotionState if each is not MotionState.GOING])
+@for_each("motion", [each for each in MotionState if each is not MotionState.GOING])
 def test_a_robot_that_its_operator_drives_stops_by_itself(motion: MotionState):
     assert reasons(motion) == ()
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import pytest
-
 from rune_tui.model.console_state import Notice
 from rune_tui.model.notices import KEPT_S, by_weight, merged, shortened
+from tests.support.cases import for_each
 
 
 def notice(text: str, when: float = 0.0, **how: Any) -> Notice:
@@ -26,7 +25,7 @@ def test_what_differs_or_comes_back_later_is_told_by_itself():
     assert merged(()) == ()
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "short"),
     [
         ("the screenshot is /home/jane/Pictures/Rune/r-1.png and .txt", "…/r-1.png"),

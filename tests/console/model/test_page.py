@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
-
 from rune_tui.model.page import LONGEST_SEARCH, Page, scrolled, turned
+from tests.support.cases import for_each
 
 ROWS = 24
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("key", "top"),
     [("down", 11), ("up", 9), ("pagedown", 22), ("pageup", 0), ("home", 0), ("w", 10)],
 )

@@ -20,6 +20,7 @@ from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.dispatching import down, stops
 from tests.console.view_scenes import STATE, robot, words
+from tests.support.cases import for_each
 
 LAYOUTS = Path(__file__).parents[3] / "layouts"
 SEARCH = open_layout(LAYOUTS / "search.xml")
@@ -72,7 +73,7 @@ def test_with_several_robots_a_section_has_a_heading_for_each():
     assert "Stop and drive: right" in text
 
 
-@pytest.mark.parametrize("columns", [20, 30, 40, 60, 80, 109, 110, 160, 300])
+@for_each("columns", [20, 30, 40, 60, 80, 109, 110, 160, 300])
 def test_the_hint_is_never_cut_and_says_how_to_close(columns: int):
     hint = page(HELPED, columns, 10)[1]
     assert "close" in hint
@@ -85,7 +86,7 @@ def test_at_110_columns_the_help_stands_in_two_blocks():
     assert len([row for row in rows if row.count("  ") >= 2]) > 5
 
 
-@pytest.mark.parametrize("size", [(1, 1), (8, 2), (20, 4), (80, 24), (200, 60)])
+@for_each("size", [(1, 1), (8, 2), (20, 4), (80, 24), (200, 60)])
 def test_every_line_can_be_reached_at_every_size(size: tuple[int, int]):
     columns, rows = size
     layer = PageLayer(SEARCH)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from wcwidth import wcwidth
 
 from rune_tui.raster.canvas import Canvas, printable, printable_text
+from tests.support.cases import for_each
 from tests.support.repetitions import repetitions
 
 WHITE = (255, 255, 255, 255)
@@ -27,7 +28,7 @@ def test_a_blank_canvas_shows_what_is_behind() -> None:
     assert not canvas.glyphs.any()
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("column", "shown"),
     [(0, "abcd"), (2, "  ab"), (-2, "cdef"), (4, "    "), (-6, "    "), (-5, "f   ")],
 )
@@ -58,7 +59,7 @@ def test_no_character_of_unicode_takes_other_than_one_cell() -> None:
     assert odd == []
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("raw", "shown"),
     [
         ("\x1b[2J", "?[2J"),
@@ -118,7 +119,7 @@ def test_a_placed_picture_is_seen_as_its_means_and_keeps_its_pixels() -> None:
     assert canvas.pixels[..., 3].tolist() == [[0, 0, 0, 0], [0, 255, 255, 0], [0, 255, 255, 0]]
 
 
-@pytest.mark.parametrize("scale", [(1, 1), (2, 1), (1, 2), (3, 2), (8, 8), (16, 16)])
+@for_each("scale", [(1, 1), (2, 1), (1, 2), (3, 2), (8, 8), (16, 16)])
 def test_a_canvas_shows_the_exact_means_of_a_picture(scale: tuple[int, int]) -> None:
     across, down = scale
     pixels = np.random.default_rng(1).integers(0, 256, (3 * down, 4 * across, 3), np.uint8)

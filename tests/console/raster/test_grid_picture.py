@@ -17,6 +17,7 @@ from rune_tui.raster.grid_picture import (
     grid_colours,
     grid_values,
 )
+from tests.support.cases import for_each
 
 NORTH = math.pi / 2.0
 CORNER = np.array([[0, 100], [50, UNKNOWN]], np.int8)
@@ -103,8 +104,8 @@ def test_a_single_occupied_cell_is_seen_less_than_a_pixel_from_its_place(
     assert away.max() < 0.5 + math.sqrt(0.5) * max(1.0, 1.0 / scale) + 1e-9
 
 
-@pytest.mark.parametrize("scale", [1.3, 2.0, 3.7, 6.1])
-@pytest.mark.parametrize("up", [NORTH, 0.4])
+@for_each("scale", [1.3, 2.0, 3.7, 6.1])
+@for_each("up", [NORTH, 0.4])
 def test_a_wall_one_cell_thin_has_no_holes_when_shrunk(scale: float, up: float) -> None:
     cells = np.zeros((120, 120), np.int8)
     cells[:, 60] = 100
@@ -128,7 +129,7 @@ def test_free_space_turned_and_shrunk_a_little_has_no_holes() -> None:
             assert (grid_values(grid(cells), shown) == 0).all()
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("cells", "resolution", "origin"),
     [
         (np.empty((0, 0), np.int8), 1.0, (0.0, 0.0)),

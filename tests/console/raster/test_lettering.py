@@ -12,6 +12,7 @@ from PIL import ImageFont
 from rune_tui.errors import FontError
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.lettering import Font, check_font, letter, measured
+from tests.support.cases import for_each
 
 RED = (200, 0, 0, 255)
 FONT = Font(points=20.0)
@@ -73,7 +74,7 @@ def test_text_is_clipped_at_every_edge(at: tuple[float, float]) -> None:
     assert drawn(at, "Hgx").pixels.any()
 
 
-@pytest.mark.parametrize("at", [(-500.0, 0.0), (80.0, 0.0), (0.0, 60.0), (0.0, -500.0)])
+@for_each("at", [(-500.0, 0.0), (80.0, 0.0), (0.0, 60.0), (0.0, -500.0)])
 def test_text_outside_draws_nothing(at: tuple[float, float]) -> None:
     assert not drawn(at, "Hgx").pixels.any()
 
@@ -137,7 +138,7 @@ def test_a_font_is_not_looked_for_in_the_systems_folders() -> None:
         check_font(Font(file="DejaVuSans.ttf"))
 
 
-@pytest.mark.parametrize("points", [0.0, -3.0, 3.9, 200.1, float("inf"), float("nan")])
+@for_each("points", [0.0, -3.0, 3.9, 200.1, float("inf"), float("nan")])
 def test_sizes_that_cannot_be_drawn_are_refused(points: float) -> None:
     with pytest.raises(FontError, match="points"):
         check_font(Font(points=points))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rune_tui.raster.resize import covering_size, fitted_size, resized
+from tests.support.cases import for_each
 
 sizes = st.integers(1, 200)
 
@@ -47,7 +47,7 @@ def test_any_size_becomes_any_other_in_grey_and_in_colour(
     assert result.max() <= pixels.max()
 
 
-@pytest.mark.parametrize("size", [(80, 60), (53, 41), (160, 60), (7, 120)])
+@for_each("size", [(80, 60), (53, 41), (160, 60), (7, 120)])
 def test_shrinking_averages_areas_and_keeps_the_mean(size: tuple[int, int]) -> None:
     pixels = np.random.default_rng(3).integers(0, 256, (120, 160, 3), np.uint8)
     result = resized(pixels, *size)
@@ -88,7 +88,7 @@ def test_what_shrinks_one_way_and_grows_the_other_is_averaged_and_smooth() -> No
     assert (resized(pixels.T.copy(), 8, 4) == result.T).all()
 
 
-@pytest.mark.parametrize("size", [(20, 15), (80, 60), (40, 15), (20, 60), (7, 99)])
+@for_each("size", [(20, 15), (80, 60), (40, 15), (20, 60), (7, 99)])
 def test_a_part_looks_as_if_it_were_cut_out(size: tuple[int, int]) -> None:
     pixels = np.random.default_rng(5).integers(0, 256, (60, 80, 3), np.uint8)
     part = resized(pixels, *size, (20.0, 15.0, 60.0, 45.0))

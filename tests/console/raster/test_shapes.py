@@ -9,6 +9,7 @@ import pytest
 
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing, toward
+from tests.support.cases import for_each
 
 RED = (200, 0, 0, 255)
 BLUE = (0, 0, 200, 100)
@@ -40,7 +41,7 @@ def test_shapes_outside_the_canvas_are_clipped() -> None:
     assert (canvas.pixels == RED).all()
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("direction", "inside"),
     [(0.0, (20, 8)), (math.pi / 2, (8, 20)), (math.pi, (20, 32)), (-math.pi / 2, (32, 20))],
 )

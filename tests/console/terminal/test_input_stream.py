@@ -15,6 +15,7 @@ from rune_tui.terminal.input_stream import (
     KeyMove,
     KeyReport,
 )
+from tests.support.cases import for_each
 
 KEYS = {"\x1b[A", "\x1b[1;2R", "\x1b[15~", "\x1b[97;5u", "\x1b[<0;5;5M"}
 PIECES = st.sampled_from(
@@ -35,7 +36,7 @@ def test_a_report_of_the_first_row_is_a_key_with_a_modifier() -> None:
     assert split("\x1b[1;2R") == ["\x1b[1;2R"]
 
 
-@pytest.mark.parametrize(
+@for_each(
     "answer",
     [
         "\x1b[?62;22;52c",
@@ -65,7 +66,7 @@ def moved(text: str) -> list[tuple[str, KeyMove, str]]:
     ]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("sequence", "code", "move", "press"),
     [
         ("\x1b[119;;119u", "119u", KeyMove.PRESS, "\x1b[119;1;119u"),
@@ -108,7 +109,7 @@ def test_keys_are_taken_apart_only_for_a_terminal_that_tells_releases() -> None:
     ]
 
 
-@pytest.mark.parametrize("flags", [1, 2, 3, 7, 9, 17, 21])
+@for_each("flags", [1, 2, 3, 7, 9, 17, 21])
 def test_a_terminal_that_tells_releases_of_some_keys_is_as_one_that_tells_of_none(
     flags: int,
 ) -> None:
@@ -120,7 +121,7 @@ def test_a_terminal_that_tells_releases_of_some_keys_is_as_one_that_tells_of_non
     ]
 
 
-@pytest.mark.parametrize("flags", [10, 11, 15, 27, 31])
+@for_each("flags", [10, 11, 15, 27, 31])
 def test_a_terminal_that_tells_releases_of_all_keys_is_believed(flags: int) -> None:
     (told,) = InputStream(lambda _: True).feed(f"\x1b[?{flags}u", 0.0)
     assert told == KeyboardReport(reports_releases=True)

@@ -8,11 +8,10 @@ import statistics
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import pytest
-
 from rune_tui.terminal.input_stream import CursorReport
 from rune_tui.terminal.pacing import FramePacer
 from rune_tui.terminal.rate import LADDER, RateController
+from tests.support.cases import for_each
 
 PAN = (282e3, 160e3, 98e3, 51e3, 33e3, 24e3, 9e3, 3e3)
 """Bytes of a picture from a moving camera, 160x48 cells, each way of the ladder."""
@@ -72,7 +71,7 @@ def run(
     return done
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("width", "trip", "least_fps", "median", "longest"),
     [
         (20e6, 0.001, 25.0, 0.05, 0.1),

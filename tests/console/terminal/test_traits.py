@@ -10,9 +10,10 @@ from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.terminal.questions import Answers
 from rune_tui.terminal.traits import USUAL_ASPECT, colours_by_environment, traits_of
+from tests.support.cases import for_each
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("environment", "described", "wanted"),
     [
         ({"TERM": "xterm-256color", "COLORTERM": "truecolor"}, 256, ColourDepth.TRUECOLOUR),
@@ -47,7 +48,7 @@ def test_without_a_name_only_windows_has_colours(
 XTERM = {"TERM": "xterm-256color"}
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("answers", "environment", "given", "wanted"),
     [
         (Answers(truecolour=True), XTERM, None, ColourDepth.TRUECOLOUR),

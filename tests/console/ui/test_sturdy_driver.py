@@ -13,6 +13,7 @@ from textual.message import Message
 from rune_tui.terminal.input_stream import InputStream
 from rune_tui.ui.driver_reports import KeyMoved
 from rune_tui.ui.sturdy_driver import SturdyDriver, SturdyParser, understood
+from tests.support.cases import for_each
 
 MOVES = ("press", "repeat", "release")
 
@@ -66,7 +67,7 @@ def _moved(event: KeyMoved) -> str:
 TELLS = "\x1b[?27u"
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "moves"),
     [
         ("\x1b[119;1:1;119u\x1b[119;1:2;119u\x1b[119;1:3u", ["w press", "w repeat", "w release"]),

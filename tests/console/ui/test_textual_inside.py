@@ -17,6 +17,7 @@ from textual.strip import Strip
 
 import rune_tui
 from rune_tui.ui import textual_inside
+from tests.support.cases import for_each
 
 FILE = "rune_tui/ui/textual_inside.py"
 NAMES = [
@@ -35,7 +36,7 @@ NAMES = [
 ]
 
 
-@pytest.mark.parametrize(("owner", "name"), NAMES, ids=lambda part: getattr(part, "__name__", part))
+@for_each(("owner", "name"), NAMES)
 def test_textual_has_what_the_console_takes_from_its_inside(owner: object, name: str) -> None:
     where = getattr(owner, "__name__", owner)
     assert hasattr(owner, name), f"Textual {textual.__version__}: {where} has no {name}; see {FILE}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 
-import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -16,6 +15,7 @@ from rune_tui.visualizers.parts.staleness import Staleness, age_text, pause_of, 
 from rune_tui.visualizers.registry import VISUALIZERS
 from tests.console.states import visualizer_spec
 from tests.console.visualizers.known import everything
+from tests.support.cases import for_each
 
 
 def test_every_name_makes_its_visualizer() -> None:
@@ -26,7 +26,7 @@ def test_every_name_makes_its_visualizer() -> None:
 SIZES = ((1, 1), (1, 2), (2, 1), (3, 5), (20, 7), (40, 2), (2, 40), (120, 40))
 
 
-@pytest.mark.parametrize("name", sorted(VISUALIZERS))
+@for_each("name", sorted(VISUALIZERS))
 def test_every_visualizer_draws_on_any_canvas_with_and_without_data(made, draw, name) -> None:
     text = {"text": "words"} if VISUALIZERS[name].rule.text else {}
     known = {definition.name: made.received(v) for definition, v in everything().items()}
@@ -36,7 +36,7 @@ def test_every_visualizer_draws_on_any_canvas_with_and_without_data(made, draw, 
         draw(name, robot, size, **text)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("age", "expected"),
     [
         (0.0, Staleness.FRESH),
@@ -55,7 +55,7 @@ def test_only_what_comes_once_a_second_or_less_may_pause() -> None:
     assert [pause_of(definition) for definition in definitions] == [0.0, 0.0, 1.0, 5.0]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("age", "text"),
     [
         (0.0, "0.0 s"),

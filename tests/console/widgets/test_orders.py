@@ -40,6 +40,7 @@ from tests.console.widgets.presses import (
     up,
     widget_of,
 )
+from tests.support.cases import for_each
 from tests.support.messages import camera_state, robot_state
 
 KEY = event_spec("x")
@@ -71,13 +72,13 @@ def test_a_click_sends_the_robot_to_the_place(linear: float, limit: float):
     assert goal.linear_limit == pytest.approx(limit, nan_ok=True)
 
 
-@pytest.mark.parametrize("order", ["explore", "return", "hold", "wander"])
+@for_each("order", ["explore", "return", "hold", "wander"])
 def test_autonomy_is_told_the_order_by_name(order: str):
     command = AutonomyCommand(behaviour=Behaviour[order.upper()])
     assert values(pressed("widgetAutonomy", seeing(), order=order)) == [command]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("wanted", "known", "sent"),
     [
         ("toggle", Assistance.ON, Assistance.OFF),
@@ -145,7 +146,7 @@ def test_a_robot_without_headlight_is_sent_nothing():
     assert isinstance(effects[0], Notify)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("handler", "options", "effect"),
     [
         ("widgetShowViewport", {"viewport": "map"}, ShowViewport(viewport="map")),

@@ -20,6 +20,7 @@ from rune_tui.model.effects import LimitSpeed, SendEffect
 from rune_tui.model.state_changes import changed
 from rune_tui.startup.opening import open_layout
 from rune_tui.widgets.speed import SetSpeed
+from tests.support.cases import for_each
 
 _LAYOUT = """<rune>
   <robot name="magellan"><capability name="NAV_MOVE"/></robot>
@@ -119,14 +120,14 @@ def tapped(
     return robot
 
 
-@pytest.mark.parametrize("seed", range(20))
+@for_each("seed", range(20))
 def test_a_tap_moves_five_centimetres_or_turns_five_degrees(seed: int) -> None:
     assert tapped(AHEAD, seed=seed).way == pytest.approx(0.05, abs=0.015)
     assert math.degrees(tapped(LEFT, seed=seed).turn) == pytest.approx(5.0, abs=1.5)
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("limit", [0.25, 0.5])
+@for_each("seed", range(5))
+@for_each("limit", [0.25, 0.5])
 def test_a_limit_makes_a_step_slower_and_not_shorter(limit: float, seed: int) -> None:
     assert tapped(AHEAD, seed=seed, limit=limit).way == pytest.approx(0.05, abs=0.015)
 
@@ -231,7 +232,7 @@ def test_keys_sticks_and_buttons_on_the_screen_change_the_limit(tmp_path: Path) 
     assert limits == [0.25, 0.5, 0.25, 0.1, 0.1]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("key", "character", "plain"),
     [
         ("W", "W", "w"),

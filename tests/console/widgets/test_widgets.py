@@ -26,6 +26,7 @@ from tests.console.widgets.presses import (
     spec,
     up,
 )
+from tests.support.cases import for_each
 
 W = event_spec("w", "translate", 1.0)
 S = event_spec("s", "translate", -1.0)
@@ -135,7 +136,7 @@ def test_a_stop_is_sent_at_every_press_and_repeat_with_its_reason():
     assert widget.handle(up("space"), event_spec("space"), at(0.0)) == ()
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("handler", "options", "value", "command"),
     [
         ("widgetAdjustPan", {}, 1.0, CameraCommand(pan=math.radians(5))),
@@ -157,7 +158,7 @@ def test_the_camera_moves_a_step_at_every_press_and_repeat(
     assert widget.handle(up("x"), key, at(0.2)) == ()
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("control", "value", "command"),
     [
         ("pan", 1.0, CameraCommand(pan=math.radians(5))),
@@ -200,14 +201,14 @@ def test_quit_ends_the_console_when_pressed():
     assert widget.handle(up("q"), event_spec("q"), at(0.1)) == ()
 
 
-@pytest.mark.parametrize("handler", sorted(set(WIDGETS) - {"widgetSetSpeed"}))
+@for_each("handler", sorted(set(WIDGETS) - {"widgetSetSpeed"}))
 def test_only_speed_widgets_speak_unasked(handler: str):
     widget = WIDGETS[handler].from_spec(spec(handler), "magellan")
     assert widget.tick(at(1.0)) == ()
     assert widget.release(at(1.0)) == ()
 
 
-@pytest.mark.parametrize("handler", sorted(WIDGETS))
+@for_each("handler", sorted(WIDGETS))
 def test_a_widget_sends_what_it_announced_and_all_of_it_can_be_encoded(handler: str):
     rule = WIDGETS[handler].rule
     widget = WIDGETS[handler].from_spec(spec(handler), "magellan")
@@ -228,7 +229,7 @@ def test_a_widget_sends_what_it_announced_and_all_of_it_can_be_encoded(handler: 
     assert {effect.definition.name for effect in sent} == set(rule.sends)
 
 
-@pytest.mark.parametrize("handler", sorted(WIDGETS))
+@for_each("handler", sorted(WIDGETS))
 def test_a_widget_whose_robot_is_not_there_neither_fails_nor_acts_on_another(handler: str):
     widget = WIDGETS[handler].from_spec(spec(handler), "*")
     control = next(iter(WIDGETS[handler].rule.controls), "")

@@ -26,10 +26,11 @@ from hub.ipc.formats import ranges, wire_types
 from hub.plain_text import is_plain
 from tests.hub.gcm.test_wire import value_of
 from tests.support import extremes
+from tests.support.cases import for_each
 from tests.support.messages import camera_state, robot_state
 
 EACH = int(os.environ.get("RUNE_EXTREMES", "30"))
-by_definition = pytest.mark.parametrize("definition", MESSAGES, ids=lambda each: each.name)
+by_definition = for_each("definition", MESSAGES)
 
 
 def undeclared(tree: Any, kind: Any, where: str) -> list[str]:
@@ -143,13 +144,13 @@ def test_a_number_that_may_be_unknown_becomes_unknown_and_that_is_told() -> None
     assert len(notes) == 2
 
 
-@pytest.mark.parametrize("metres", [math.nan, math.inf, 1e7, -1e308])
+@for_each("metres", [math.nan, math.inf, 1e7, -1e308])
 def test_a_number_that_has_to_be_known_refuses_the_message(metres: float) -> None:
     with pytest.raises(RangeError, match=r"GCM_RobotState\.x is .*, not -1e\+06 to 1e\+06 m"):
         back(ROBOT_STATE, robot_state(x=metres))
 
 
-@pytest.mark.parametrize("speed", [math.nan, math.inf, -math.inf, 1e308, 101.0])
+@for_each("speed", [math.nan, math.inf, -math.inf, 1e308, 101.0])
 def test_a_command_that_no_robot_can_follow_is_refused_whole(speed: float) -> None:
     with pytest.raises(RangeError):
         back(VELOCITY_COMMAND, Twist.planar(0.1, speed))
@@ -161,9 +162,7 @@ def test_a_command_that_no_robot_can_follow_is_refused_whole(speed: float) -> No
         back(GOAL_COMMAND, command)
 
 
-@pytest.mark.parametrize(
-    "payload", [b"", b"\0\1\0\0", b"\xff" * 40, b"\0\1\0\0\xff\xff\xff\xff", bytes(70_000)]
-)
+@for_each("payload", [b"", b"\0\1\0\0", b"\xff" * 40, b"\0\1\0\0\xff\xff\xff\xff", bytes(70_000)])
 def test_a_stop_counts_whatever_it_holds(payload: bytes) -> None:
     assert isinstance(STOP.decode(payload), Stop)
     reason = "\x1b[2J" + "x" * 100_000
@@ -179,7 +178,7 @@ def test_control_of_no_known_time_is_refused(wrong: dict[str, float]) -> None:
         back(CONTROL_STATE, ControlState(asker=7, **wrong))
 
 
-@pytest.mark.parametrize(
+@for_each(
     "changes",
     [{"resolution": 1e-4}, {"resolution": math.nan}, {"origin_x": 1e300}, {"width_cells": 8193}],
 )

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from hub.errors import CodecError
 from hub.gcm import map_coding
+from tests.support.cases import for_each
 
 _Map = npt.NDArray[np.int8]
 
@@ -51,7 +52,7 @@ def test_view_that_is_not_contiguous_codes_the_same(cells: _Map) -> None:
     assert np.array_equal(map_coding.decode(coded, *view.shape), view)
 
 
-@pytest.mark.parametrize("length", [1, 65_534, 65_535, 65_536, 131_070, 131_071, 400_000])
+@for_each("length", [1, 65_534, 65_535, 65_536, 131_070, 131_071, 400_000])
 def test_runs_of_any_length(length: int) -> None:
     cells = np.zeros((1, length + 1), np.int8)
     cells[0, -1] = 100
@@ -107,7 +108,7 @@ def test_map_of_another_size_is_refused(cells: _Map) -> None:
 _BOMB = zlib.compress(bytes(1 << 24), 9)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("raw", "height", "width"),
     [
         (b"", 1, 1),
@@ -124,7 +125,6 @@ _BOMB = zlib.compress(bytes(1 << 24), 9)
         (b"\1" + zlib.compress(b"\1\0\0"), 0, 1),
         (b"\1" + zlib.compress(b"\1\0\0"), -1, -1),
     ],
-    ids=range(13),
 )
 def test_declared_size_costs_no_memory(raw: bytes, height: int, width: int) -> None:
     coded = np.frombuffer(raw, np.uint8)
@@ -138,7 +138,7 @@ def test_declared_size_costs_no_memory(raw: bytes, height: int, width: int) -> N
     assert peak < 100_000
 
 
-@pytest.mark.parametrize(
+@for_each(
     "cells",
     [
         np.zeros((0, 5), np.int8),
@@ -147,7 +147,6 @@ def test_declared_size_costs_no_memory(raw: bytes, height: int, width: int) -> N
         np.zeros((2, 2), np.uint8),
         np.broadcast_to(np.int8(0), (4097, 4096)),
     ],
-    ids=lambda cells: f"{cells.dtype}{cells.shape}",
 )
 def test_what_is_no_map_is_refused(cells: _Map) -> None:
     with pytest.raises(CodecError, match="are no map"):

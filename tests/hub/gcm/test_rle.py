@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from hub.errors import CodecError
 from hub.gcm import rle
+from tests.support.cases import for_each
 
 _Pixels = npt.NDArray[np.uint8]
 
@@ -77,7 +78,7 @@ def test_view_that_is_not_contiguous_codes_the_same(picture: _Pixels) -> None:
     assert np.array_equal(_decoded(rle.encode(view), view), view)
 
 
-@pytest.mark.parametrize("length", [1, 254, 255, 256, 509, 510, 511, 1020, 100_000])
+@for_each("length", [1, 254, 255, 256, 509, 510, 511, 1020, 100_000])
 def test_runs_of_any_length(length: int) -> None:
     picture = np.zeros((1, length + 1), np.uint8)
     picture[0, -1] = 1
@@ -116,7 +117,7 @@ def test_coded_picture_that_was_cut_is_refused(picture: _Pixels, data: st.DataOb
         _decoded(coded[: data.draw(st.integers(0, len(coded) - 1))], picture)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("raw", "height", "width"),
     [
         (b"", 1, 1),
@@ -142,7 +143,7 @@ def test_declared_size_costs_no_memory(raw: bytes, height: int, width: int) -> N
     assert peak < 50_000
 
 
-@pytest.mark.parametrize(
+@for_each(
     "pixels",
     [
         np.zeros((0, 5), np.uint8),
@@ -152,7 +153,6 @@ def test_declared_size_costs_no_memory(raw: bytes, height: int, width: int) -> N
         np.zeros(4, np.uint8),
         np.zeros((2, 2), np.float32),
     ],
-    ids=lambda pixels: f"{pixels.dtype}{pixels.shape}",
 )
 def test_what_is_no_picture_is_refused(pixels: _Pixels) -> None:
     with pytest.raises(CodecError, match="no picture"):

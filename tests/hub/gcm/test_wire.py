@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 from hub.gcm.catalog import BY_NAME, MESSAGES
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import codec
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES
+from tests.support.cases import for_each
 
 _GOLDEN = Path(__file__).parents[2] / "golden" / "wire"
 
@@ -70,7 +70,7 @@ def _hex_lines(payload: bytes) -> str:
     return "".join(f"{payload[at : at + 32].hex(' ', -4)}\n" for at in range(0, len(payload), 32))
 
 
-@pytest.mark.parametrize("definition", MESSAGES, ids=lambda definition: definition.name)
+@for_each("definition", MESSAGES)
 def test_message_has_the_bytes_of_its_golden_file(definition: MessageDefinition[Any]) -> None:
     payload = b"".join(definition.encode(value_of(definition)))
     wire = f"{definition.format}\n{_hex_lines(payload)}"
@@ -83,7 +83,7 @@ def test_every_golden_file_belongs_to_a_message() -> None:
     assert {path.stem for path in _GOLDEN.glob("*.txt")} == set(BY_NAME)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "wire"),
     [
         ("GCM_Stop", "00010000 07000000 74657874 203100"),

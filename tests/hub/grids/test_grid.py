@@ -14,6 +14,7 @@ from hub.gcm import map_coding
 from hub.gcm.mapping import Map
 from hub.grids.grid import MAX_CELLS, UNKNOWN, Grid, grid_of
 from tests.hub.grids.grid_maps import drawn, maps
+from tests.support.cases import for_each
 
 
 def message(cells: np.ndarray, **fields: object) -> Map:
@@ -49,7 +50,7 @@ def test_the_map_of_a_message_has_its_cells_where_the_message_says() -> None:
     assert grid.unknown.tolist() == [[False, False, True], [False, False, False]]
 
 
-@pytest.mark.parametrize(
+@for_each(
     "fields",
     [
         {"resolution": math.nan},

@@ -16,6 +16,7 @@ from hub.inspection.halt_command import Halt
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from tests.hub.ipc.conftest import Peer
+from tests.support.cases import for_each
 from tests.support.command_line import rune_hub
 from tests.support.messages import robot_state
 
@@ -24,7 +25,7 @@ BRAKES = {"motion": MotionState.STOPPED, "linear": 0.3}
 STOPPED = {"motion": MotionState.STOPPED}
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("reports", "stands"),
     [
         ([], False),

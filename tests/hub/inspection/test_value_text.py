@@ -22,6 +22,7 @@ from hub.ipc.formats import grammar as formats
 from hub.ipc.wire.definition_listing import from_listing, to_listing
 from tests.hub.ipc.formats.trees import structs, values_of
 from tests.hub.ipc.ros_shape import definition_of
+from tests.support.cases import for_each
 
 
 def test_fields_left_out_are_zero_for_every_message_of_the_vocabulary() -> None:
@@ -53,7 +54,7 @@ def test_text_is_taken_as_it_is() -> None:
     assert value_from_text(navigation.STOP, ["reason=a=b c"]).reason == "a=b c"
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("assignment", "said"),
     [
         ("linear.x", "no FIELD=VALUE"),
@@ -68,7 +69,7 @@ def test_a_mistake_says_what_to_do(assignment: str, said: str) -> None:
         value_from_text(navigation.VELOCITY_COMMAND, [assignment])
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("assignment", "said"),
     [
         ("behaviour=explor", r"GCM_Autonomy_Command\.behaviour: .* GO, .*mean 'EXPLORE'"),

@@ -124,6 +124,10 @@ def wanted_endpoint(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     return "tcp://127.0.0.1:0" if request.param == "tcp" else f"ipc://{tmp_path}/central"
 
 
+on_one_transport = pytest.mark.parametrize("wanted_endpoint", ["ipc"], indirect=True)
+"""For what no transport has a part in: timers, formats, callbacks."""
+
+
 @pytest.fixture
 def central(wanted_endpoint: str) -> Iterator[Central]:
     """A running central."""

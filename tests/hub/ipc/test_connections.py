@@ -20,6 +20,7 @@ from hub.ipc.client import Client
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
+from tests.support.cases import for_each
 from tests.support.ports import free_port
 from tests.support.waiting import until
 
@@ -419,7 +420,7 @@ def test_ipv6_loopback_works_where_the_machine_has_it(peers: Make) -> None:
         central.close()
 
 
-@pytest.mark.parametrize(
+@for_each(
     "text",
     [
         "tcp://0.0.0.0:1381",
@@ -456,7 +457,7 @@ def test_client_needs_a_port() -> None:
         Client("one", "tcp://127.0.0.1:0")
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "address"),
     [
         ("tcp://localhost:5", "tcp://127.0.0.1:5"),

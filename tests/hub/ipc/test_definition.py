@@ -19,6 +19,7 @@ from hub.ipc.formats import grammar as formats
 from hub.ipc.wire import control
 from hub.ipc.wire.definition_listing import from_listing, to_listing
 from tests.hub.ipc.shapes import Even, Mode, Nothing, One, Open, Point, define, payload, plain
+from tests.support.cases import for_each
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,7 +84,7 @@ _NO_TOUR = dataclasses.replace(
 ODD = MessageDefinition(name="Odd", format="{int,{int,int}}", type=Odd)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("definition", "value"),
     [
         (PATH, _VALUE),
@@ -96,7 +97,6 @@ ODD = MessageDefinition(name="Odd", format="{int,{int,int}}", type=Odd)
         (TOUR, _NO_TOUR),
         (ODD, Odd(items=1, get=Point(x=2, y=3))),
     ],
-    ids=lambda item: type(item).__name__,
 )
 def test_dataclass_comes_back_as_it_was(definition: MessageDefinition[Any], value: Any) -> None:
     back = definition.decode(payload(definition, value))
@@ -144,7 +144,7 @@ def test_field_names_are_shown_in_the_nesting_of_the_format() -> None:
     )
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("kind", "text", "reason"),
     [
         (Point, "int", "struct"),
@@ -165,13 +165,13 @@ def test_type_that_does_not_fit_its_format_is_refused(
         define(kind, text)
 
 
-@pytest.mark.parametrize("name", ["", "a b", "1a", "a\0", "ä", "a.b", "x" * 65])
+@for_each("name", ["", "a b", "1a", "a\0", "ä", "a.b", "x" * 65])
 def test_name_that_could_be_mistaken_on_the_wire_is_refused(name: str) -> None:
     with pytest.raises(MessageFormatError):
         MessageDefinition(name=name, format="{}", type=Nothing)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "value",
     [
         None,
@@ -185,7 +185,6 @@ def test_name_that_could_be_mistaken_on_the_wire_is_refused(name: str) -> None:
         dataclasses.replace(_VALUE, count=3),
         dataclasses.replace(_VALUE, count="2"),
     ],
-    ids=lambda value: str(value)[:70],
 )
 def test_value_of_another_kind_is_refused(value: Any) -> None:
     with pytest.raises(CodecError):
@@ -211,7 +210,7 @@ def test_wrong_number_of_members_is_refused(values: tuple[int, ...]) -> None:
         define(Point, "{int,int}").build(values)
 
 
-@pytest.mark.parametrize("definition", [*MESSAGES, PATH, TOUR, ROUTE], ids=lambda d: d.name)
+@for_each("definition", [*MESSAGES, PATH, TOUR, ROUTE])
 def test_listing_tells_enough_to_decode_without_the_dataclass(
     definition: MessageDefinition[Any],
 ) -> None:
@@ -242,7 +241,7 @@ def _listing(fields: str, text: str = "{int,int}", **changes: Any) -> control.De
     return dataclasses.replace(entry, **changes)
 
 
-@pytest.mark.parametrize(
+@for_each(
     "entry",
     [
         _listing("x"),
@@ -267,7 +266,6 @@ def _listing(fields: str, text: str = "{int,int}", **changes: Any) -> control.De
         _listing("x, y", keep="some"),
         _listing("x, y", plane="astral"),
     ],
-    ids=lambda entry: f"{entry.fields[:12]}-{entry.format}",
 )
 def test_listing_that_describes_no_message_is_refused(entry: control.Define) -> None:
     with pytest.raises(MessageFormatError) as caught:
@@ -295,10 +293,9 @@ def test_arrays_of_a_decoded_value_are_numpy_views() -> None:
     assert back.ranges.tolist() == [1, 2, 3]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("definition", "value"),
     [(PATH, _VALUE), (TOUR, _TOUR), (TOUR, _NO_TOUR), (ROUTE, _ROUTE)],
-    ids=lambda item: type(item).__name__,
 )
 def test_mapping_with_the_names_of_the_fields_is_as_good_as_the_dataclass(
     definition: MessageDefinition[Any], value: Any
@@ -314,7 +311,7 @@ def test_fields_named_like_the_methods_of_a_mapping_are_no_trap() -> None:
     )
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("changes", "reason"),
     [
         ({"zzz": None}, "Tour has no field 'zzz'; it has route, home"),
@@ -361,7 +358,7 @@ def test_long_list_comes_back_and_a_longer_one_or_a_circle_is_refused() -> None:
         ROUTE.build(members)
 
 
-@pytest.mark.parametrize("members", [None, False, [], (1,), ((1, 2), 3), ((1,), None), {1: None}])
+@for_each("members", [None, False, [], (1,), ((1, 2), 3), ((1,), None), {1: None}])
 def test_values_that_are_no_list_are_refused(members: Any) -> None:
     with pytest.raises(CodecError):
         ROUTE.build(members)

@@ -17,7 +17,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.transport.timers import Timers
 from hub.ipc.wire import control
 from tests.hub.ipc import vocabulary as v
-from tests.hub.ipc.conftest import Make, Peer
+from tests.hub.ipc.conftest import Make, Peer, on_one_transport
 from tests.hub.ipc.vocabulary import Number
 from tests.support.waiting import until
 
@@ -61,6 +61,7 @@ def test_message_reaches_every_subscriber_also_the_publisher_itself(connect: Con
     until(lambda: all(_values(received) == [5] for received in lists), 5.0)
 
 
+@on_one_transport
 def test_several_handlers_of_one_message_are_called_in_turn(connect: Connect) -> None:
     one = connect("one")
     first, second = one.collect(v.LOG), one.collect(v.LOG)
@@ -164,6 +165,7 @@ def test_gap_in_the_sequence_is_told(connect: Connect) -> None:
     assert other.client.lost == 3
 
 
+@on_one_transport
 def test_value_that_does_not_fit_is_refused_and_makes_no_gap(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
     received = other.collect(v.LOG)
@@ -218,6 +220,7 @@ def test_repeated_sequence_number_is_dropped(connect: Connect) -> None:
     assert _values(received) == []
 
 
+@on_one_transport
 def test_handler_that_fails_costs_no_other_message(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
     received = other.collect(v.LOG)
@@ -260,6 +263,7 @@ def test_message_in_another_format_is_refused_by_central_and_dropped_by_subscrib
     assert not other.faults
 
 
+@on_one_transport
 def test_one_client_cannot_use_a_message_in_two_formats(connect: Connect) -> None:
     one = connect("one")
     one.call(lambda: one.client.define(v.STREAM))
@@ -267,6 +271,7 @@ def test_one_client_cannot_use_a_message_in_two_formats(connect: Connect) -> Non
         one.publish(v.OTHER_STREAM, Number(value=1))
 
 
+@on_one_transport
 def test_definitions_peers_and_counts_are_listed(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
     received = other.collect(v.LOG)
@@ -289,6 +294,7 @@ def test_definitions_peers_and_counts_are_listed(connect: Connect) -> None:
     assert log.bytes_per_s == pytest.approx(8 * log.messages_per_s)
 
 
+@on_one_transport
 def test_post_works_from_many_threads_at_once(connect: Connect) -> None:
     one = connect("one")
     done: list[int] = []
@@ -305,6 +311,7 @@ def test_post_works_from_many_threads_at_once(connect: Connect) -> None:
     until(lambda: len(done) == 2000, 5.0)
 
 
+@on_one_transport
 def test_posted_work_after_one_that_fails_is_still_done(connect: Connect) -> None:
     one = connect("one")
     free = threading.Event()
@@ -317,6 +324,7 @@ def test_posted_work_after_one_that_fails_is_still_done(connect: Connect) -> Non
     until(lambda: [type(error) for error in one.faults] == [ZeroDivisionError], 10.0)
 
 
+@on_one_transport
 def test_timer_is_called_again_and_again(connect: Connect) -> None:
     one = connect("one")
     calls: list[float] = []
@@ -340,6 +348,7 @@ def test_late_timer_calls_are_skipped_not_made_up_for() -> None:
     assert Timers().due(9.0) == 9.0
 
 
+@on_one_transport
 def test_watched_file_is_served_until_it_is_unwatched(connect: Connect) -> None:
     one = connect("one")
     reading, writing = os.pipe()
@@ -357,6 +366,7 @@ def test_watched_file_is_served_until_it_is_unwatched(connect: Connect) -> None:
         os.close(writing)
 
 
+@on_one_transport
 def test_listen_returns_after_its_time(central: Central) -> None:
     client = Client("one", central.endpoints[0])
     try:
@@ -369,6 +379,7 @@ def test_listen_returns_after_its_time(central: Central) -> None:
         client.close()
 
 
+@on_one_transport
 def test_reception_is_a_frozen_value(connect: Connect) -> None:
     one = connect("one")
     received = one.collect(v.LOG)

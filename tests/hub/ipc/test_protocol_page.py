@@ -6,8 +6,6 @@ import itertools
 import re
 from pathlib import Path
 
-import pytest
-
 from hub.gcm.catalog import MESSAGES
 from hub.ipc import endpoints
 from hub.ipc.broker import connections, definitions, listing, message_users, query_routing
@@ -15,6 +13,7 @@ from hub.ipc.formats import grammar as formats
 from hub.ipc.node import connection
 from hub.ipc.transport import sockets
 from hub.ipc.wire import control_codec, definition_listing, frames
+from tests.support.cases import for_each
 
 _PAGE = (Path(__file__).parents[3] / "docs" / "protocol.md").read_text()
 
@@ -50,7 +49,7 @@ def test_every_primitive_is_in_the_table_of_formats() -> None:
     assert set(formats.PRIMITIVES) <= named
 
 
-@pytest.mark.parametrize(
+@for_each(
     "phrase",
     [
         f"Version {frames.VERSION}.",

@@ -21,7 +21,7 @@ from hub.errors import (
 )
 from hub.ipc.broker.central import Central
 from tests.hub.ipc import vocabulary as v
-from tests.hub.ipc.conftest import Peer
+from tests.hub.ipc.conftest import Peer, on_one_transport
 from tests.hub.ipc.vocabulary import Number
 from tests.support.waiting import until
 
@@ -46,6 +46,7 @@ def test_query_is_answered(connect: Connect) -> None:
     assert _ask(other) == Number(value=21)
 
 
+@on_one_transport
 def test_module_may_ask_itself(connect: Connect) -> None:
     one = connect("one")
     _respond(one, lambda ask: Number(value=ask.value + 1))
@@ -80,6 +81,7 @@ def test_query_frame_tells_which_message_the_answer_is(connect: Connect) -> None
     assert frame.name == "T_Answer"
 
 
+@on_one_transport
 def test_query_without_handler_ends_at_once(connect: Connect) -> None:
     one = connect("one")
     start = time.monotonic()
@@ -88,6 +90,7 @@ def test_query_without_handler_ends_at_once(connect: Connect) -> None:
     assert time.monotonic() - start < 10.0
 
 
+@on_one_transport
 def test_error_of_the_handler_is_told_to_who_asked(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
 
@@ -101,6 +104,7 @@ def test_error_of_the_handler_is_told_to_who_asked(connect: Connect) -> None:
     assert one.faults == []
 
 
+@on_one_transport
 def test_fault_of_the_handler_is_told_at_once_and_not_hidden_from_its_owner(
     connect: Connect,
 ) -> None:
@@ -112,6 +116,7 @@ def test_fault_of_the_handler_is_told_at_once_and_not_hidden_from_its_owner(
     until(lambda: [type(error) for error in one.faults] == [ZeroDivisionError], 10.0)
 
 
+@on_one_transport
 def test_answer_that_does_not_fit_its_format_is_told(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
     _respond(one, lambda ask: Number(value=ask.value + 2**40))
@@ -119,6 +124,7 @@ def test_answer_that_does_not_fit_its_format_is_told(connect: Connect) -> None:
         _ask(other)
 
 
+@on_one_transport
 def test_answer_of_another_message_than_expected_is_an_error(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
     one.call(lambda: one.client.respond(v.ASK, v.LOG, lambda ask: ask))
@@ -150,6 +156,7 @@ def test_query_ends_when_its_time_is_over_and_the_late_answer_is_counted(
     assert _ask(other) == Number(value=20)
 
 
+@on_one_transport
 def test_callback_that_fails_does_not_lose_the_next_answer(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
     _respond(one, lambda ask: ask)
@@ -231,6 +238,7 @@ def test_query_to_nobody_ends_at_once_before_the_connection_stands(
     assert time.monotonic() - start < 10.0
 
 
+@on_one_transport
 def test_handler_that_takes_its_time_keeps_its_timers_however_many_ask(
     connect: Connect,
 ) -> None:

@@ -12,6 +12,7 @@ from hub.errors import EndpointError, NotAllowedError
 from hub.ipc import endpoints, roles
 from hub.ipc.roles import Action, Principal, Role
 from hub.ipc.security.client_keys import KeyPair
+from tests.support.cases import for_each
 
 PLACES = [
     "control",
@@ -36,12 +37,12 @@ def test_only_modules_enter_where_states_and_pictures_go_in() -> None:
     assert entered[Role.MODULE] == PLACES
 
 
-@pytest.mark.parametrize("place", ["", " ", "in", "out", " in", " out", "state", "CONTROL", "a b"])
+@for_each("place", ["", " ", "in", "out", " in", " out", "state", "CONTROL", "a b"])
 def test_place_that_is_none_is_entered_by_nobody(place: str) -> None:
     assert not any(roles.may_connect(role, place) for role in Role)
 
 
-@pytest.mark.parametrize("place", PLACES)
+@for_each("place", PLACES)
 def test_each_role_enters_where_the_ones_before_it_do(place: str) -> None:
     for less, more in itertools.pairwise(Role):
         assert roles.may_connect(less, place) <= roles.may_connect(more, place)
@@ -70,7 +71,7 @@ def test_principal_is_read_back_from_what_goes_with_its_frames(role: Role, name:
     )
 
 
-@pytest.mark.parametrize(
+@for_each(
     "user_id",
     ["", "alice", ":", "operate:", "operate:alice", "operate:alice:", f"root:alice:{32 * '0'}"],
 )
@@ -79,7 +80,7 @@ def test_user_id_that_names_no_role_has_no_rights(user_id: str) -> None:
         roles.parse_principal(user_id)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "address"),
     [
         ("tcp://0.0.0.0:1481", "tcp://0.0.0.0:1481"),
@@ -93,15 +94,13 @@ def test_hub_with_keys_may_listen_beyond_this_machine(text: str, address: str) -
     assert str(endpoints.parse_endpoint(text, beyond_loopback=True)) == address
 
 
-@pytest.mark.parametrize(
-    "text", ["tcp://robot:1481", "tcp://*:1481", "tcp://:1481", "tcp://224.0.0.1:1481"]
-)
+@for_each("text", ["tcp://robot:1481", "tcp://*:1481", "tcp://:1481", "tcp://224.0.0.1:1481"])
 def test_hub_listens_at_addresses_only(text: str) -> None:
     with pytest.raises(EndpointError, match=r"0\.0\.0\.0"):
         endpoints.parse_endpoint(text, beyond_loopback=True)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "address"),
     [
         ("tcp://robot.example:1481", "tcp://robot.example:1481"),
@@ -115,7 +114,7 @@ def test_client_with_keys_may_connect_beyond_this_machine(text: str, address: st
     assert endpoints.connectable(text, with_keys=True) == address
 
 
-@pytest.mark.parametrize(
+@for_each(
     "text",
     ["tcp://0.0.0.0:1481", "tcp://[::]:1", "tcp://robot:0", "tcp://a b:1", "tcp://-:1", "tcp://:1"],
 )

@@ -29,6 +29,7 @@ from hub.ipc.formats import grammar as formats
 from tests.hub.gcm.test_wire import value_of
 from tests.hub.ipc.formats.trees import same, structs, values_of
 from tests.hub.ipc.ros_shape import definition_of, ros_value
+from tests.support.cases import for_each
 
 
 def _store(definition: MessageDefinition[Any]) -> Typestore:
@@ -143,7 +144,7 @@ def _read_back(definition: MessageDefinition[Any], value: Any) -> None:
     assert same(read, [wanted, wanted])
 
 
-@pytest.mark.parametrize("definition", MESSAGES, ids=lambda definition: definition.name)
+@for_each("definition", MESSAGES)
 def test_recording_of_payloads_as_they_are_is_read_by_ros_tools(
     definition: MessageDefinition[Any],
 ) -> None:
@@ -163,7 +164,7 @@ def _same_types(definition: MessageDefinition[Any]) -> None:
     assert from_idl == from_msg
 
 
-@pytest.mark.parametrize("definition", MESSAGES, ids=lambda definition: definition.name)
+@for_each("definition", MESSAGES)
 def test_idl_describes_the_same_types_as_ros2msg(definition: MessageDefinition[Any]) -> None:
     _same_types(definition)
 
@@ -307,7 +308,7 @@ def test_types_of_one_name_are_told_apart() -> None:
     assert "MSG: rune_msgs/Inner" not in lines
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "ros_type", "reason"),
     [
         ("{}", "", "RandomMessage is an empty struct"),
@@ -330,7 +331,7 @@ def test_message_without_a_ros_type_is_refused_with_the_reason(
             function(definition)
 
 
-@pytest.mark.parametrize("name", ["X", "x_", "x__y", "_x", "xY", "ä"])
+@for_each("name", ["X", "x_", "x__y", "_x", "xY", "ä"])
 def test_field_name_that_ros_does_not_allow_is_refused(name: str) -> None:
     kind = make_dataclass("Kind", [(name, int)], frozen=True)
     definition: MessageDefinition[Any] = MessageDefinition(name="M", format="{int}", type=kind)

@@ -24,6 +24,7 @@ from hub.gcm.mapping import InterestPoint, PointKind
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.missions import point_file, ros_map, storage
 from hub.missions.points import MAX_POINTS
+from tests.support.cases import for_each
 
 PICTURE = OccupancyMap(
     cells=np.array([[-1, 0, 25], [30, 65, 100]], np.int8),
@@ -126,7 +127,7 @@ def test_a_picture_of_pillow_is_read() -> None:
     assert np.array_equal(ros_map.decode_pgm(file.getvalue()), shades)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("raw", "why"),
     [
         (b"", "binary PGM"),
@@ -145,7 +146,7 @@ def test_a_wrong_picture_is_refused(raw: bytes, why: str) -> None:
         ros_map.decode_pgm(raw)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("raw", "why"),
     [
         (yaml_with(resolution=""), "resolution ''"),
@@ -223,7 +224,7 @@ def changed(place: str, value: object) -> bytes:
     return json.dumps(collection).encode()
 
 
-@pytest.mark.parametrize(
+@for_each(
     "raw",
     [
         b"{",
@@ -255,7 +256,6 @@ def changed(place: str, value: object) -> bytes:
             tuple(dataclasses.replace(POINTS[1], number=n + 1) for n in range(MAX_POINTS + 1))
         ),
     ],
-    ids=range(26),
 )  # fmt: skip
 def test_wrong_points_are_refused(raw: bytes) -> None:
     with pytest.raises(MapFileError):

@@ -18,6 +18,7 @@ from hub.missions.points import (
     NO_THUMBNAIL,
     PointBook,
 )
+from tests.support.cases import for_each
 
 NOW = 1e9
 
@@ -102,7 +103,7 @@ def test_a_mark_is_never_lost_for_being_too_wordy() -> None:
     )
 
 
-@pytest.mark.parametrize("metres", [math.inf, -math.inf, -0.1, 0.0, 1e6])
+@for_each("metres", [math.inf, -math.inf, -0.1, 0.0, 1e6])
 def test_an_uncertainty_or_distance_that_cannot_be_is_not_known(metres: float) -> None:
     book = PointBook()
     assert book.mark(point(uncertainty=metres, distance=2.5), "", NOW) == ""

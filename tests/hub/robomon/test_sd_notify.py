@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from hub.robomon.sd_notify import Notifier
+from tests.support.cases import for_each
 
 PID = 4711
 
@@ -83,9 +84,7 @@ def test_the_watchdog_is_fed_twice_in_its_time_if_it_is_ours(
     assert notifier(listener, **variables).period == period
 
 
-@pytest.mark.parametrize(
-    "address", ["", "nowhere", "/no/such/socket", "/" + "x" * 500, "/a\0b", "/\ud800"]
-)
+@for_each("address", ["", "nowhere", "/no/such/socket", "/" + "x" * 500, "/a\0b", "/\ud800"])
 def test_nobody_there_is_no_fault(address: str) -> None:
     ours = Notifier.from_environment({"NOTIFY_SOCKET": address, "WATCHDOG_USEC": "10"}, PID)
     ours.ready("all is well")

@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 from hub.errors import CameraError
 from hub.robots.video_reader import taken
 from hub.robots.video_source import Pace, SourceKind, video_source, why_not
+from tests.support.cases import for_each
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "kind", "shown"),
     [
         ("/dev/video0", SourceKind.DEVICE, "/dev/video0"),
@@ -31,7 +32,7 @@ def test_sources_are_told_apart_and_shown_without_passwords(
     assert source.live is (kind is not SourceKind.FILE)
 
 
-@pytest.mark.parametrize("text", ["file:///etc/passwd", "concat://a", "://", "RTSP ://x"])
+@for_each("text", ["file:///etc/passwd", "concat://a", "://", "RTSP ://x"])
 def test_other_kinds_of_addresses_are_refused(text: str) -> None:
     with pytest.raises(
         CameraError, match="begins with one of rtsp://, rtsps://, http://, https://"
@@ -39,7 +40,7 @@ def test_other_kinds_of_addresses_are_refused(text: str) -> None:
         video_source(text)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("number", "what_to_do"),
     [
         (errno.ENOENT, "plug it in, or correct 'source'"),

@@ -14,6 +14,7 @@ from hub.sim.arena import BODY_RADIUS, SHIPPED, load_arena, shipped_arenas
 from hub.sim.arena_file import MAX_OBJECTS, check_arena, read_arena_file
 from hub.sim.arena_specs import COLOURS, GAPS, SURFACE_TEXTURES
 from hub.sim.textures import TEXTURES
+from tests.support.cases import for_each
 from tests.support.footprints import distances
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "writing-an-arena.md"
@@ -57,7 +58,7 @@ def test_a_good_file_has_no_problems() -> None:
     assert problems_of(GOOD) == []
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("old", "new", "problem"),
     [
         ('name = "test"', "", "top of the file: key 'name' is missing"),
@@ -140,7 +141,7 @@ def test_a_file_that_is_no_toml_is_refused(tmp_path: Path, content: bytes, compl
         load_arena(str(path))
 
 
-@pytest.mark.parametrize("name", ["no-such/arena.toml", "nothing.toml", "\0.toml", "a" * 5000])
+@for_each("name", ["no-such/arena.toml", "nothing.toml", "\0.toml", "a" * 5000])
 def test_a_file_that_is_not_there_is_refused(name: str) -> None:
     with pytest.raises(ArenaError):
         load_arena(name)

@@ -15,6 +15,7 @@ from hub.sim.arena import BODY_RADIUS, Arena, load_arena
 from hub.sim.battery import Battery
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
 from tests.hub.sim.arenas import VOID, arena_of
+from tests.support.cases import for_each
 from tests.support.repetitions import repetitions
 
 YELLOW = load_arena("yellow")
@@ -133,7 +134,7 @@ def test_a_straight_way_and_a_circle_end_where_geometry_says() -> None:
     assert (half.x, half.y, abs(half.theta)) == pytest.approx((-1.0, 2.0, math.pi / 2))
 
 
-@pytest.mark.parametrize("bumper", range(16))
+@for_each("bumper", range(16))
 def test_the_bumper_that_faces_the_wall_is_pressed(bumper: int) -> None:
     """The robot stands against a wall in the north, turned so that one bumper faces it."""
     north = 90.0 - 22.5 * bumper

@@ -23,6 +23,7 @@ from hub.sim.range_sensors import (
     first_hits,
 )
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
+from tests.support.cases import for_each
 
 CENTRE = Pose(x=0.0, y=0.0, theta=0.0)
 
@@ -52,7 +53,7 @@ def test_a_wall_beyond_the_farthest_echo_is_not_heard() -> None:
     assert np.isinf(sensors_before_a_wall(SONAR_FARTHEST + 0.1).sonar(CENTRE)).all()
 
 
-@pytest.mark.parametrize("degrees", range(0, 90, 5))
+@for_each("degrees", range(0, 90, 5))
 def test_a_wall_at_grazing_incidence_sends_no_echo(degrees: int) -> None:
     """The rim of the cone may still meet a wall squarely that its middle does not."""
     heard = np.isfinite(

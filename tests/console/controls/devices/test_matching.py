@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from rune_tui.controls.devices.matching import assigned, is_meant
 from rune_tui.controls.devices.udev_rules import udev_rule, udev_rules
 from tests.console.controls.joystick.pads import device, joystick
+from tests.support.cases import for_each
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("wanted", "fits"),
     [
         ({}, True),

@@ -13,6 +13,7 @@ from rune_tui.controls.hid.device_controls import DeviceDecoder
 from rune_tui.layout.spec import ControlKind
 from tests.console.controls.hid.fixtures import NAMES, device
 from tests.console.controls.hid.hid_tools import GOLDEN, what_hid_tools_says
+from tests.support.cases import for_each
 
 
 def golden(name: str) -> dict[str, Any]:
@@ -36,12 +37,12 @@ def fields(parsed: ReportDescriptor) -> list[list[Any]]:
     return found
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_each("name", NAMES)
 def test_every_field_is_where_hid_tools_finds_it(name: str) -> None:
     assert fields(parse(device(name).descriptor)) == golden(name)["fields"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_each("name", NAMES)
 def test_every_control_has_the_value_that_hid_tools_reads(name: str) -> None:
     descriptor, said = device(name).descriptor, golden(name)
     parsed = parse(descriptor)

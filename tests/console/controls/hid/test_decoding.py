@@ -11,6 +11,7 @@ from rune_tui.layout.spec import ControlKind
 from tests.console.controls.hid import writing as w
 from tests.console.controls.hid.fixtures import NAMES, by_role, by_usage, control, device
 from tests.console.controls.hid.writing import application, axis, item, padding
+from tests.support.cases import for_each
 
 
 def decoder(*parts: bytes, usage: int = 4) -> DeviceDecoder:
@@ -32,7 +33,7 @@ def test_fields_need_not_begin_at_bytes() -> None:
     assert dict(device.decode(w.report([(1000, 10), (-700, 11)]))) == {0: 1000, 1: -700}
 
 
-@pytest.mark.parametrize("size", [1, 2, 7, 8, 12, 16, 24, 31, 32])
+@for_each("size", [1, 2, 7, 8, 12, 16, 24, 31, 32])
 def test_values_of_every_size_come_back(size: int) -> None:
     device = decoder(padding(3), axis(size=size, maximum=2**size - 1))
     for value in (0, 1, 2 ** (size - 1), 2**size - 1):
@@ -53,7 +54,7 @@ def test_padding_and_vendor_fields_are_no_controls() -> None:
     assert device.decode(b"\x01\x02\x03") == ((0, 3),)
 
 
-@pytest.mark.parametrize(("least", "most"), [(0, 7), (1, 8), (0, 3), (-4, 3)])
+@for_each(("least", "most"), [(0, 7), (1, 8), (0, 3), (-4, 3)])
 def test_hat_has_a_value_only_within_its_range(least: int, most: int) -> None:
     for flags in (w.VARIABLE, w.VARIABLE | w.NULL):
         device = decoder(axis(0x39, size=5, minimum=least, maximum=most, flags=flags))
@@ -116,7 +117,7 @@ def test_two_joysticks_of_one_device_are_told_apart() -> None:
     assert device.decode(b"\x02\x09") == ((1, 9),)
 
 
-@pytest.mark.parametrize(("page", "usage"), [(1, 2), (1, 6), (12, 1), (0xFF00, 1), (1, 1)])
+@for_each(("page", "usage"), [(1, 2), (1, 6), (12, 1), (0xFF00, 1), (1, 1)])
 def test_other_devices_are_no_joysticks(page: int, usage: int) -> None:
     other = application(axis(0x30), axis(0x31), usage=usage, page=page)
     device = DeviceDecoder(other, vid=0, pid=0)
@@ -177,7 +178,7 @@ def test_more_elements_than_any_device_has_are_refused(flags: int) -> None:
 # Real devices.
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_each("name", NAMES)
 def test_every_recorded_report_is_read(name: str) -> None:
     each = device(name)
     decoder = each.decoder()
@@ -276,14 +277,14 @@ SWITCH_BUTTONS = (
 )
 
 
-@pytest.mark.parametrize("role", SWITCH_BUTTONS)
+@for_each("role", SWITCH_BUTTONS)
 def test_switch_pro_has_every_button_where_its_driver_looks_for_it(role: str) -> None:
     pad = device("nintendo_switch_pro_usb").decoder()
     values = by_role(pad, switch_report(1 << SWITCH_BUTTONS[role], 0, 0, 0, 0))
     assert [role for role, value in values.items() if value == 1] == [role]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("bits", "hat"),
     [(0, None), (2, 0), (6, 1), (4, 2), (5, 3), (1, 4), (9, 5), (8, 6), (10, 7), (3, None)],
 )

@@ -8,6 +8,7 @@ from rune_tui.controls.hid.descriptor import MAX_BYTES, MAX_DEPTH, MAX_REPORT_BY
 from rune_tui.errors import ConsoleError, DescriptorError
 from tests.console.controls.hid import writing as w
 from tests.console.controls.hid.writing import application, axis, item
+from tests.support.cases import for_each
 
 
 def usages(descriptor: bytes) -> list[int]:
@@ -55,7 +56,7 @@ def test_of_alternative_usages_the_first_counts() -> None:
     assert usages(application(inner + item(w.INPUT, w.VARIABLE))) == [0x10032, 0x10030]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("least", "most", "minimum", "maximum"),
     [
         (b"\x15\x00", b"\x25\xff", 0, 255),
@@ -109,7 +110,7 @@ def test_fields_belong_to_the_innermost_application() -> None:
     assert [each.application for each in parsed.fields] == [0x10004, 0xC0001, 0x10004]
 
 
-@pytest.mark.parametrize("tail", [b"\x00", b"\x00\x00\x00", b"\xff\xff", b"\x27\x01", b"\xfe"])
+@for_each("tail", [b"\x00", b"\x00\x00\x00", b"\xff\xff", b"\x27\x01", b"\xfe"])
 def test_what_follows_the_last_collection_does_no_harm(tail: bytes) -> None:
     plain = application(axis(0x30))
     assert parse(plain + tail) == parse(plain)
@@ -120,7 +121,7 @@ def test_unknown_and_long_items_are_skipped() -> None:
     assert parse(application(odd, axis(0x30))) == parse(application(axis(0x30)))
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("descriptor", "words"),
     [
         (item(w.END), "byte 0 of the report descriptor: the end of a collection"),

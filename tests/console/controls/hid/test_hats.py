@@ -6,6 +6,7 @@ import pytest
 
 from rune_tui.controls.hid.device_controls import PhysicalControl, hat_direction
 from rune_tui.layout.spec import ControlKind
+from tests.support.cases import for_each
 
 AROUND = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)]
 CENTRE = (0, 0)
@@ -35,14 +36,14 @@ def test_four_values_are_up_right_down_left(least: int) -> None:
     assert [hat_direction(least + n, control) for n in range(4)] == AROUND[::2]
 
 
-@pytest.mark.parametrize(("most", "step"), [(315, 45), (359, 45), (360, 45), (31500, 4500)])
+@for_each(("most", "step"), [(315, 45), (359, 45), (360, 45), (31500, 4500)])
 def test_degrees_and_their_hundredths_go_clockwise_from_up(most: int, step: int) -> None:
     assert [hat_direction(n * step, hat(0, most)) for n in range(8)] == AROUND
     assert hat_direction(step // 3, hat(0, most)) == (0, 1)
     assert hat_direction(step * 2 // 3, hat(0, most)) == (1, 1)
 
 
-@pytest.mark.parametrize("raw", [None, -1, 8, 15])
+@for_each("raw", [None, -1, 8, 15])
 def test_no_value_and_values_out_of_range_are_the_centre(raw: int | None) -> None:
     assert hat_direction(raw, hat(0, 7)) == CENTRE
     assert hat_direction(raw, hat(0, 7), (0, 2, 4, 6)) == CENTRE

@@ -10,6 +10,7 @@ from rune_tui.layout.spec import ControlKind
 from tests.console.controls.hid import writing as w
 from tests.console.controls.hid.fixtures import NAMES, device
 from tests.console.controls.hid.writing import RELATIVE, VARIABLE, application, axis, item
+from tests.support.cases import for_each
 
 AXIS_ROLES = {
     "3dconnexion_spacenavigator": "leftx=x lefty=y twist=rz",
@@ -65,7 +66,7 @@ def roles(of: DeviceDecoder) -> dict[str, str]:
     return {each.role: each.usage for each in of.controls if each.role}
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_each("name", NAMES)
 def test_axes_of_real_devices_have_their_roles(name: str) -> None:
     found = {
         each.role: each.usage
@@ -75,7 +76,7 @@ def test_axes_of_real_devices_have_their_roles(name: str) -> None:
     assert found == dict(pair.split("=") for pair in AXIS_ROLES[name].split())
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_each("name", NAMES)
 def test_no_role_is_given_twice_and_indices_count_within_a_kind(name: str) -> None:
     controls = device(name).decoder().controls
     given = [each.role for each in controls if each.role]
@@ -85,14 +86,14 @@ def test_no_role_is_given_twice_and_indices_count_within_a_kind(name: str) -> No
         assert own == list(range(len(own)))
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_each("name", NAMES)
 def test_what_grows_towards_the_operator_is_flipped(name: str) -> None:
     decoder = device(name).decoder()
     flipped = {each.role for each in decoder.controls if each.flipped and each.role}
     assert flipped == {"lefty", "righty", "throttle"} & roles(decoder).keys()
 
 
-@pytest.mark.parametrize("name", IN_SDL)
+@for_each("name", IN_SDL)
 def test_profiles_and_guesses_agree_with_the_database(name: str) -> None:
     each = device(name)
     own = each.decoder().controls
@@ -125,7 +126,7 @@ def test_right_stick_is_what_is_as_fine_as_the_left_one(usages: str, wanted: str
     assert roles(decoder(*parts, usage=5)) == expected
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("usages", "wanted"),
     [
         ((0x30, 0x31, 0x35, 0x36), {"twist": "rz", "throttle": "slider"}),

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,6 +10,7 @@ from rune_tui.controls.joystick.calibration import (
     Guide,
     GuidedAxis,
 )
+from tests.support.cases import for_each
 
 STICK = GuidedAxis(control="lefty", usage="y", lever=False, width=255)
 LEVER = GuidedAxis(control="gas", usage="slider", lever=True, width=255)
@@ -76,7 +76,7 @@ def test_the_guide_asks_for_maximum_minimum_and_rest_of_each_axis() -> None:
     }
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("maximum", "minimum", "rest"), [(200, 190, 195), (200, 10, 210), (200, 10, 10), (5, 5, 5)]
 )
 def test_the_guide_asks_again_for_what_cannot_be(maximum: int, minimum: int, rest: int) -> None:

@@ -26,6 +26,7 @@ from tests.console.controls.joystick.pads import (
     physical,
     told,
 )
+from tests.support.cases import for_each
 
 _times = itertools.count(1.0, 0.01)
 
@@ -131,7 +132,7 @@ def test_what_the_device_does_not_have_is_named() -> None:
     assert pad.connect(PAD, {}) == ("rightx", "b")
 
 
-@pytest.mark.parametrize(
+@for_each(
     "spec",
     [
         ControlSpec(name="fire", kind=ControlKind.BUTTON, usage="button 1"),

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from hub.gcm.pad import PadConsole
 from rune_tui.controls.remote_pad.pad_audience import FORGOTTEN_S, MOST_CONSOLES, Audience
+from tests.support.cases import for_each
 
 ME, OTHER = 7, 8
 
@@ -15,7 +15,7 @@ def console(operator: str, *taken: int) -> PadConsole:
     return PadConsole(operator=operator, taken=np.array(taken, np.uint32))
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("operator", "there", "words"),
     [
         ("", [], "waits for a console"),

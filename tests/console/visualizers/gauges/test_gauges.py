@@ -17,6 +17,7 @@ from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.gauges.heading import LETTERS, bearing_words
 from tests.console.visualizers.conftest import made_by, words
+from tests.support.cases import for_each
 
 GAUGES = {
     "visualizeSpeed": {"linear": 0.25},
@@ -42,7 +43,7 @@ def accent(canvas, row: int) -> list[int]:
     return np.flatnonzero((canvas.pixels[row] == DARK.accent).all(axis=1)).tolist()
 
 
-@pytest.mark.parametrize("name", GAUGES)
+@for_each("name", GAUGES)
 def test_a_gauge_without_data_says_from_whom_it_waits_for_what(made, draw, name) -> None:
     text = " ".join(words(draw(name, made.robot(navigation=None), (40, 6)))).split()
     assert text[0] == "no"
@@ -57,7 +58,7 @@ def test_a_gauge_dims_at_one_second_and_says_how_stale_it_is_at_three(shown, nam
     assert "STALE 4.2 s" in words(stale)[0]
 
 
-@pytest.mark.parametrize("name", GAUGES)
+@for_each("name", GAUGES)
 def test_a_gauges_token_changes_with_what_it_shows_its_age_and_colours_only(made, name) -> None:
     shown, state = made_by(name), ConsoleState(now=made.now)
 
@@ -74,7 +75,7 @@ def test_a_gauges_token_changes_with_what_it_shows_its_age_and_colours_only(made
     assert shown.source(made.robot(navigation=None), state) != token()
 
 
-@pytest.mark.parametrize("name", GAUGES)
+@for_each("name", GAUGES)
 def test_the_token_of_what_is_not_a_number_stays_the_same(made, name) -> None:
     nothing = dict.fromkeys(("linear", "angular", "theta", "battery_fraction"), math.nan)
     shown, state = made_by(name), ConsoleState(now=made.now)

@@ -20,6 +20,7 @@ from rune_tui.visualizers.parts.history import SLOTS, History, number_at
 from tests.console.states import robot_of
 from tests.console.visualizers.conftest import made_by, words
 from tests.console.visualizers.known import point, points
+from tests.support.cases import for_each
 
 
 class Watched:
@@ -191,7 +192,7 @@ def test_numbers_are_found_by_their_path(made) -> None:
     assert number_at(points(point(1), point(2)), "points[1].number") == 2.0
 
 
-@pytest.mark.parametrize(
+@for_each(
     "path",
     [
         *("", ".", "nothing", "sonar", "sonar[16]", "sonar[-1]", "sonar[x]", "sonar[0", "sonar[]"),

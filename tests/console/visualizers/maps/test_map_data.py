@@ -28,6 +28,7 @@ from tests.console.states import (
     visualizer_spec,
 )
 from tests.console.visualizers.conftest import NOW, made_by, words
+from tests.support.cases import for_each
 
 NAME = "visualizeMapData"
 SIZE = (100, 80)
@@ -161,7 +162,7 @@ def test_everything_known_is_seen_however_it_is_turned(made, draw, theta) -> Non
     assert 74 <= free.max() <= 78
 
 
-@pytest.mark.parametrize("theta", [0.1 + index * math.pi / 8.0 for index in range(16)])
+@for_each("theta", [0.1 + index * math.pi / 8.0 for index in range(16)])
 def test_where_a_robot_of_eight_pixels_heads_can_be_seen(made, draw, theta) -> None:
     canvas = draw(NAME, robot_in(made, theta=theta), (40, 40), option=40.0)
     pixels = canvas.pixels[14:26, 14:26, :3].astype(float)
@@ -190,7 +191,7 @@ def test_the_robots_heading_is_up_when_that_is_wanted(made, draw) -> None:
     assert row <= 1
 
 
-@pytest.mark.parametrize("options", [{}, {"up": "robot"}, {"show": "whole"}, {"option": 3.0}])
+@for_each("options", [{}, {"up": "robot"}, {"show": "whole"}, {"option": 3.0}])
 def test_a_click_gives_the_place_that_is_drawn_there(made, draw, options) -> None:
     marks = (victim(1, -1.0, 0.5),)
     robot = robot_in(made, x=-0.5, y=0.25, theta=0.7, points=marks)
@@ -234,7 +235,7 @@ def test_its_route_is_dashed_and_ends_at_a_letter_while_it_goes(made, draw) -> N
     assert not len(spots(done, DARK.good))
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("fields", "word"),
     [
         ({"cause": Cause.CLOSED}, "G waits"),
@@ -300,7 +301,7 @@ def test_the_scale_is_a_bar_of_a_round_length(made, draw) -> None:
         assert bar == pytest.approx(100.0 * length / across, abs=1.0)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("lacking", "told"),
     [
         ({"PRO_MAP": COMING}, "no map from magellan: PRO_MAP: not started yet"),
@@ -308,7 +309,7 @@ def test_the_scale_is_a_bar_of_a_round_length(made, draw) -> None:
         ({}, "waiting for the first map from magellan"),
     ],
 )
-@pytest.mark.parametrize("navigation", [True, False])
+@for_each("navigation", [True, False])
 def test_without_a_map_words_say_why(made, draw, lacking, told, navigation) -> None:
     parts = {} if navigation else {"navigation": None}
     canvas = draw(NAME, made.robot(link=made.link(lacking=lacking), **parts), (60, 30))
@@ -396,8 +397,8 @@ def test_a_click_in_the_view_gives_the_place_however_it_is_zoomed(made, zoom) ->
     )
 
 
-@pytest.mark.parametrize("size", [(1, 1), (2, 2), (3, 9), (200, 4), (4, 200)])
-@pytest.mark.parametrize("options", [{}, {"show": "whole", "up": "robot"}, {"option": 0.1}])
+@for_each("size", [(1, 1), (2, 2), (3, 9), (200, 4), (4, 200)])
+@for_each("options", [{}, {"show": "whole", "up": "robot"}, {"option": 0.1}])
 def test_any_canvas_will_do(made, draw, size, options) -> None:
     marks = (victim(1, 0.0, 0.0),)
     way = going((0.0, 0.0), (1.0, 1.0))

@@ -12,6 +12,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.visualizers.maps.range_data import DEFAULT_RIM_M, RangeData
 from tests.console.states import visualizer_spec
+from tests.support.cases import for_each
 
 NAME = "visualizeRangeData"
 SIZE = (40, 40)
@@ -59,7 +60,7 @@ def test_pies_reach_as_far_as_the_sonar_and_the_rest_is_clear(made, draw, golden
     golden("range_data", canvas)
 
 
-@pytest.mark.parametrize("sensor", [0, 4, 7, 12])
+@for_each("sensor", [0, 4, 7, 12])
 def test_what_is_near_has_a_colour_and_a_mark_on_its_side(made, draw, sensor) -> None:
     ranges = sonar(**{f"s{sensor}": 0.65})
     canvas = draw(NAME, with_navigation(made, sonar=ranges), SIZE)
@@ -82,8 +83,8 @@ def test_near_is_measured_from_the_rim_of_the_body(made, draw) -> None:
         assert bool(marks(draw(NAME, robot, SIZE), "!")) == near
 
 
-@pytest.mark.parametrize("corner", [0.0, 1e-9, 1e6])
-@pytest.mark.parametrize("radius", [0.0, 5e-324, 1e-300])
+@for_each("corner", [0.0, 1e-9, 1e6])
+@for_each("radius", [0.0, 5e-324, 1e-300])
 def test_a_body_without_a_size_is_drawn_all_the_same(made, draw, radius, corner) -> None:
     point = Point32(x=corner, y=0.0)
     body = RobotBody(name="r", kind="k", radius=radius, footprint=(point,) * 3)
@@ -108,7 +109,7 @@ def test_the_option_is_the_range_at_the_rim(made, draw) -> None:
     assert not in_pie(at(draw(NAME, robot, SIZE, option=4.0), 18.0, 12))
 
 
-@pytest.mark.parametrize("option", [0.0, -1.0, math.nan, math.inf])
+@for_each("option", [0.0, -1.0, math.nan, math.inf])
 def test_a_senseless_option_means_the_default(option) -> None:
     assert RangeData.from_spec(visualizer_spec(NAME, option=option)).rim_m == DEFAULT_RIM_M
 
@@ -143,9 +144,7 @@ def infrared(**readings: float) -> np.ndarray:
     return ranges
 
 
-@pytest.mark.parametrize(
-    ("sensors", "reach"), [("sonar", 2.0), ("infrared", 1.0), ("fused", 1.0), ("both", 2.0)]
-)
+@for_each(("sensors", "reach"), [("sonar", 2.0), ("infrared", 1.0), ("fused", 1.0), ("both", 2.0)])
 def test_a_layout_chooses_the_sensors_whose_ranges_are_shown(made, draw, sensors, reach) -> None:
     robot = with_navigation(made, infrared=infrared(s12=1.0, s4=np.nan), sonar=sonar(s4=1.5))
     canvas = draw(NAME, robot, SIZE, sensors=sensors)
@@ -216,7 +215,7 @@ def test_the_token_changes_only_with_what_is_drawn(made) -> None:
         assert shown.source(first, state) != shown.source(with_navigation(made, **other), state)
 
 
-@pytest.mark.parametrize("size", [(1, 1), (2, 2), (3, 9), (200, 4)])
+@for_each("size", [(1, 1), (2, 2), (3, 9), (200, 4)])
 def test_any_canvas_will_do(made, draw, size) -> None:
     zero = np.zeros(16, np.float32)
     draw(NAME, with_navigation(made, infrared=zero, bumpers=0xFFFF, age=9.0), size)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -18,6 +17,7 @@ from rune_tui.visualizers.parts.rows import (
     write_rows,
 )
 from tests.console.visualizers.conftest import words
+from tests.support.cases import for_each
 
 COLUMNS = st.integers(1, 80)
 
@@ -67,7 +67,7 @@ def test_a_wrapped_row_keeps_its_letters_and_the_width(text: str, columns: int) 
     assert [row.continues for row in rows] == [index > 0 for index in range(len(rows))]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("height", "shown"),
     [(8, ["a", "b", "  b", "c"]), (6, ["a", "b", "1 more"]), (4, ["a", "2 more"]), (2, ["a"])],
 )

@@ -19,6 +19,7 @@ from rune_tui.visualizers.video.picture_frame import PictureFrame
 from tests.console.model.simulated_views import FEET_HIGH, FEET_LOW, VICTIM, aimed, take
 from tests.console.states import Standing, layout_of, rendered, standing, view_of, visualizer_spec
 from tests.console.visualizers.conftest import words
+from tests.support.cases import for_each
 
 NAME = "visualizeCameraImage"
 STATE = ConsoleState(now=100.0)
@@ -68,8 +69,8 @@ def test_a_frame_shows_the_middle_and_keeps_the_aspect_unless_it_stretches(
         assert abs(off) <= max(width, height) or 1 in {frame.width, frame.height}
 
 
-@pytest.mark.parametrize("size", [(40, 30), (60, 10), (10, 60)])
-@pytest.mark.parametrize("fit", ["fit", "fill", "stretch"])
+@for_each("size", [(40, 30), (60, 10), (10, 60)])
+@for_each("fit", ["fit", "fill", "stretch"])
 def test_a_pixel_is_where_in_the_picture_it_was_drawn_from(made, draw, size, fit) -> None:
     """Each pixel of the picture has a colour of its own: its column and its row."""
     rows, columns = np.indices((30, 40), np.uint8)
@@ -143,7 +144,7 @@ def test_an_enlarged_picture_is_no_surer_than_its_own_pixels(made) -> None:
     assert small.uncertainty == pytest.approx(4 * own.uncertainty)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("pixel", "size", "changes"),
     [
         ((80.0, 1.0), (160, 120), {"tilt": 0.0}),  # above the horizon
@@ -173,7 +174,7 @@ def screen_of(*viewports: Standing) -> View:
     return screen
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("x", "y", "zoom", "aside", "up"),
     [
         (-2.0, -1.5, 0.0, 0.0, 0.0),

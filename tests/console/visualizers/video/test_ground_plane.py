@@ -14,6 +14,7 @@ from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import Picture
 from rune_tui.model.theme import DARK
 from tests.console.visualizers.conftest import made_by, words
+from tests.support.cases import for_each
 
 NAME = "visualizeGroundPlane"
 SIZE = (160, 120)
@@ -176,7 +177,7 @@ def test_a_way_beside_the_picture_is_said(made, draw) -> None:
     assert "drives ahead, out of the picture" in text(canvas)
 
 
-@pytest.mark.parametrize("speeds", [(0.0, 0.0), (math.nan, 0.0), (math.nan, 0.5), (math.inf, 0.0)])
+@for_each("speeds", [(0.0, 0.0), (math.nan, 0.0), (math.nan, 0.5), (math.inf, 0.0)])
 def test_a_robot_that_stands_or_whose_command_is_unknown_has_no_way(made, draw, speeds) -> None:
     linear, angular = speeds
     robot = robot_at(made, commanded_linear=linear, commanded_angular=angular)

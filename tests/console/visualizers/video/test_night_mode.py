@@ -6,11 +6,11 @@ import dataclasses
 import math
 
 import numpy as np
-import pytest
 
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, LIGHT
 from tests.console.visualizers.conftest import made_by, words
+from tests.support.cases import for_each
 
 NAME = "visualizeNightMode"
 SIZE = (40, 12)
@@ -26,7 +26,7 @@ def text(canvas) -> str:
     return " ".join(" ".join(words(canvas)).split())
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("state", "changes", "told"),
     [
         (STATE, {}, "day"),
@@ -106,8 +106,8 @@ def test_the_token_changes_only_with_what_is_drawn(made) -> None:
     assert hidden.source(seeing(made), STATE) != hidden.source(seeing(made), NIGHT)
 
 
-@pytest.mark.parametrize("size", [(1, 1), (2, 2), (3, 9), (200, 4), (4, 200)])
-@pytest.mark.parametrize("state", [STATE, NIGHT])
+@for_each("size", [(1, 1), (2, 2), (3, 9), (200, 4), (4, 200)])
+@for_each("state", [STATE, NIGHT])
 def test_any_canvas_will_do(made, draw, size, state) -> None:
     canvas = draw(NAME, seeing(made, age=9.0, gain=3.0), size, state=state)
     assert np.asarray(canvas.pixels).any()

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import pytest
-
 from hub.gcm.autonomy import AUTONOMY_STATE, Behaviour, Phase
 from hub.gcm.navigation import (
     NAVIGATION_STATUS,
@@ -23,6 +21,7 @@ from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.visualizers import known
 from tests.console.visualizers.conftest import NOW, Made, made_by, received, words
+from tests.support.cases import for_each
 from tests.support.messages import robot_state
 
 NAN = math.nan
@@ -89,7 +88,7 @@ UNDER_WAY = [
 ]
 
 
-@pytest.mark.parametrize(("what", "text"), UNDER_WAY)
+@for_each(("what", "text"), UNDER_WAY)
 def test_the_status_line_says_what_it_does_and_how_far(what: dict[str, Any], text: str) -> None:
     assert [part.text for part in said(robot(**what))] == [text]
 
@@ -110,7 +109,7 @@ ENDED = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("what", "text", "severity"), ENDED)
+@for_each(("what", "text", "severity"), ENDED)
 def test_the_status_line_says_for_a_while_how_it_ended(
     what: dict[str, Any], text: str, severity: Severity
 ) -> None:

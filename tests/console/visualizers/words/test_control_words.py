@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import pytest
-
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.control import CONTROL_STATE, ControlState
 from rune_tui.layout.rules import Purpose
@@ -13,6 +11,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.theme import DARK
 from tests.console.visualizers.conftest import NOW, Made, made_by, words
+from tests.support.cases import for_each
 
 ME, BOB = 7, 8
 INPUTS = {
@@ -80,7 +79,7 @@ def robot_with(age: float = 0.1, **fields: Any) -> RobotState:
     return made.robot(link=link, messages={CONTROL_STATE.name: state})
 
 
-@pytest.mark.parametrize(("fields", "rows", "short"), CASES)
+@for_each(("fields", "rows", "short"), CASES)
 def test_control_is_said_in_words(
     draw: Any, fields: dict[str, Any], rows: list[str], short: str
 ) -> None:

@@ -12,6 +12,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.visualizers.words.joystick import bar
 from tests.console.visualizers.conftest import NOW, Draw, Made, made_by, words
+from tests.support.cases import for_each
 
 NAME = "visualizeJoystick"
 
@@ -43,7 +44,7 @@ def test_a_bar_is_as_long_as_it_may_be_and_shows_the_side(value: float, length: 
     assert "█" not in (right if value < 0 else left)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("joystick", "said"),
     [
         ({"phase": JoystickPhase.MISSING}, "pad F310: UNPLUGGED"),
@@ -86,8 +87,8 @@ def test_a_joystick_that_the_layout_does_not_have_is_named(made: Made, draw: Dra
 
 def test_the_picture_changes_with_what_is_seen_and_not_with_less(made: Made) -> None:
     shown, robot = made_by(NAME), made.robot()
-    one = shown.source(robot, knows(phase=CONNECTED, values={"x": 0.500}, heard=1.0))
-    assert one == shown.source(robot, knows(phase=CONNECTED, values={"x": 0.501}, heard=2.0))
+    one = shown.source(robot, knows(phase=CONNECTED, values={"x": 0.500}))
+    assert one == shown.source(robot, knows(phase=CONNECTED, values={"x": 0.501}))
     assert one != shown.source(robot, knows(phase=CONNECTED, values={"x": 0.510}))
     assert one != shown.source(robot, knows(values={"x": 0.500}))
 

@@ -17,6 +17,7 @@ from rune_tui.visualizers.parts.severity import Severity
 from rune_tui.visualizers.words.status import Status, fitting
 from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.visualizers import known
+from tests.support.cases import for_each
 
 NAME = "visualizeStatus"
 
@@ -302,7 +303,7 @@ def least(made, columns: int, names: tuple[str, ...], **changes) -> list[str]:
     return [part.text for part in fitting(status_parts(robot, state), room)[len(before) :]]
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("columns", "said"),
     [
         (41, ["pad not plugged in", "release: timed 0.15 s"]),

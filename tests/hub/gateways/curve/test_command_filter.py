@@ -20,6 +20,7 @@ from hub.ipc.node.subscription import ReceivedFrame, Subscription
 from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
+from tests.support.cases import for_each
 
 ALICE, BOB, EYE, FAR, DRIVES = 11, 12, 13, 14, 15
 LOCAL_NUMBER = 20
@@ -92,7 +93,7 @@ ALIVE = control.CONSOLE_HEARTBEAT, control.ConsoleHeartbeat(holds=1)
 STOP = navigation.STOP, Stop(reason="help")
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("what", "number", "who", "dropped"),
     [
         (VELOCITY, ALICE, "alice", ""),
@@ -128,8 +129,8 @@ def test_a_command_comes_in_by_role_and_under_its_senders_number(
     assert dict(door.faults.counts) == ({dropped: 1} if dropped else {})
 
 
-@pytest.mark.parametrize("number", [ALICE, BOB, LOCAL_NUMBER, 99])
-@pytest.mark.parametrize("who", BEARERS)
+@for_each("number", [ALICE, BOB, LOCAL_NUMBER, 99])
+@for_each("who", BEARERS)
 def test_a_stop_comes_in_from_everybody_under_nobody_elses_number(who: str, number: int) -> None:
     raw = frame(*STOP, number, sequence=1 << 40)
     admitted = Door().admit(raw, who)
@@ -146,9 +147,9 @@ def test_a_stop_comes_in_whatever_stands_behind_its_name(rest: bytes) -> None:
     assert Door().admit(b"GCM_Stop\0" + rest, "alice") is not None
 
 
-@pytest.mark.parametrize("topic", [frames.FAR, b""])
-@pytest.mark.parametrize("kind", [*range(6), 7, 1000])
-@pytest.mark.parametrize("filling", [0, 1])
+@for_each("topic", [frames.FAR, b""])
+@for_each("kind", [*range(6), 7, 1000])
+@for_each("filling", [0, 1])
 def test_every_stop_that_comes_in_counts_and_none_under_a_forged_number(
     topic: bytes, kind: int, filling: int
 ) -> None:
@@ -208,7 +209,7 @@ def test_a_damaged_header_lets_no_command_in_that_is_not_the_senders(data: st.Da
         assert Door().admit(bytes(raw), who) is None
 
 
-@pytest.mark.parametrize("kind", [frames.BATCH, frames.IN_RING, frames.NO_RING, 9])
+@for_each("kind", [frames.BATCH, frames.IN_RING, frames.NO_RING, 9])
 def test_no_command_is_a_batch_or_lies_in_a_ring(kind: int) -> None:
     raw = bytearray(frame(*VELOCITY, ALICE))
     struct.pack_into("<H", raw, len(frames.prefix("GCM_Velocity_Command", frames.FAR)) + 2, kind)

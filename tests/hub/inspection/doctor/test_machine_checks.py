@@ -14,6 +14,7 @@ from hub.inspection.doctor import library_checks, machine_checks
 from hub.inspection.doctor.finding import Level
 from hub.ipc.transport import file_descriptors, shared_ring
 from tests.hub.inspection.robots import robot
+from tests.support.cases import for_each
 
 
 def test_libraries_of_this_environment_are_well() -> None:
@@ -22,7 +23,7 @@ def test_libraries_of_this_environment_are_well() -> None:
     assert said[1].text.startswith("numpy ")
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("name", "version", "level", "text"),
     [
         ("numpy", "2.1.0", Level.OK, "numpy 2.1.0"),
@@ -125,7 +126,7 @@ def test_room_is_looked_at_once_for_each_disk(tmp_path: Path) -> None:
     assert len(machine_checks.space(robot(tmp_path, '[mapping]\nfolder = "/dev/shm/a"'))) == 2
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("table", "level"),
     [
         ("MemTotal: 100 kB\nMemAvailable:  8000000 kB\n", Level.OK),

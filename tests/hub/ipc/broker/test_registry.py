@@ -19,6 +19,7 @@ from hub.ipc.security.publish_rights import ROBOT_NAMES
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control, control_codec, frames
 from hub.ipc.wire.control import Failure, Query, Refused, Response, UnknownPeer, Welcome
+from tests.support.cases import for_each
 
 PORTS, PATHS = (2, 3, 4, 5, 6, 7), tuple("abcdef")
 
@@ -437,7 +438,7 @@ def test_each_kind_of_fault_is_logged_at_most_once_a_minute(
     assert "rubbish (1001 so far): z" in caplog.records[-1].getMessage()
 
 
-@pytest.mark.parametrize("name", [*sorted(ROBOT_NAMES), "my own module"])
+@for_each("name", [*sorted(ROBOT_NAMES), "my own module"])
 def test_names_of_the_robots_modules_are_for_modules(name: str) -> None:
     bench = Bench()
     bench.registry = Registry(

@@ -16,6 +16,7 @@ from hub.errors import CodecError
 from hub.ipc.formats import codec
 from hub.ipc.formats import grammar as formats
 from tests.hub.ipc.formats.trees import same, structs, values_of
+from tests.support.cases import for_each
 
 _HEAD = "00010000"
 _GOLDEN = Path(__file__).parents[3] / "golden" / "wire" / "byte_orders"
@@ -119,15 +120,15 @@ def _payload(format_text: str, value: Any) -> bytes:
     return b"".join(codec.compiled(format_text).encode(value))
 
 
-@pytest.mark.parametrize(("format_text", "value", "wire"), _BY_HAND, ids=lambda v: str(v)[:40])
+@for_each(("format_text", "value", "wire"), _BY_HAND)
 def test_bytes_are_those_computed_by_hand(format_text: str, value: Any, wire: str) -> None:
     payload = _payload(format_text, value)
     assert payload.hex() == _HEAD + wire.replace(" ", "")
     assert _payload(format_text, codec.compiled(format_text).decode(payload)) == payload
 
 
-@pytest.mark.parametrize("letters", range(9))
-@pytest.mark.parametrize("kind", ["double", "long", "ulong", "[double:1]", "*double", "int"])
+@for_each("letters", range(9))
+@for_each("kind", ["double", "long", "ulong", "[double:1]", "*double", "int"])
 def test_alignment_is_right_at_each_offset(letters: int, kind: str) -> None:
     value = np.array([3.0]) if kind.startswith("[") else 3
     payload = _payload(f"{{string,{kind}}}", ("x" * letters, value))
@@ -241,7 +242,7 @@ _BOMBS = [
 ]
 
 
-@pytest.mark.parametrize(("format_text", "wire"), _BOMBS)
+@for_each(("format_text", "wire"), _BOMBS)
 def test_declared_sizes_cost_no_memory(format_text: str, wire: str) -> None:
     coder = codec.compiled(format_text)
     raw = bytes.fromhex(_HEAD + wire.replace(" ", "")) + bytes(64)
@@ -317,7 +318,7 @@ _MISFITS: list[tuple[str, Any, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("format_text", "value", "reason"), _MISFITS, ids=lambda v: str(v)[:30])
+@for_each(("format_text", "value", "reason"), _MISFITS)
 def test_value_that_does_not_fit_is_refused_with_the_reason(
     format_text: str, value: Any, reason: str
 ) -> None:
@@ -348,7 +349,7 @@ _WRONG_BYTES = [
 ]
 
 
-@pytest.mark.parametrize(("format_text", "wire", "reason"), _WRONG_BYTES)
+@for_each(("format_text", "wire", "reason"), _WRONG_BYTES)
 def test_wrong_bytes_are_refused_with_the_reason(format_text: str, wire: str, reason: str) -> None:
     with pytest.raises(CodecError, match=reason):
         codec.compiled(format_text).decode(bytes.fromhex(_HEAD + wire.replace(" ", "")))
@@ -371,7 +372,7 @@ _BIG_ENDIAN: list[tuple[str, str, Any]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("format_text", "wire", "value"), _BIG_ENDIAN, ids=lambda v: str(v)[:30])
+@for_each(("format_text", "wire", "value"), _BIG_ENDIAN)
 def test_big_endian_payload_is_read_into_the_same_values(
     format_text: str, wire: str, value: Any
 ) -> None:
@@ -384,7 +385,7 @@ def test_big_endian_payload_is_read_into_the_same_values(
         coder.decode(payload[:-1])
 
 
-@pytest.mark.parametrize("path", sorted(_GOLDEN.glob("*.txt")), ids=lambda path: path.stem)
+@for_each("path", sorted(_GOLDEN.glob("*.txt")))
 def test_both_byte_orders_of_a_golden_file_hold_the_same_values(path: Path) -> None:
     """The files were made by another library's ROS 2 writer."""
     format_text, little, big = path.read_text().split("\n\n")
@@ -402,7 +403,7 @@ def test_array_read_from_a_big_endian_payload_cannot_be_changed_either() -> None
         back[0][0] = 1
 
 
-@pytest.mark.parametrize("head", ["00010001", "01010000", "00030000", "0001", ""])
+@for_each("head", ["00010001", "01010000", "00030000", "0001", ""])
 def test_other_encapsulations_are_refused(head: str) -> None:
     with pytest.raises(CodecError):
         codec.compiled("{int}").decode(bytes.fromhex(head) + b"\1\0\0\0")
@@ -418,7 +419,7 @@ def test_size_members_of_numpy_integers_do_not_wrap_around() -> None:
     assert len(_payload("{ubyte,ubyte,<ubyte:1,2>}", value)) == 4 + 8 + 256
 
 
-@pytest.mark.parametrize(
+@for_each(
     "view",
     [
         np.arange(12, dtype=np.uint8)[::2],

@@ -10,6 +10,7 @@ from hub.errors import MessageFormatError
 from hub.ipc.formats import codec
 from hub.ipc.formats import grammar as formats
 from tests.hub.ipc.formats.trees import formats_of
+from tests.support.cases import for_each
 
 _GOOD = {
     "int": "int",
@@ -100,12 +101,12 @@ _BAD = [
 ]
 
 
-@pytest.mark.parametrize("text", _GOOD)
+@for_each("text", _GOOD)
 def test_good_format_has_one_canonical_spelling(text: str) -> None:
     assert str(formats.parse(text)) == (_GOOD[text] or text)
 
 
-@pytest.mark.parametrize(("text", "position", "reason"), _BAD)
+@for_each(("text", "position", "reason"), _BAD)
 def test_malformed_format_is_refused_with_position_and_reason(
     text: str, position: int, reason: str
 ) -> None:
@@ -115,7 +116,7 @@ def test_malformed_format_is_refused_with_position_and_reason(
     assert reason in str(caught.value)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("within", "beyond"),
     [
         ("*" * 15 + "int", "*" * 16 + "int"),
@@ -141,7 +142,7 @@ def test_format_as_wide_as_the_limit_allows_compiles() -> None:
     codec.compiled("{string" + ",int" * 1000 + "}")
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("around", "inside"),
     [("[@:1]", "string"), ("{@,*!}", "byte"), ("*@", "string"), ("{byte,<@:1>}", "{string}")],
 )
@@ -180,7 +181,7 @@ def test_fingerprints_are_equal_exactly_when_the_trees_are(
     assert same == (one == other)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "fixed"),
     [
         ("{int,[double:3],{enum a,b},[{char}:2]}", True),
@@ -197,7 +198,7 @@ def test_fixed_length_means_no_string_pointer_list_or_variable_array(
     assert formats.is_fixed_length(formats.parse(text)) is fixed
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("one", "other", "equal"),
     [
         ("{int, [double:3]}", "{int,[3:double]}", True),

@@ -13,6 +13,7 @@ import pytest
 from hub.errors import CodecError, MessageFormatError
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.wire_types import FLOAT32, Counted, Fixed, Uint8, Uint64, Wire, format_of
+from tests.support.cases import for_each
 
 
 class Colour(enum.IntEnum):
@@ -114,9 +115,7 @@ def test_payload_with_another_number_of_elements_is_refused() -> None:
         WAY.decode(bytes(payload))
 
 
-@pytest.mark.parametrize(
-    "hint", [bytes, tuple[int, ...], list[int], int | str, dict[str, int], Any]
-)
+@for_each("hint", [bytes, tuple[int, ...], list[int], int | str, dict[str, int], Any])
 def test_type_that_says_no_format_is_refused_with_the_field(hint: Any) -> None:
     kind = type("Bad", (), {"__annotations__": {"field": hint}})
     with pytest.raises(MessageFormatError, match=r"Bad\.field: its type says no format"):

@@ -17,6 +17,7 @@ from hub.ipc.roles import Principal, Role
 from hub.ipc.security import key_files
 from hub.ipc.security.client_keys import ClientKeys, KeyPair, read_client_keys, write_client_keys
 from hub.ipc.security.keyring import Holder, Keyring, default_folder
+from tests.support.cases import for_each
 
 names = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", fullmatch=True)
 pairs = st.builds(KeyPair.new)
@@ -203,7 +204,7 @@ def test_missing_client_file_says_how_to_make_one(tmp_path: Path) -> None:
         read_client_keys(tmp_path / "nobody.toml")
 
 
-@pytest.mark.parametrize("path", ["/dev/null", "/dev/zero", "/proc/self/mem", "/", "a\0b"])
+@for_each("path", ["/dev/null", "/dev/zero", "/proc/self/mem", "/", "a\0b"])
 def test_what_is_no_file_of_keys_is_refused(path: str) -> None:
     with pytest.raises(KeyFileError):
         read_client_keys(Path(path))

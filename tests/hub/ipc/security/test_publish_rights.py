@@ -11,6 +11,7 @@ from hub.gcm.catalog import MESSAGES
 from hub.ipc.definition import Plane
 from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.security import publish_rights
+from tests.support.cases import for_each
 
 SUPERVISED = {"GCM_Common_Command", "GCM_Module_Command"}
 FOR_THE_ROBOT = {"GCM_Drive_Command"}
@@ -24,7 +25,7 @@ ALLOWED = {
 }
 
 
-@pytest.mark.parametrize("role", Role, ids=lambda role: role.value)
+@for_each("role", Role)
 def test_each_role_publishes_these_messages_and_no_others(role: Role) -> None:
     allowed = {
         each.name
@@ -34,7 +35,7 @@ def test_each_role_publishes_these_messages_and_no_others(role: Role) -> None:
     assert allowed == ALLOWED[role]
 
 
-@pytest.mark.parametrize("message", MESSAGES, ids=lambda message: message.name)
+@for_each("message", MESSAGES)
 def test_refusal_names_the_least_role_and_never_a_module_key(message: object) -> None:
     name, plane = message.name, message.plane.value  # type: ignore[attr-defined]
     for role in Role:

@@ -14,6 +14,7 @@ from hub.errors import CodecError, FrameError
 from hub.ipc.formats.codec import compiled
 from hub.ipc.wire import control_codec, frames
 from tests.hub.ipc.formats.trees import values_of
+from tests.support.cases import for_each
 
 _NAMES = st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,63}", fullmatch=True)
 _U64 = st.integers(0, 2**64 - 1)
@@ -74,7 +75,7 @@ def test_frame_cut_anywhere_is_refused() -> None:
         frames.unpack(raw + b"\0")
 
 
-@pytest.mark.parametrize("version", [0, 1, 2, 256, 65535])
+@for_each("version", [0, 1, 2, 256, 65535])
 def test_frame_of_another_version_is_refused_by_its_number(version: int) -> None:
     raw = bytearray(_frame())
     raw[8:10] = struct.pack("<H", version)
@@ -82,7 +83,7 @@ def test_frame_of_another_version_is_refused_by_its_number(version: int) -> None
         frames.unpack(bytes(raw))
 
 
-@pytest.mark.parametrize("start", [b"\0Message", b"1Message", b"Mess\xff\0\0\0", b"a b\0\0\0\0\0"])
+@for_each("start", [b"\0Message", b"1Message", b"Mess\xff\0\0\0", b"a b\0\0\0\0\0"])
 def test_frame_without_a_message_name_is_refused(start: bytes) -> None:
     with pytest.raises(FrameError):
         frames.unpack(start + _frame()[8:])
@@ -130,7 +131,7 @@ def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> No
             continue
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("raw", "reason"),
     [
         (b"", "no whole preamble"),

@@ -19,6 +19,7 @@ from hub.modules.autonomy.autonomy_driver import (
 from hub.modules.autonomy.goal_watch import ACCEPTED_S, LONGEST_S, MAX_SENDS
 from hub.modules.autonomy.senses import NAVIGATION_OLD_S, STATE_OLD_S
 from tests.hub.modules.autonomy.scene import ASKED, STEP, Scene, busy, stands_for_good
+from tests.support.cases import for_each
 
 
 def test_it_does_nothing_unasked() -> None:
@@ -209,7 +210,7 @@ def test_who_drives_on_after_asking_keeps_the_robot() -> None:
     assert scene.goals == []
 
 
-@pytest.mark.parametrize("behaviour", ASKED)
+@for_each("behaviour", ASKED)
 def test_a_stop_ends_everything(behaviour: Behaviour) -> None:
     scene = busy(behaviour)
     scene.pilot.see_stop("lunch", scene.now)

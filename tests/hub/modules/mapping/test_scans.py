@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from hub.gcm.navigation import MotionState, RobotState
 from hub.modules.mapping.scans import LONGEST_LAG, SCANS_A_PLACE, ScanSelector
+from tests.support.cases import for_each
 
 ECHOES = np.linspace(0.5, 3.0, 16, dtype=np.float32)
 NOTHING = np.full(16, np.inf, np.float32)
@@ -127,7 +128,7 @@ def test_no_report_breaks_the_selection(
         assert scan is None or math.isfinite(scan.theta)
 
 
-@pytest.mark.parametrize("field", ["x", "theta", "linear", "angular"])
+@for_each("field", ["x", "theta", "linear", "angular"])
 def test_a_report_that_is_not_finite_is_survived(field: str) -> None:
     scans = ScanSelector()
     scan = scans.scan(report(**{field: math.nan}), 1.0)  # type: ignore[arg-type]

@@ -27,6 +27,7 @@ from tests.hub.modules.mapping.touring import (
     mapped,
     tour,
 )
+from tests.support.cases import for_each
 
 ROUND = ((5.2, 4.6), (2.7, 4.35), (2.7, 1.9), (1.9, 1.5), (5.2, 1.4), (5.2, 4.6))
 """In the yellow arena's office and hall [m]."""
@@ -105,8 +106,8 @@ def test_an_old_map_is_not_used() -> None:
 NONSENSE = (math.nan, math.inf, -math.inf, 1e308, -1e308, 1e15, 5e-324)
 
 
-@pytest.mark.parametrize("wrong", NONSENSE)
-@pytest.mark.parametrize("field", ["x", "y", "theta"])
+@for_each("wrong", NONSENSE)
+@for_each("field", ["x", "y", "theta"])
 def test_report_that_cannot_be_does_no_harm_and_is_forgotten(field: str, wrong: float) -> None:
     correction = PoseCorrection()
     watch = DriftWatch(correction, 0.205)
@@ -121,7 +122,7 @@ def test_report_that_cannot_be_does_no_harm_and_is_forgotten(field: str, wrong: 
     assert math.isfinite(correction.odom.theta)
 
 
-@pytest.mark.parametrize("wrong", NONSENSE)
+@for_each("wrong", NONSENSE)
 def test_points_and_poses_that_cannot_be_are_not_matched(wrong: float) -> None:
     grid, spread = _ring(), Spread(turn=0.05, way=0.05)
     bearings = np.linspace(0.0, 6.2, 60)

@@ -13,6 +13,7 @@ from hub.errors import HandlerFailedError
 from hub.gcm import rle
 from hub.gcm.vision import ImageCoding
 from hub.modules.vision.coding import code
+from tests.support.cases import for_each
 
 COLOUR = np.zeros((30, 40, 3), np.uint8)
 COLOUR[:, :20] = (200, 40, 40)
@@ -35,8 +36,8 @@ def test_run_lengths_are_exact_at_full_quality(pixels: np.ndarray) -> None:
     assert np.array_equal(back.reshape(pixels.shape), pixels)
 
 
-@pytest.mark.parametrize("coding", FILES)
-@pytest.mark.parametrize("pixels", [COLOUR, GREY, COLOUR[:, ::2]], ids=["colour", "grey", "view"])
+@for_each("coding", FILES)
+@for_each("pixels", [COLOUR, GREY, COLOUR[:, ::2]])
 def test_a_file_is_one_that_others_read(pixels: np.ndarray, coding: ImageCoding) -> None:
     data = code(pixels, coding, 90)
     assert (data.dtype, data.ndim) == (np.uint8, 1)

@@ -16,6 +16,7 @@ from hub.modules.vision.night import (
     NightMode,
     next_gain,
 )
+from tests.support.cases import for_each
 
 BRIGHTNESS = st.floats(0.0, 255.0)
 
@@ -66,9 +67,7 @@ def test_bright_pictures_are_never_darkened() -> None:
     assert night.see(250.0, 1.0) == 1.0
 
 
-@pytest.mark.parametrize(
-    ("told", "lit"), [(0.3, 0.3), (7.0, 1.0), (-1.0, 0.0), (math.inf, 1.0), (-math.inf, 0.0)]
-)
+@for_each(("told", "lit"), [(0.3, 0.3), (7.0, 1.0), (-1.0, 0.0), (math.inf, 1.0), (-math.inf, 0.0)])
 def test_headlight_is_limited(told: float, lit: float) -> None:
     night = NightMode()
     night.command(NightCommand(on=1, headlight=told))

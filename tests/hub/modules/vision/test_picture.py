@@ -8,6 +8,7 @@ import pytest
 from hub.errors import RangeError
 from hub.gcm.vision import IMAGE_REQUEST, ImageKind, ImageRequest
 from hub.modules.vision.picture import brightened, brightness, prepare
+from tests.support.cases import for_each
 
 
 def test_colour_is_the_camera_s_own() -> None:
@@ -37,7 +38,7 @@ def test_brightened_pictures_keep_their_order_and_white() -> None:
     assert brightened(pixels, 1.0) is pixels
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("request_", "why"),
     [
         (ImageRequest(width_px=0), "width_px is 0, not 1 to "),

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.modules.vision.poses import AHEAD_S, GAP_S, UNKNOWN, PoseHistory
+from tests.support.cases import for_each
 from tests.support.messages import robot_state
 
 
@@ -48,7 +49,7 @@ def test_what_navigation_has_not_told_for_long_is_not_known() -> None:
     assert history.at(10.0 + GAP_S) is UNKNOWN
 
 
-@pytest.mark.parametrize("field", ["x", "y", "theta", "linear", "angular"])
+@for_each("field", ["x", "y", "theta", "linear", "angular"])
 def test_what_is_not_finite_is_ignored(field: str) -> None:
     history = PoseHistory()
     history.add(robot_state(x=1.0), 10.0)
