@@ -118,3 +118,10 @@ def test_every_field_has_a_meaning() -> None:
         if not member.counts and not _meanings(record.kind).get(member.name)
     ]
     assert not missing, f"say in the docstring what these are: {sorted(set(missing))}"
+
+
+def test_the_hub_guide_says_of_each_message_where_it_comes_from() -> None:
+    guide = (_PAGE.parent / "hub-guide.md").read_text()
+    rows = "".join(line for line in guide.splitlines() if line.startswith("| `"))
+    missing = [each.name for each in MESSAGES if f"`{each.name}`" not in rows]
+    assert not missing, f"docs/hub-guide.md has no row for them: {missing}"

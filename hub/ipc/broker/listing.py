@@ -55,7 +55,7 @@ class Listings:
         self._last_made = -math.inf
         self._last_changes = 0
 
-    def list(self, peer: Peer, _: control.List) -> list[Outgoing]:
+    def answer(self, peer: Peer, _: control.List) -> list[Outgoing]:
         """Answer `peer` with a new listing, or with the last one."""
         now, changes = self._clock(), self._presence.listed_changes
         old = now - self._last_made >= LISTING_S or changes != self._last_changes

@@ -69,7 +69,7 @@ class Registry:
             control.Unsubscribe: self.broadcasts.unsubscribe,
             control.Ready: self.broadcasts.ready,
             control.Handle: self.queries.handle,
-            control.List: listings.list,
+            control.List: listings.answer,
             control.Watch: presence.watch,
             control.Report: self._report,
             control.Close: self._connections.close,

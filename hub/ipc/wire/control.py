@@ -1,15 +1,40 @@
-"""The control messages between clients and central."""
+"""The control messages between clients and central, each with its number and name on the wire."""
 
 from __future__ import annotations
 
 import enum
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, NamedTuple, TypeVar
 
 from hub.ipc.formats.wire_types import Counted, Fixed, Uint32, Uint64
 
 
+class Kind(NamedTuple):
+    """A kind of control message: its name, and the dataclass of its content."""
+
+    name: str
+    message: type
+
+
+KINDS: dict[int, Kind] = {}
+"""By their numbers on the wire: 1, 2 and so on."""
+
+_Message = TypeVar("_Message")
+
+
+def _kind(number: int, name: str) -> Callable[[type[_Message]], type[_Message]]:
+    """Give a dataclass its number and its name on the wire."""
+
+    def register(message: type[_Message]) -> type[_Message]:
+        KINDS[number] = Kind(name, message)
+        return message
+
+    return register
+
+
+@_kind(1, "HELLO")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hello:
     """Client to central: connect under this name.
@@ -33,6 +58,7 @@ class Hello:
     neighbourhood: Uint64 = 0
 
 
+@_kind(2, "WELCOME")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Welcome:
     """Central: the client is connected.
@@ -58,6 +84,7 @@ class Welcome:
     paths: Annotated[tuple[str, ...], Fixed(6)]
 
 
+@_kind(3, "REFUSED")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refused:
     """Central: a refusal.
@@ -73,6 +100,7 @@ class Refused:
     text: str
 
 
+@_kind(4, "DEFINE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Define:
     """Client: define a message; also an entry of a listing, with its traffic.
@@ -116,6 +144,7 @@ class Define:
     refused: Uint64 = 0
 
 
+@_kind(5, "DEFINED")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Defined:
     """Central: the message is defined."""
@@ -123,6 +152,7 @@ class Defined:
     name: str
 
 
+@_kind(16, "ADVERTISE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Advertise:
     """Client: it will publish this message."""
@@ -130,6 +160,7 @@ class Advertise:
     name: str
 
 
+@_kind(17, "ADVERTISED")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Advertised:
     """Central: answer to ADVERTISE; whether a subscription by ZeroMQ is on its way."""
@@ -138,6 +169,7 @@ class Advertised:
     subscribed: bool
 
 
+@_kind(18, "SUBSCRIBE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subscribe:
     """Client: it has subscribed to this message; central answers with SUBSCRIBED.
@@ -155,6 +187,7 @@ class Subscribe:
     in_ring: bool = False
 
 
+@_kind(29, "SUBSCRIBER")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subscriber:
     """Central: a neighbour subscribes to a message of this client, which sends it directly.
@@ -174,6 +207,7 @@ class Subscriber:
     token: str = ""
 
 
+@_kind(19, "UNSUBSCRIBE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Unsubscribe:
     """Client: the end of a subscription."""
@@ -181,6 +215,7 @@ class Unsubscribe:
     name: str
 
 
+@_kind(20, "READY")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ready:
     """Client: the subscription of this token has arrived; later messages go there."""
@@ -188,6 +223,7 @@ class Ready:
     token: str
 
 
+@_kind(21, "SUBSCRIBED")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subscribed:
     """Central: the subscription of this token has reached all publishers of the message."""
@@ -195,6 +231,7 @@ class Subscribed:
     token: str
 
 
+@_kind(6, "HANDLE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Handle:
     """Client: it answers queries of this name, or stops.
@@ -210,6 +247,7 @@ class Handle:
     address: str = ""
 
 
+@_kind(7, "QUERY")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Query:
     """A query, numbered by the client on its way to central and by central from there."""
@@ -219,6 +257,7 @@ class Query:
     timeout_s: float
 
 
+@_kind(22, "LAST")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Last:
     """A query for the last published value, numbered as queries are."""
@@ -228,6 +267,7 @@ class Last:
     timeout_s: float
 
 
+@_kind(8, "RESPONSE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Response:
     """The answer to the query of this number."""
@@ -235,6 +275,7 @@ class Response:
     number: Uint32
 
 
+@_kind(9, "FAILURE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failure:
     """The query of this number ends without an answer; `error` is a class of `hub.errors`."""
@@ -244,6 +285,7 @@ class Failure:
     text: str
 
 
+@_kind(10, "PING")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ping:
     """Client: a heartbeat, with the last known epoch of central (0: none)."""
@@ -252,6 +294,7 @@ class Ping:
     sent: float = 0.0
 
 
+@_kind(11, "PONG")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pong:
     """Central: answer to PING; `sent` is from the PING, `hub_time` its time of answering [s]."""
@@ -261,11 +304,13 @@ class Pong:
     hub_time: float
 
 
+@_kind(12, "STRANGER")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnknownPeer:
     """Central: the client is unknown and has to send HELLO."""
 
 
+@_kind(13, "LIST")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class List:
     """Client: ask for a LISTING."""
@@ -304,6 +349,7 @@ class Count:
     count: Uint64
 
 
+@_kind(14, "LISTING")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Listing:
     """Central: its messages, peers and faults."""
@@ -315,11 +361,13 @@ class Listing:
     dropped: Annotated[tuple[Count, ...], Counted("dropped_count", "uint")]
 
 
+@_kind(15, "BYE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bye:
     """Client: it disconnects."""
 
 
+@_kind(23, "WATCH")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Watch:
     """Client: ask for PRESENCE from now on.
@@ -343,6 +391,7 @@ class Change(enum.IntEnum):
     HANDLERS = 5
 
 
+@_kind(24, "PRESENCE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Presence:
     """Central: a change.
@@ -404,6 +453,7 @@ class Published:
     silent_s: float
 
 
+@_kind(25, "REPORT")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
     """Client: its receptions and broadcasts."""
@@ -412,6 +462,7 @@ class Report:
     published: Annotated[tuple[Published, ...], Counted("published_count", "uint")]
 
 
+@_kind(26, "CLOSE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Close:
     """Client: disconnect the module of this name; central, to both: done, by `by`."""
@@ -420,6 +471,7 @@ class Close:
     by: str = ""
 
 
+@_kind(27, "LOG_LEVEL")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogLevel:
     """Client: set central's log level: debug, info, warning or error."""
@@ -427,6 +479,7 @@ class LogLevel:
     level: str
 
 
+@_kind(28, "ROUTE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DirectRoute:
     """Central: queries of this name may go to this address directly; empty: no longer."""

@@ -18,40 +18,10 @@ _PREAMBLE = struct.Struct("<4sBBH")
 _MAGIC = b"RUNE"
 
 KINDS: tuple[MessageDefinition[Any], ...] = tuple(
-    MessageDefinition(name=name, type=kind)
-    for name, kind in (
-        ("HELLO", control.Hello),
-        ("WELCOME", control.Welcome),
-        ("REFUSED", control.Refused),
-        ("DEFINE", control.Define),
-        ("DEFINED", control.Defined),
-        ("HANDLE", control.Handle),
-        ("QUERY", control.Query),
-        ("RESPONSE", control.Response),
-        ("FAILURE", control.Failure),
-        ("PING", control.Ping),
-        ("PONG", control.Pong),
-        ("STRANGER", control.UnknownPeer),
-        ("LIST", control.List),
-        ("LISTING", control.Listing),
-        ("BYE", control.Bye),
-        ("ADVERTISE", control.Advertise),
-        ("ADVERTISED", control.Advertised),
-        ("SUBSCRIBE", control.Subscribe),
-        ("UNSUBSCRIBE", control.Unsubscribe),
-        ("READY", control.Ready),
-        ("SUBSCRIBED", control.Subscribed),
-        ("LAST", control.Last),
-        ("WATCH", control.Watch),
-        ("PRESENCE", control.Presence),
-        ("REPORT", control.Report),
-        ("CLOSE", control.Close),
-        ("LOG_LEVEL", control.LogLevel),
-        ("ROUTE", control.DirectRoute),
-        ("SUBSCRIBER", control.Subscriber),
-    )
+    MessageDefinition(name=control.KINDS[number].name, type=control.KINDS[number].message)
+    for number in range(1, len(control.KINDS) + 1)
 )
-"""The kinds; a kind's number on the wire is its place, from 1."""
+"""The kinds, in the order of their numbers."""
 
 _NUMBER = {definition.type: number for number, definition in enumerate(KINDS, 1)}
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from hub.control_gate import follow_control
 from hub.gcm import navigation
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.control import ControlState
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.modules.driver.navigator import Navigator
@@ -27,56 +28,65 @@ _LONGEST_STEP = 0.25
 """Longest time that the hardware advances in one step; the rest of a pause is left out [s]."""
 
 
+class Driver:
+    """The hardware on the bus."""
+
+    def __init__(self, client: Client, robot: RobotDescription) -> None:
+        self._client = client
+        self._base = kind_of(robot).open_base(robot)
+        self._loss = OperatorLoss(self._base, robot)
+        self._watchdog = CommandWatchdog()
+        self._navigator = Navigator()
+        self._stepped = time.monotonic()
+        self._steps = 0
+        # Each process has its own number: after a crash the dead reckoning starts elsewhere.
+        self._odometry = secrets.randbelow(2**32 - 1) + 1
+        client.directory.follow(self._navigator.name, self._navigator.connected)
+        client.subscribe(navigation.DRIVE_COMMAND, self._command)
+        follow_control(client, self._control_changed)
+        client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
+        client.every(_PERIOD, self._step)
+
+    def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
+        now = time.monotonic()
+        obeys = self._navigator.obeys(reception.publisher, now)
+        if obeys and self._watchdog.allows(now - reception.age, now, neutral=twist.neutral):
+            self._base.set_velocity(twist.linear.x, twist.angular.z)
+            if not twist.neutral:
+                self._loss.watch.moved(now)
+
+    def _control_changed(self, state: ControlState) -> None:
+        self._loss.watch.controlled_by(state.owner, time.monotonic())
+
+    def _step(self) -> None:
+        now = time.monotonic()
+        if self._watchdog.expired(now):
+            self._base.set_velocity(0.0, 0.0)
+        self._loss.update(now)
+        self._base.advance(min(now - self._stepped, _LONGEST_STEP))
+        self._stepped = now
+        self._steps += 1
+        if self._steps % _STEPS_PER_REPORT == 0:
+            self._publish()
+
+    def _publish(self) -> None:
+        """Publish each state that the hardware gives."""
+        now = time.monotonic()
+        state = numbered(self._base.drive_state(time.time()), self._odometry)
+        self._client.publish(navigation.DRIVE_STATE, state, measured=now)
+        truth = self._base.ground_truth()
+        if truth is not None:
+            self._client.publish(navigation.GROUND_TRUTH, truth, measured=now)
+
+    def finish(self) -> None:
+        """Stop the wheels."""
+        self._base.set_velocity(0.0, 0.0)
+        self._publish()
+
+
 def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     """Connect the hardware to the bus."""
-    base = kind_of(robot).open_base(robot)
-    loss = OperatorLoss(base, robot)
-    watchdog = CommandWatchdog()
-    navigator = Navigator()
-    clock = time.monotonic
-    last = clock()
-    steps = 0
-    # Each process has its own number: after a crash the dead reckoning starts at another place.
-    odometry = secrets.randbelow(2**32 - 1) + 1
-
-    def report() -> None:
-        now = clock()
-        state = numbered(base.drive_state(time.time()), odometry)
-        client.publish(navigation.DRIVE_STATE, state, measured=now)
-        truth = base.ground_truth()
-        if truth is not None:
-            client.publish(navigation.GROUND_TRUTH, truth, measured=now)
-
-    def command(twist: navigation.Twist, reception: MessageInfo) -> None:
-        now = clock()
-        obeys = navigator.obeys(reception.publisher, now)
-        if obeys and watchdog.allows(now - reception.age, now, neutral=twist.neutral):
-            base.set_velocity(twist.linear.x, twist.angular.z)
-            if not twist.neutral:
-                loss.watch.moved(now)
-
-    def step() -> None:
-        nonlocal last, steps
-        now = clock()
-        if watchdog.expired(now):
-            base.set_velocity(0.0, 0.0)
-        loss.update(now)
-        base.advance(min(now - last, _LONGEST_STEP))
-        last = now
-        steps += 1
-        if steps % _STEPS_PER_REPORT == 0:
-            report()
-
-    def finish() -> None:
-        base.set_velocity(0.0, 0.0)
-        report()
-
-    client.directory.follow(navigator.name, navigator.connected)
-    client.subscribe(navigation.DRIVE_COMMAND, command)
-    follow_control(client, lambda state: loss.watch.controlled_by(state.owner, clock()))
-    client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
-    client.every(_PERIOD, step)
-    return finish
+    return Driver(client, robot).finish
 
 
 def numbered(state: navigation.DriveState, odometry: int) -> navigation.DriveState:

@@ -144,13 +144,13 @@ TABLES = {
 
 @pytest.mark.parametrize("name", TABLES)
 def test_the_page_has_the_tables_of_what_there_is(name: str):
-    """RUNE_WRITE_DOCS=1 writes them anew."""
+    """RUNE_WRITE_SNAPSHOTS=1 writes them anew."""
     mark = f"<!-- {name} -->\n"
     before, _, behind = PATH.read_text().partition(mark)
     assert behind
     _, _, rest = behind.partition("\n\n")
     whole = f"{before}{mark}{TABLES[name]}\n\n{rest}"
-    if os.environ.get("RUNE_WRITE_DOCS"):
+    if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
         PATH.write_text(whole)
     assert PATH.read_text() == whole
 

@@ -68,11 +68,11 @@ def lines(grammar: etree._Element) -> Iterator[str]:
 
 
 def test_the_compact_schema_is_the_schema() -> None:
-    """RUNE_WRITE_DOCS=1 writes it anew."""
+    """RUNE_WRITE_SNAPSHOTS=1 writes it anew."""
     data = importlib.resources.files("rune_tui.layout").joinpath("schema.rng").read_bytes()
     grammar = etree.fromstring(data, etree.XMLParser(remove_comments=True))
     text = "\n".join(lines(grammar)) + "\n"
-    if os.environ.get("RUNE_WRITE_DOCS"):
+    if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
         PATH.write_text(text)
     assert PATH.read_text() == text
 

@@ -103,12 +103,12 @@ def words(canvas: Canvas) -> list[str]:
 
 @pytest.fixture
 def golden() -> Callable[[str, Canvas], None]:
-    """Compares a drawing with the one in the file; RUNE_WRITE_GOLDEN=1 writes it anew."""
+    """Compares a drawing with the one in the file; RUNE_WRITE_SNAPSHOTS=1 writes it anew."""
 
     def compare(name: str, canvas: Canvas) -> None:
         path = GOLDEN / f"{name}.txt"
         text = described(canvas)
-        if os.environ.get("RUNE_WRITE_GOLDEN"):
+        if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
             path.write_text(text, "utf-8")
         assert text == path.read_text("utf-8")
 

@@ -1,8 +1,12 @@
-"""The bytes of every message of the vocabulary, against files that other programs may rely on."""
+"""The bytes of every message of the vocabulary, against files that other programs may rely on.
+
+After a new message, write its file: RUNE_WRITE_SNAPSHOTS=1 pytest tests/hub/gcm/test_wire.py
+"""
 
 from __future__ import annotations
 
 import itertools
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -74,7 +78,11 @@ def _hex_lines(payload: bytes) -> str:
 def test_message_has_the_bytes_of_its_golden_file(definition: MessageDefinition[Any]) -> None:
     payload = b"".join(definition.encode(value_of(definition)))
     wire = f"{definition.format}\n{_hex_lines(payload)}"
-    assert (_GOLDEN / f"{definition.name}.txt").read_text() == wire
+    golden = _GOLDEN / f"{definition.name}.txt"
+    if os.environ.get("RUNE_WRITE_SNAPSHOTS") and not golden.exists():
+        golden.write_text(wire)
+    assert golden.is_file(), "a new message: write its file as this file's docstring says"
+    assert golden.read_text() == wire, "other programs rely on these bytes: define another message"
     back = definition.build(codec.compiled(definition.format).decode(payload))  # not bounded
     assert b"".join(definition.encode(back)) == payload
 
