@@ -14,8 +14,8 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.view import View
 
-_LOOK_S = 0.02
-_PATIENCE_S = 10.0
+_POLL_S = 0.02
+_EXTRA_S = 10.0
 """Longest extra time to watch: a robot that just started has not sent all messages [s]."""
 
 
@@ -56,11 +56,11 @@ def take(
         link.start()
     try:
         end = time.monotonic() + seconds
-        while (now := time.monotonic()) < end or (now < end + _PATIENCE_S and _waits(links, sizes)):
+        while (now := time.monotonic()) < end or (now < end + _EXTRA_S and _waits(links, sizes)):
             for link in links.values():
                 if link.state.picture is not None:
                     link.shown(link.state.picture.number)
-            time.sleep(_LOOK_S)
+            time.sleep(_POLL_S)
         robots = {name: link.state for name, link in links.items()}
         state = dataclasses.replace(state, now=time.monotonic(), robots=robots)
         cells = view.render(state)

@@ -1,4 +1,4 @@
-"""The ground that a robot covers, and how far what its sensors see is from it."""
+"""The footprint of a robot, and the distance of its sensors' ranges from it."""
 
 from __future__ import annotations
 

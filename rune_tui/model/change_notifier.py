@@ -65,7 +65,7 @@ class ChangeNotifier:
         return tuple(notice for some in (*of_robots, *of_joysticks) for notice in some)
 
     def _spared(self, robot: RobotState, state: ConsoleState) -> tuple[Notice, ...]:
-        """The changes of one robot; a fault there must not hide those of the others."""
+        """The changes of one robot; its faults must not hide those of other robots."""
         try:
             return tuple(self._of(robot, state))
         except Exception:

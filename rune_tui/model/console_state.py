@@ -54,7 +54,7 @@ class Banner:
         robot: Its robot; empty: the console itself.
         text: Its text.
         more: Number of further alarms.
-        advice: What to do; empty: the text says it.
+        advice: The remedy; empty: the text has it.
         calm: Whether it is information and no alarm: the robot moves by itself.
     """
 
@@ -70,7 +70,7 @@ class Ghost:
     """A mark that was pointed at and is not made yet.
 
     Attributes:
-        kind: What would be marked.
+        kind: Kind of the mark.
         place: Where.
         until: When it ends by itself, on the console's monotonic clock [s].
     """
@@ -131,7 +131,7 @@ class ConsoleState:
         clock: The time of day now, such as "14:03:22".
         recording: The file of the running recording; empty: none.
         trouble: The mistake in the layout file as last saved; drawn over the view.
-        display: The state of the way to the terminal; None: there is no terminal.
+        display: The state of the line to the terminal; None: there is no terminal.
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
         inputs: The first input of each purpose of a widget, in words, by purpose and robot.
         joysticks: The state of the layout's joysticks, by name.
@@ -180,7 +180,7 @@ class ConsoleState:
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:
-        """The state in which a layout begins; its robots are still to come."""
+        """The first state of a layout, without robots."""
         return cls(
             now=now,
             chosen=layout.robots[0].name,
@@ -211,7 +211,7 @@ class ConsoleState:
         return titles(self.robots.values()).get(robot, robot)
 
     def speed_limit(self, robot: str) -> float:
-        """With what share of its speed a robot, which may be `CHOSEN`, is driven, 0 to 1."""
+        """The share of its speed at which a robot, which may be `CHOSEN`, is driven, 0 to 1."""
         return self.speed_limits.get(self.chosen if robot == CHOSEN else robot, 1.0)
 
     def unconfirmed_marks(self, robot: str) -> int:
@@ -233,7 +233,7 @@ class ConsoleState:
 
 
 def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
-    """The state of a console that goes on with another layout.
+    """The state of a console after a switch to another layout.
 
     What the operator did to viewports and robots that are there again holds.
     """

@@ -109,7 +109,7 @@ def refused(
 
 
 def refusal(robot: RobotState, state: ConsoleState) -> Notify:
-    """Why nothing was sent, and what to do."""
+    """The reason why nothing was sent, and the remedy."""
     words = "; ".join(filter(None, (owner_words(robot), to_take(robot, state))))
     return Notify.now(state, words, robot=robot.name)
 
@@ -123,7 +123,7 @@ def taking(effects: Iterable[Effect], state: ConsoleState) -> tuple[Effect, ...]
 
 
 def is_lost(before: Standing, now: Standing) -> bool:
-    """Whether what is held must not go on: whose commands count has changed."""
+    """Whether held inputs must be released, because the owner of control has changed."""
     if now is before:
         return False
     if before is Standing.UNKNOWN:

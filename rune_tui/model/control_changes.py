@@ -1,4 +1,4 @@
-"""Which robots changed hands or were stopped, so that what is held must not drive them on."""
+"""Robots with a new owner or a stop: held inputs must not drive them on."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ COVERS_M: Final = 1.2
 """Largest range used of a wide beam; a farther echo may come from beside the line [m]."""
 
 _SLACK_M: Final = 0.1
-"""How far ground is shown behind what was measured [m]."""
+"""Length of ground that is shown behind a measured obstacle [m]."""
 _STEP_M: Final = 0.2
 """From one point of a line to the next, so that it ends where it is covered [m]."""
 _MOST_STEPS: Final = 256

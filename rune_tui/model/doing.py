@@ -70,7 +70,7 @@ class Doing:
 
     @property
     def reason(self) -> str:
-        """The reason, without the word that the phase says already."""
+        """The reason, without the word of the phase."""
         return self.why.removeprefix("stopped: ") if self.phase is Phase.STOPPED else self.why
 
     @property
@@ -107,7 +107,7 @@ def by_autonomy(robot: RobotState) -> Doing | None:
 
 
 def by_navigation(robot: RobotState) -> Doing | None:
-    """What navigation does or did last by itself, also for autonomy; None: nothing yet."""
+    """The present or last task of navigation, also for autonomy; None: none yet."""
     received: Received[NavigationStatus] | None = robot.newest(NAVIGATION_STATUS)
     if received is None or received.value.task is Task.NONE:
         return None
@@ -138,7 +138,7 @@ def of_operators(robot: RobotState) -> Doing | None:
 
 
 def doing_of(robot: RobotState) -> Doing | None:
-    """What the robot does by itself, else what it did last; None: nothing yet."""
+    """The robot's present task, else its last one; None: none yet."""
     found = [doing for doing in (by_autonomy(robot), of_operators(robot)) if doing is not None]
     return min(found, key=_newest, default=None)
 

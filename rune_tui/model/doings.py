@@ -26,7 +26,7 @@ _VERBS: Final = {
 
 
 class DoingWatch:
-    """Compares what each robot does by itself with what it did before."""
+    """Compares each robot's task with its task before."""
 
     def __init__(self) -> None:
         self._before: dict[tuple[str, int], Doing | None] = {}
@@ -53,7 +53,7 @@ class DoingWatch:
         *,
         first: bool,
     ) -> Iterator[Notice]:
-        """What has begun or ended."""
+        """The events of a start or an end."""
         same = before is not None and now is not None and before.number == now.number
         if before is not None and before.under_way and not same:
             known = now is not None and now.number > before.number
@@ -73,7 +73,7 @@ class DoingWatch:
     def _waiting(
         self, key: tuple[str, int], robot: RobotState, state: ConsoleState, now: Doing | None
     ) -> Iterator[Notice]:
-        """That it has waited for a while, and that it goes on then."""
+        """The events of a long wait, and of its end."""
         if now is None or now.phase is not Phase.WAITING:
             self._waits.pop(key, None)
             if self._reported.pop(key, "") and now is not None and now.phase is Phase.ACTIVE:

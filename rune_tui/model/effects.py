@@ -25,7 +25,7 @@ _SENDS_OFF = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
 
 
 class EffectFacts:
-    """What the console asks of each effect before it is carried out.
+    """The properties of an effect that the console checks before it carries it out.
 
     Attributes:
         moves_view: Whether viewports may stand elsewhere afterwards.
@@ -116,7 +116,7 @@ class SendEffect(RobotEffect):
 
     @property
     def controlled(self) -> str:
-        """The robot, by what only its owner may send; any console may send zero speed."""
+        """The robot, for messages that only its owner may send; any console may send zero speed."""
         neutral = isinstance(self.value, Twist) and self.value.neutral
         return self.robot if self.definition.name in RESTRICTED and not neutral else ""
 
@@ -149,7 +149,7 @@ class ReleaseFirst(EffectFacts):
     """A robot was stopped: its keys that are down must be released before a key drives.
 
     Attributes:
-        keys: All that drive it.
+        keys: All its driving keys.
     """
 
     keys: frozenset[str]
@@ -167,12 +167,12 @@ class NextLayoutEffect(EffectFacts):
 
 @dataclass(frozen=True, slots=True)
 class ScreenshotEffect(EffectFacts):
-    """Write what is shown into files, a picture and a text."""
+    """Write the shown view into files, a picture and a text."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordEffect(EffectFacts):
-    """Begin to record all that comes from robots and goes to them, or end it."""
+    """Start or end the recording of all messages from and to robots."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +183,7 @@ class AskEffect(EffectFacts):
         robot: The robot's name in the layout.
         asked: The question.
         text: The initial text.
-        answer: Gives the effects of an answer, from the state when it comes.
+        answer: Gives the effects of an answer, from the state at that time.
     """
 
     robot: str
@@ -242,7 +242,7 @@ class CalibrateEffect(EffectFacts):
 
 @dataclass(frozen=True, slots=True)
 class PaletteEffect(EffectFacts):
-    """Open the list of all that the layout's inputs do, to choose from."""
+    """Open the list of all actions of the layout's inputs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -352,7 +352,7 @@ class ToggleHelp(EffectFacts):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ToggleLog(EffectFacts):
-    """Show or hide the page of all that happened."""
+    """Show or hide the page of events."""
 
     @property
     def ends_holds(self) -> bool:
@@ -383,7 +383,7 @@ class AskToLeave(EffectFacts):
 
     @property
     def ends_holds(self) -> bool:
-        """When the question comes; the answer ends nothing."""
+        """Time of the question; the answer ends nothing."""
         return bool(self.reasons)
 
 

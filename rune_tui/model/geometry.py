@@ -39,7 +39,7 @@ _LEAST_DEPRESSION: Final = 1e-9
 _NARROWEST: Final = 1e-6
 """No camera has so narrow a field of view [rad]."""
 _LEAST_DEPTH: Final = 1e-9
-"""What is less than this ahead of the camera [m] counts as behind it."""
+"""Points nearer to the camera than this [m] count as behind it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +75,7 @@ class PictureGeometry:
         """The geometry of a picture of this size; None: the camera's state has none.
 
         Args:
-            camera: The state that came with the picture. Its vertical field of view is that of a
+            camera: The state with the picture. Its vertical field of view is that of a
                 4:3 picture. Pixels are square, so the horizontal one is enough.
             width_px: Width of the picture.
             height_px: Height of the picture.
@@ -121,7 +121,7 @@ class PictureGeometry:
         )
 
     def ground(self, pixels: npt.ArrayLike) -> GroundPoints:
-        """What pixels, shape (..., 2), show of the ground."""
+        """The ground points of pixels, shape (..., 2)."""
         ahead, left, up = self._level(self._tangents(pixels))
         on_ground = up < -_LEAST_DEPRESSION * np.sqrt(ahead**2 + left**2 + up**2)
         reach = self.mount_height / np.where(on_ground, -up, np.nan)
@@ -132,7 +132,7 @@ class PictureGeometry:
         return GroundPoints(points=points, on_ground=on_ground)
 
     def ground_point(self, x: float, y: float) -> tuple[float, float] | None:
-        """What one pixel shows in the robot's frame [m], or None: it is not on the ground."""
+        """The ground point of one pixel in the robot's frame [m]; None: it is not on the ground."""
         found = self.ground((x, y))
         if not found.on_ground:
             return None

@@ -38,14 +38,14 @@ class JoystickState:
         name: Its name in the layout.
         device: The name of its device, or of the last one; empty: it never had one.
         phase: Whether it can be used.
-        why: The fault and what to do; empty: none.
+        why: The fault and the remedy; empty: none.
         values: Position of each control, -1 to 1, by the control's name; a hat's directions are
             "pov up" and so on. Controls without a report yet are missing.
         waiting: Names of axes that are moved and must be released before they count.
         prompt: The instruction to the operator; empty: none.
         machine: The machine of its device; empty: this one.
-        measured: Time of the newest state from that machine [s]; None: nothing comes.
-        absence: Why its device is gone, if it is.
+        measured: Time of the newest state from that machine [s]; None: none.
+        absence: The reason for its device's absence, if any.
     """
 
     name: str

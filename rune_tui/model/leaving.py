@@ -52,7 +52,7 @@ def _on_its_own(state: ConsoleState) -> Iterator[str]:
 
 
 def _unkept(state: ConsoleState) -> Iterator[str]:
-    """Marks that no robot has confirmed, and what robots have in memory only."""
+    """Marks that no robot has confirmed, and those that are only in a robot's memory."""
     waiting = sum(state.unconfirmed.values())
     if waiting:
         marks = "1 mark is" if waiting == 1 else f"{waiting} marks are"

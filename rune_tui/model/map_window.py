@@ -1,4 +1,4 @@
-"""Which part of the world frame `map` a picture shows, how large, and what is up in it."""
+"""The part of the frame `map` in a picture, its scale, and its upper direction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Events about what stops a robot and what it then waits for, one for each change."""
+"""Events about the stops of a robot and its waits after them, one for each change."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _AGAIN: Final = "its driver reports again"
 
 
 class MotionWatch:
-    """Compares what navigation does with commands with what it did before."""
+    """Compares the state of navigation with its state before."""
 
     def __init__(self) -> None:
         self._before: dict[str, tuple[MotionState, int]] = {}

@@ -1,4 +1,4 @@
-"""What happened, made fit to be read: repeated notices as one, long paths short; pure."""
+"""Prepares notices for reading: repeated notices as one, long paths short; pure."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from rune_tui.model.console_state import Notice
 
 KEPT_S = 10.0
-"""How long what needs the operator's eyes is not pushed out by what does not [s]."""
+"""Time in which routine notices do not replace important ones [s]."""
 _PATH = re.compile(r"(?:~|/)(?:[^\s/]+/)+([^\s/]+)")
 
 
@@ -43,7 +43,7 @@ def shortened(text: str) -> str:
 def by_weight(notices: Iterable[Notice], now: float) -> list[Notice]:
     """The notices, those first that a short log must show, and of these the newest first.
 
-    For a while an alarm comes before all else, and what was only done as asked comes last.
+    For a while, alarms come first, and the results of the operator's own orders last.
     """
 
     def weight(place: tuple[int, Notice]) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""Keys that the console has itself, in every layout that binds them to nothing else."""
+"""Keys of the console itself, in every layout that does not bind them."""
 
 from __future__ import annotations
 

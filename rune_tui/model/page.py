@@ -1,6 +1,6 @@
-"""A page of text over the view, the help or the messages: how far it is scrolled, what is searched.
+"""A page of text over the view, the help or the messages: its scroll position and its search.
 
-Which keys turn it is a table of its own, as they are no part of a layout.
+Its keys are in a table of their own, because they are no part of a layout.
 """
 
 from __future__ import annotations

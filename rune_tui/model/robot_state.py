@@ -46,7 +46,7 @@ class Received(Generic[T]):
     Attributes:
         value: The value.
         measured: When it was measured, on the console's monotonic clock [s].
-        number: Counts the values of its kind; tells a new one from one already drawn.
+        number: Counts the values of its kind; it differs for a new value.
     """
 
     value: T
@@ -64,7 +64,7 @@ class Picture:
 
     Attributes:
         pixels: Red, green, blue, shape (height, width, 3).
-        camera: Where the camera looked when it was taken.
+        camera: The camera at the time of the picture.
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -77,11 +77,11 @@ class PictureFlow:
 
     Attributes:
         coding: How the newest was coded.
-        quality: With what quality pictures are asked for.
+        quality: Quality of the requests.
         width_px: Width of the newest.
         height_px: Height of the newest.
-        shrunk: Whether they are smaller than what is shown, because the link carries no more.
-        per_s: How many came [1/s].
+        shrunk: Whether they are smaller than their viewport, because of the link's capacity.
+        per_s: Their rate [1/s].
     """
 
     coding: ImageCoding
@@ -139,7 +139,7 @@ class LinkState:
         owned_since: Time of day at which its owner got control, such as "14:03".
         said: Reason of the last refusal by the robot or its hub; empty: none.
         said_count: Number of refusals, to detect a new one.
-        pictures: Statistics of recent pictures; None: no pictures come.
+        pictures: Statistics of recent pictures; None: there are none.
     """
 
     phase: LinkPhase
@@ -183,7 +183,7 @@ class RobotState:
     messages: Mapping[str, Received[Any]] = field(default_factory=dict)
 
     def newest(self, definition: MessageDefinition[T]) -> Received[T] | None:
-        """The newest message of a kind; None if none came, or no viewport asked for it."""
+        """The newest message of a kind; None: none arrived, or no viewport uses it."""
         return self.messages.get(definition.name)
 
     @property
@@ -194,7 +194,7 @@ class RobotState:
 
     @property
     def title(self) -> str:
-        """Its name for people: its own, or its role while that is not known."""
+        """Its name for people: its own, or its role until that is known."""
         body = self.body
         return body.name if body is not None and body.name else self.name
 

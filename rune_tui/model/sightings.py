@@ -1,4 +1,4 @@
-"""What is found out about pixels and points of the ground; the unknown is never a number."""
+"""Positions of pixels and points of the ground; an unknown one is never a number."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Bools = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GroundPoints:
-    """What pixels show.
+    """The ground behind pixels.
 
     Attributes:
         points: In the robot's frame [m], shape (..., 2); NaN where `on_ground` is false.

@@ -31,7 +31,7 @@ class Theme:
         bar: Behind lines that separate panes: the status line.
         track: The empty part of a gauge.
         accent: Of the moving part of a gauge.
-        good: Of words that say that all is well.
+        good: Colour of words without a problem.
         warning: Of words and marks of a caution.
         alarm: Behind words of an alarm.
         alarm_ink: Of words of an alarm without a ground of their own.
@@ -137,4 +137,4 @@ RED: Final = Theme(
 
 THEMES: Final[Mapping[str, Theme]] = {theme.name: theme for theme in (DARK, LIGHT, RED)}
 RENAMED: Final[Mapping[str, str]] = {"night": RED.name}
-"""Older spellings, which layouts may still use: night is what the camera's night mode is called."""
+"""Older spellings, which layouts may still use: `night` is the name of the camera's night mode."""

@@ -59,7 +59,7 @@ class LayoutFollower:
                     await self._open(found)
             except (ConsoleError, HubError) as error:
                 self._report(f"The layout stays as it was: {error}"[:_LONGEST_FAULT])
-            except Exception as error:  # code of a plugin may fail in any way
+            except Exception as error:  # an extension may fail in any way
                 _logger.exception("a layout cannot be opened")
                 text = f"The layout stays as it was: {type(error).__name__}: {error}"
                 self._report(text[:_LONGEST_FAULT])

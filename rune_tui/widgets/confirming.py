@@ -30,9 +30,9 @@ from rune_tui.model.effects import Effect, MarksWaiting, Notify, SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 ANSWER_S = 3.0
-"""What is not confirmed after this is an alarm [s]."""
+"""Time without a confirmation after which there is an alarm [s]."""
 AGAIN_S = 1.0
-"""What is not confirmed is sent again so often [s]."""
+"""Period of repeats until the confirmation [s]."""
 USES = (INTEREST_POINTS.name, POINT_REFUSAL.name, MISSION_STATE.name)
 """Messages with the outcome of a command."""
 
@@ -91,7 +91,7 @@ class Confirming:
         return (_effect(robot.name, command),)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """What became of the commands, and those that are sent again."""
+        """Results of the commands, and the commands to send again."""
         before, self._waiting = self._waiting, []
         effects = [effect for waiting in before for effect in self._look(waiting, state)]
         return (*effects, *self._counts())
@@ -134,13 +134,13 @@ class Confirming:
 
 
 def points_of(robot: RobotState) -> tuple[InterestPoint, ...]:
-    """The marks on a robot's map that the console knows."""
+    """The marks on a robot's map, as known here."""
     newest = robot.newest(INTEREST_POINTS)
     return newest.value.points if newest is not None else ()
 
 
 def _outcome(waiting: _Waiting, robot: RobotState) -> tuple[bool, InterestPoint | None]:
-    """Whether a command is confirmed, and the point as the robot has it since."""
+    """Whether a command is confirmed, and the robot's point since then."""
     command, wanted = waiting.command, waiting.command.point
     newest = robot.newest(INTEREST_POINTS)
     if newest is None or (wanted.number and newest.measured < waiting.since):

@@ -74,7 +74,7 @@ class UndoMark(OrderWidget):
         return self._confirming.send(_removal(newest), robot, state)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """What became of the removals."""
+        """Results of the removals."""
         return self._confirming.tick(state)
 
     def _gone(self, robot: str, number: int, now: float) -> bool:
@@ -102,7 +102,7 @@ class _MarkWidget(PointedWidget):
         self._confirming = Confirming(_outcome_words)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
-        """What became of it."""
+        """Its result."""
         return self._confirming.tick(state)
 
     @abstractmethod
@@ -114,7 +114,7 @@ class _MarkWidget(PointedWidget):
     def point(
         self, place: WorldPoint, _event: ControlEvent, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """What the nearest mark calls for, or in words that nothing is there."""
+        """Effects for the nearest mark, or a sentence that there is none."""
         radius = self.spec.options.number("radius")
         nearest = _nearest(place, robot, radius, lambda _: True)
         if nearest is None:
@@ -182,7 +182,7 @@ class CorrectLandmark(PointedWidget):
     def point(
         self, place: WorldPoint, _event: ControlEvent, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """The correction and what it means, or in words why there is none.
+        """The correction with a sentence, or the reason why there is none.
 
         A place on screen follows from the pose that the robot believes; seen from that pose it is
         where the camera really saw it, however wrong the pose is.

@@ -1,4 +1,4 @@
-"""Widgets that mark what was found: victims and landmarks, by a click on the video or the map."""
+"""Widgets that mark victims and landmarks, by a click on the video or the map."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class _SetMark(PointedWidget):
         robot: RobotState,
         state: ConsoleState,
     ) -> tuple[Effect, ...]:
-        """The mark; when it was made, the robot's map notes by its own clock."""
+        """The mark; the robot's map adds its time, by its own clock."""
         mark = InterestPoint(
             kind=self.kind,
             x=place.x,

@@ -1,4 +1,4 @@
-"""Widgets that tell a robot what to do by itself, and how much it may help."""
+"""Widgets for a robot's own tasks, and for its assistance."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class GoTo(PointedWidget):
 
 
 class Autonomy(OrderWidget):
-    """Tells the robot what to do by itself."""
+    """Starts and ends the robot's own tasks."""
 
     rule: ClassVar = HandlerRule(
         section=Section.DRIVE,
@@ -102,7 +102,7 @@ class Autonomy(OrderWidget):
 
 
 class Safety(OrderWidget):
-    """Has the robot hold back what would lead it into something, or no longer."""
+    """Switches the slowdown before obstacles."""
 
     rule: ClassVar = HandlerRule(
         section=Section.ROBOT,

@@ -18,7 +18,7 @@ class PointedWidget(PressWidget):
     """A widget that acts on the place that was clicked."""
 
     purpose: ClassVar[str]
-    """What was not done if no ground was clicked, such as "marked"."""
+    """The failed action of a click beside the ground, such as "marked"."""
 
     @abstractmethod
     def point(
@@ -29,7 +29,7 @@ class PointedWidget(PressWidget):
     def press(
         self, event: ControlEvent, _event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """What the place that was clicked calls for; words if none was."""
+        """Effects for the clicked place, or a sentence if there is none."""
         robot = state.robot(self.robot)
         if robot is None:
             return ()

@@ -22,7 +22,7 @@ class _AdjustCamera(SteppingWidget):
     """Moves the camera by a step.
 
     Attributes:
-        moves: What each of its controls moves: a member of the command, and the option with the
+        moves: Effect of each of its controls: a member of the command, and the option with the
             size of a step; sizes in degrees end in `_deg`.
     """
 

@@ -32,7 +32,7 @@ class NextLayout(EffectWidget):
 
 
 class Screenshot(EffectWidget):
-    """Writes what is shown into files."""
+    """Writes the shown view into files."""
 
     rule: ClassVar = HandlerRule(
         section=Section.SESSION,

@@ -1,4 +1,4 @@
-"""Widgets that change what the console shows, and command no robot."""
+"""Widgets that change the view, and command no robot."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class ShowViewportWidget(EffectWidget):
     )
 
     def effect(self) -> Effect:
-        """The viewport appears or goes."""
+        """Show or hide the viewport."""
         shown = _SHOWN[self.spec.options.word("shown")]
         return ShowViewport(viewport=_viewport(self), shown=shown)
 
@@ -66,7 +66,7 @@ class FullScreen(EffectWidget):
     )
 
     def effect(self) -> Effect:
-        """The viewport fills the view or goes back to its place."""
+        """Enlarge the viewport to the view, or put it back."""
         return FillView(viewport=_viewport(self))
 
 
@@ -88,7 +88,7 @@ class ZoomMap(SteppingWidget):
     )
 
     def step(self, value: float, _control: str) -> Effect:
-        """The factor to the power of the value; 0 goes back to the layout's."""
+        """The factor to the power of the value; 0 restores the layout's scale."""
         factor = self.spec.options.number("factor") ** value if value else 0.0
         return Zoom(viewport=_viewport(self), factor=factor)
 
@@ -138,7 +138,7 @@ class ThemeWidget(EffectWidget):
 
 
 class Help(EffectWidget):
-    """Shows what keys do."""
+    """Shows the actions of keys."""
 
     rule: ClassVar = HandlerRule(
         section=Section.SCREEN,
@@ -154,7 +154,7 @@ class Help(EffectWidget):
 
 
 class Messages(EffectWidget):
-    """Shows all that happened."""
+    """Shows all events."""
 
     rule: ClassVar = HandlerRule(
         section=Section.SCREEN,

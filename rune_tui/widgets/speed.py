@@ -37,7 +37,7 @@ STEP_S: Final = 0.35
 _EARLY_S = 0.025
 """A tick this much too early counts, half of the time between two ticks [s]."""
 _LEAST_PERIOD_S = 0.02
-"""How soon after a command the next movement of a stick is worth another one [s]."""
+"""Shortest time between two commands for the movement of a stick [s]."""
 _ENABLE = "enable"
 _TURBO = "turbo"
 _TRANSLATE = "translate"
@@ -159,7 +159,7 @@ class SetSpeed:
         self._fine = fine
         self._limit = 1.0
         self._held: dict[EventSpec, float] = {}
-        """What counts and its share, -1 to 1, the newest last."""
+        """The inputs that count, with their shares, -1 to 1, the newest last."""
         self._steps: dict[EventSpec, _Step] = {}
         """Of keys that count and have not repeated yet."""
         self._waiting: set[EventSpec] = set()
@@ -183,7 +183,7 @@ class SetSpeed:
         )
 
     def forget(self) -> None:
-        """Forget what is held without a word.
+        """Forget held inputs, without an event.
 
         Repeats of keys no longer drive, only a new press does; axes have to be neutral first.
         """
@@ -205,12 +205,12 @@ class SetSpeed:
         return self._waiting <= {event_spec} and not any(axis.name in unseen for axis in self._axes)
 
     def velocity(self) -> Twist:
-        """What the held inputs command."""
+        """The command of the held inputs."""
         newest = {spec.control: spec for spec in self._held}
         return Twist.planar(self._speed(newest.get(_TRANSLATE)), self._speed(newest.get(_ROTATE)))
 
     def _speed(self, spec: EventSpec | None) -> float:
-        """What an input commands [m/s or rad/s]."""
+        """The command of an input [m/s or rad/s]."""
         if spec is None:
             return 0.0
         if (step := self._steps.get(spec)) is not None:

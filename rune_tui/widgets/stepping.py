@@ -34,7 +34,7 @@ class SteppingWidget(PressWidget):
     def __init__(self, spec: WidgetSpec, robot: str) -> None:
         super().__init__(spec, robot)
         self._held: dict[EventSpec, tuple[float, float]] = {}
-        """What of joysticks is held: how far it goes in a step, and when the next is due."""
+        """The held controls of joysticks, with the size of a step and the time of the next."""
 
     @abstractmethod
     def step(self, value: float, control: str) -> Effect:
@@ -75,7 +75,7 @@ class SteppingWidget(PressWidget):
         return tuple(effects)
 
     def release(self, _state: ConsoleState) -> tuple[Effect, ...]:
-        """Forget what is held."""
+        """Forget held inputs."""
         self._held.clear()
         return ()
 

@@ -86,7 +86,7 @@ class PressWidget(ABC):
     def press(
         self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """Effects of a press, or of a release if that is what the layout asks for."""
+        """Effects of a press, or of a release, as the layout chooses."""
 
     def handle(
         self,
@@ -114,7 +114,7 @@ class EffectWidget(PressWidget):
 
     @abstractmethod
     def effect(self) -> Effect:
-        """What each press does."""
+        """Effects of a press."""
 
     def press(
         self, _event: ControlEvent, _event_spec: EventSpec, _state: ConsoleState
