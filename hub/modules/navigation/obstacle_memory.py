@@ -9,12 +9,11 @@ or when it is some metres away.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.navigation import SENSOR_COUNT
+from hub.gcm.navigation import SENSOR_COUNT, DriveState
 from hub.pose import Pose, each_wrapped, wrapped
 
 Floats = npt.NDArray[np.float64]
@@ -69,27 +68,6 @@ _STANDING = 0.1
 _AXES: Floats = np.arange(SENSOR_COUNT, dtype=np.float64) * (2.0 * math.pi / SENSOR_COUNT)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RangeScan:
-    """The ranges measured at a pose.
-
-    Attributes:
-        x: Position in `odom` [m].
-        y: Position in `odom` [m].
-        theta: Heading in `odom` [rad].
-        sonar: Ranges from the centre [m], shape (16,); inf: no echo.
-        infrared: Ranges from the centre [m], shape (16,); inf: nothing seen.
-        bumpers: Bit i is set while bumper i is pressed.
-    """
-
-    x: float
-    y: float
-    theta: float
-    sonar: npt.NDArray[np.float32]
-    infrared: npt.NDArray[np.float32]
-    bumpers: int
-
-
 class ObstacleMemory:
     """Remembers points; every method gets the present monotonic time [s]."""
 
@@ -106,12 +84,12 @@ class ObstacleMemory:
         self._guesses = 0
         self._assume_at = -math.inf
         self._time = 0.0
-        self._last: tuple[RangeScan, float] | None = None
-        self._looked: tuple[RangeScan, float] | None = None
+        self._last: tuple[DriveState, float] | None = None
+        self._looked: tuple[DriveState, float] | None = None
         self._sonar = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
         self._infrared = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
 
-    def scanned(self, scan: RangeScan, now: float) -> None:
+    def scanned(self, scan: DriveState, now: float) -> None:
         """Take a scan; a sensor with the same range as before has not measured again."""
         self._age(scan, now)
         fresh_infrared = scan.infrared != self._infrared
@@ -155,7 +133,7 @@ class ObstacleMemory:
         self._until[:] = -np.inf
         self._guessed_until[:] = -np.inf
 
-    def _meet(self, scan: RangeScan, ranges: Floats, bearings: Floats, until: float) -> None:
+    def _meet(self, scan: DriveState, ranges: Floats, bearings: Floats, until: float) -> None:
         """Remember points in directions from the robot [m, rad], shape (k,)."""
         directions = bearings + scan.theta
         x = scan.x + ranges * np.cos(directions)
@@ -171,7 +149,7 @@ class ObstacleMemory:
         self._until[cells] = np.maximum(self._until[cells], until)
         self._looked_through[cells] = 0
 
-    def _assume(self, scan: RangeScan, blind: npt.NDArray[np.bool_]) -> None:
+    def _assume(self, scan: DriveState, blind: npt.NDArray[np.bool_]) -> None:
         """Assume points where an obstacle may be that the sensors cannot show.
 
         An infrared ray can report "too near to measure". An echo or a remembered point that is as
@@ -196,7 +174,7 @@ class ObstacleMemory:
         ranges = np.maximum(_CORNER * nearer[corner], self._radius + _RIM).astype(np.float64)
         self._guess(scan, ranges, _AXES[corner] + _AXES[1] / 2.0, self._time + GUESS_S)
 
-    def _guess(self, scan: RangeScan, ranges: Floats, bearings: Floats, until: float) -> None:
+    def _guess(self, scan: DriveState, ranges: Floats, bearings: Floats, until: float) -> None:
         """Assume points in directions from the robot [m, rad], shape (k,)."""
         places = (self._guesses + np.arange(len(ranges))) % _GUESSES
         self._guesses += len(ranges)
@@ -204,7 +182,7 @@ class ObstacleMemory:
         self._guessed_y[places] = scan.y + ranges * np.sin(bearings + scan.theta)
         self._guessed_until[places] = until
 
-    def _age(self, scan: RangeScan, now: float) -> None:
+    def _age(self, scan: DriveState, now: float) -> None:
         """Let points age, but slowly while the robot stands.
 
         The sensors may not see the obstacle before which it stands. If it were forgotten while
@@ -218,7 +196,7 @@ class ObstacleMemory:
             self._time += min(passed, _STANDING * passed + way + turn)
         self._last = scan, now
 
-    def _look_through(self, scan: RangeScan) -> None:
+    def _look_through(self, scan: DriveState) -> None:
         """Count the rays through each point, and forget points with enough of them."""
         held = np.flatnonzero(self._until > self._time)
         through, away = self._passed(scan, self._x[held], self._y[held], _BESIDE)
@@ -230,7 +208,7 @@ class ObstacleMemory:
         self._guessed_until[through] = -np.inf
 
     def _passed(
-        self, scan: RangeScan, x: Floats, y: Floats, beside: float
+        self, scan: DriveState, x: Floats, y: Floats, beside: float
     ) -> tuple[npt.NDArray[np.bool_], Floats]:
         """Whether a ray passed each point within `beside` [m], and the points' distances [m]."""
         to_x, to_y = x - scan.x, y - scan.y
@@ -244,7 +222,7 @@ class ObstacleMemory:
         return (off < beside) & (away < free), away
 
 
-def _elsewhere(scan: RangeScan, now: float, before: RangeScan, then: float) -> bool:
+def _elsewhere(scan: DriveState, now: float, before: DriveState, then: float) -> bool:
     """Whether a scan from here, or now, can clear points that the scan before could not."""
     return (
         math.hypot(scan.x - before.x, scan.y - before.y) > 0.01

@@ -24,7 +24,7 @@ from hub.modules.navigation.assistance import AssistanceSwitch
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow
-from hub.modules.navigation.obstacle_memory import ObstacleMemory, RangeScan
+from hub.modules.navigation.obstacle_memory import ObstacleMemory
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.modules.navigation.task import LARGEST_TURN, Aim, NavigationTask, refusal
 from hub.modules.navigation.unmapped_obstacles import UnmappedObstacles
@@ -86,15 +86,7 @@ class PathFollower:
     def reported(self, drive: DriveState, now: float) -> None:
         """Take a report of the hardware."""
         self._drive = drive
-        scan = RangeScan(
-            x=drive.x,
-            y=drive.y,
-            theta=drive.theta,
-            sonar=drive.sonar,
-            infrared=drive.infrared,
-            bumpers=drive.bumpers,
-        )
-        self._obstacles.scanned(scan, now)
+        self._obstacles.scanned(drive, now)
         self._drift.reported(drive, now)
 
     def restart(self, odom: Pose) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
-from hub.gcm.navigation import DriveState, NavigationStatus, Point, RobotState
+from hub.gcm.navigation import DriveState, Measured, NavigationStatus, Point, RobotState
 from hub.modules.navigation.path_follower import PathFollower
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.modules.navigation.task import NavigationTask
@@ -21,20 +22,10 @@ def robot_state(
     """The state of the robot, from a report of its hardware."""
     spread = pilot.spread
     pose = pilot.correction.pose(drive.x, drive.y, drive.theta)
+    measured = {each.name: getattr(drive, each.name) for each in dataclasses.fields(Measured)}
+    in_map = {"x": pose.x, "y": pose.y, "theta": pose.theta}
     return RobotState(
-        stamp=drive.stamp,
-        x=pose.x,
-        y=pose.y,
-        theta=pose.theta,
-        linear=drive.linear,
-        angular=drive.angular,
-        commanded_linear=drive.commanded_linear,
-        commanded_angular=drive.commanded_angular,
-        sonar=drive.sonar,
-        infrared=drive.infrared,
-        bumpers=drive.bumpers,
-        battery_voltage=drive.battery_voltage,
-        battery_fraction=drive.battery_fraction,
+        **(measured | in_map),
         motion=governor.state(now),
         refused=refused,
         assistance=pilot.assistance(now),

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from hub.modules.navigation.obstacle_memory import CONE_S, RAY_S, ObstacleMemory, RangeScan
+from hub.gcm.navigation import DriveState
+from hub.modules.navigation.obstacle_memory import CONE_S, RAY_S, ObstacleMemory
 
 RADIUS = 0.205
 REACH = 2.0
@@ -19,13 +20,27 @@ def scan(
     bumpers: int = 0,
     x: float = 0.0,
     theta: float = 0.0,
-) -> RangeScan:
+) -> DriveState:
     """Ranges [m] of some sensors; the others see nothing."""
     ranges = [np.full(16, np.inf, dtype=np.float32) for _ in range(2)]
     for values, given in zip(ranges, (infrared, sonar), strict=True):
         for number, value in (given or {}).items():
             values[number] = value
-    return RangeScan(x=x, y=0.0, theta=theta, infrared=ranges[0], sonar=ranges[1], bumpers=bumpers)
+    return DriveState(
+        stamp=0.0,
+        x=x,
+        y=0.0,
+        theta=theta,
+        linear=0.0,
+        angular=0.0,
+        commanded_linear=0.0,
+        commanded_angular=0.0,
+        sonar=ranges[1],
+        infrared=ranges[0],
+        bumpers=bumpers,
+        battery_voltage=24.0,
+        battery_fraction=1.0,
+    )
 
 
 def places(memory: ObstacleMemory, x: float = 0.0, theta: float = 0.0) -> list[tuple[float, float]]:
