@@ -145,7 +145,7 @@ class DrawnViewport:
             if not self.lost:
                 _logger.exception("viewport %s cannot locate a click", self.spec.name)
             self.lost = True
-        if shown is not None and not shown.sayable:
+        if shown is not None and not shown.in_range:
             shown = None
         return Hit(
             viewport=self.spec.name,

@@ -18,7 +18,7 @@ from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.effects import ControlEffect, MissionEffect, SendEffect
-from rune_tui.model.lacks import untaken
+from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def undelivered(
         text = f"{what} not sent: your key may watch and stop {robot.title}, not drive it"
     elif robot.link.phase is not LinkPhase.CONNECTED:
         text = f"{what} not sent: there is no link to {robot.title}"
-    elif isinstance(effect, SendEffect) and (why := untaken(robot, effect.definition.name)):
+    elif isinstance(effect, SendEffect) and (why := why_unsupported(robot, effect.definition.name)):
         text = f"{what} has no effect: {why}"
     else:
         return None

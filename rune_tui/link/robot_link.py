@@ -320,7 +320,7 @@ class RobotLink:
     def _say(self, text: str) -> None:
         """Report a refusal to the operator."""
         link = self._state.link
-        self._change_link(said=text[:_MOST_LETTERS], said_count=link.said_count + 1)
+        self._change_link(refusal=text[:_MOST_LETTERS], refusal_count=link.refusal_count + 1)
 
     def _why_not(self) -> str:
         """The reason for the missing connection, if known."""

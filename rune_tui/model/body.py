@@ -1,4 +1,4 @@
-"""The footprint of a robot, and the distance of its sensors' ranges from it."""
+"""The robot's outline on the ground."""
 
 from __future__ import annotations
 
@@ -14,17 +14,13 @@ from rune_tui.model.sightings import Floats
 def rim(body: RobotBody | None, count: int) -> Floats:
     """Distances of the robot's rim from its origin [m], shape (count,).
 
-    The directions begin straight ahead and follow counter-clockwise. If the body is not known, all
-    distances are 0: clearances are then measured from the origin.
+    The directions begin straight ahead, counter-clockwise. For an unknown body all distances are 0.
     """
     return _rim(body, count)
 
 
 def largest_radius(body: RobotBody | None) -> float:
-    """Radius of the circle around the whole robot [m]; 0: not known.
-
-    A radius that is too small for the robot's corners is not used.
-    """
+    """Radius of the circle around the whole robot, at least to its corners [m]; 0: not known."""
     if body is None:
         return 0.0
     return max(body.radius, *(math.hypot(each.x, each.y) for each in body.footprint), 0.0)
@@ -51,7 +47,7 @@ def _rim(body: RobotBody | None, count: int) -> Floats:
 
 
 def _ray_lengths(around: Floats, count: int) -> Floats:
-    """From the origin to the farthest edge that a ray in each direction crosses [m].
+    """Distance from the origin to the farthest edge in each direction [m].
 
     A ray `s d` meets the edge `p + t e` where `s = (p x e) / (d x e)` and `t = (p x d) / (d x e)`.
     """
@@ -63,7 +59,7 @@ def _ray_lengths(around: Floats, count: int) -> Floats:
     with np.errstate(divide="ignore", invalid="ignore"):
         length = (x * edge_y - y * edge_x) / across
         along = (x * ray_y - y * ray_x) / across
-    # A corner belongs to both of its edges; rounding must not let a ray slip between them.
+    # A corner belongs to both edges: a rounding error must not let a ray pass between them.
     meets = (along >= -1e-9) & (along <= 1.0 + 1e-9) & (length > 0.0)
     distances: Floats = np.where(meets, length, 0.0).max(axis=1)
     return distances

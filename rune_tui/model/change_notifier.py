@@ -18,17 +18,17 @@ from rune_tui.model.control import (
     seconds_left,
     standing,
 )
-from rune_tui.model.doings import DoingWatch
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.mission import MissionWatch
 from rune_tui.model.motions import MotionWatch
 from rune_tui.model.robot_state import LackKind, LinkPhase, RobotState
+from rune_tui.model.task_watch import TaskWatch
 
 _logger = logging.getLogger(__name__)
 
 _GONE = {
     Absence.UNPLUGGED: "is unplugged: {} is gone",
-    Absence.ENDED: "has ended: nobody sends {} any more",
+    Absence.ENDED: "has ended: {} is no longer sent",
     Absence.SILENT: "is silent: nothing comes from {}",
 }
 
@@ -51,8 +51,8 @@ class ChangeNotifier:
         self._since: dict[tuple[str, str], float] = {}
         self._unfit: dict[str, frozenset[str]] = {}
         self._control: dict[str, ControlState] = {}
-        self._said: dict[str, int] = {}
-        self._doings = DoingWatch()
+        self._refusals: dict[str, int] = {}
+        self._tasks = TaskWatch()
         self._missions = MissionWatch()
         self._motions = MotionWatch()
         self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
@@ -60,23 +60,23 @@ class ChangeNotifier:
 
     def look(self, state: ConsoleState) -> tuple[Notice, ...]:
         """The changes since the last call."""
-        of_robots = (self._spared(robot, state) for robot in state.robots.values())
-        of_joysticks = (self._of_joystick(each, state) for each in state.joysticks.values())
+        of_robots = (self._guarded(robot, state) for robot in state.robots.values())
+        of_joysticks = (self._joystick_changes(each, state) for each in state.joysticks.values())
         return tuple(notice for some in (*of_robots, *of_joysticks) for notice in some)
 
-    def _spared(self, robot: RobotState, state: ConsoleState) -> tuple[Notice, ...]:
-        """The changes of one robot; its faults must not hide those of other robots."""
+    def _guarded(self, robot: RobotState, state: ConsoleState) -> tuple[Notice, ...]:
+        """The changes of one robot; a fault there must not hide the changes of another robot."""
         try:
-            return tuple(self._of(robot, state))
+            return tuple(self._robot_changes(robot, state))
         except Exception:
             if robot.name in self._failed:
                 return ()
             self._failed.add(robot.name)
-            _logger.exception("what %s says cannot be followed", robot.name)
-            text = "not all that it says can be followed; the log says why"
+            _logger.exception("the state of %s cannot be compared", robot.name)
+            text = "its state cannot be compared with the last one; the log says why"
             return (state.notice(text, robot=robot.name, alarm=True),)
 
-    def _of_joystick(self, joystick: JoystickState, state: ConsoleState) -> Iterator[Notice]:
+    def _joystick_changes(self, joystick: JoystickState, state: ConsoleState) -> Iterator[Notice]:
         name, device = joystick.name, joystick.device
         now = (joystick.phase, joystick.why)
         before = self._joysticks.get(name, (JoystickPhase.MISSING, ""))
@@ -93,7 +93,7 @@ class ChangeNotifier:
             case JoystickPhase.FORBIDDEN | JoystickPhase.UNSUITABLE:
                 yield state.notice(f"{name} cannot be used: {joystick.why}", alarm=True)
 
-    def _of(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
+    def _robot_changes(self, robot: RobotState, state: ConsoleState) -> Iterator[Notice]:
         link, name = robot.link, robot.name
         before = self._phases.get(name, LinkPhase.CONNECTING)
         self._phases[name] = link.phase
@@ -107,12 +107,12 @@ class ChangeNotifier:
         for message in sorted(link.unfit.keys() - self._unfit.get(name, frozenset())):
             yield state.notice(link.unfit[message], robot=name, alarm=True)
         self._unfit[name] = frozenset(link.unfit)
-        if link.said_count != self._said.get(name, 0):
-            self._said[name] = link.said_count
-            yield state.notice(link.said, robot=name, alarm=True)
+        if link.refusal_count != self._refusals.get(name, 0):
+            self._refusals[name] = link.refusal_count
+            yield state.notice(link.refusal, robot=name, alarm=True)
         yield from self._handed_over(robot, state)
         yield from self._motions.look(robot, state)
-        yield from self._doings.look(robot, state)
+        yield from self._tasks.look(robot, state)
         yield from self._missions.look(robot, state)
         if link.phase is LinkPhase.CONNECTED:
             yield from self._capabilities(robot, state)

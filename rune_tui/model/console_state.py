@@ -67,12 +67,12 @@ class Banner:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ghost:
-    """A mark that was pointed at and is not made yet.
+    """A mark that the operator has not confirmed yet.
 
     Attributes:
-        kind: Kind of the mark.
-        place: Where.
-        until: When it ends by itself, on the console's monotonic clock [s].
+        kind: Its kind.
+        place: Its place.
+        until: Time at which it disappears, on the console's monotonic clock [s].
     """
 
     kind: PointKind
@@ -113,8 +113,7 @@ class ConsoleState:
         robots: The state of each robot, by name.
         chosen: The robot of viewports with `CHOSEN`.
         shown: Viewports that the operator has shown (True) or hidden (False).
-        places: Viewports that have a place at this size of the terminal, and whether they are shown
-            there by default.
+        places: Viewports that have a place at this size, and whether each is shown by default.
         zooms: Zoom of each viewport, relative to its layout, by name.
         wishes: The requested kind of pictures, by the robot's name.
         night: Robots with night mode on, by name.
@@ -131,14 +130,14 @@ class ConsoleState:
         clock: The time of day now, such as "14:03:22".
         recording: The file of the running recording; empty: none.
         trouble: The mistake in the layout file as last saved; drawn over the view.
-        display: The state of the line to the terminal; None: there is no terminal.
+        display: The state of the connection to the terminal; None: there is no terminal.
         pixel_height: Height of a pixel, half a cell of the terminal, over its width.
         inputs: The first input of each purpose of a widget, in words, by purpose and robot.
         joysticks: The state of the layout's joysticks, by name.
         unconfirmed: Number of marks that were sent and not confirmed, by widget and robot.
         overdue: Number of those that are late, in the same form.
         banner: The alarm that is drawn over the view; panes do not repeat it.
-        ghosts: Marks that were pointed at and are not made yet, by robot.
+        ghosts: Marks that the operator has not confirmed yet, by robot.
         sent_off: Time of the last order to go somewhere from this console [s], by robot.
     """
 
@@ -180,7 +179,7 @@ class ConsoleState:
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:
-        """The first state of a layout, without robots."""
+        """The state at the start of a layout, without robots."""
         return cls(
             now=now,
             chosen=layout.robots[0].name,
@@ -211,15 +210,15 @@ class ConsoleState:
         return titles(self.robots.values()).get(robot, robot)
 
     def speed_limit(self, robot: str) -> float:
-        """The share of its speed at which a robot, which may be `CHOSEN`, is driven, 0 to 1."""
+        """Speed limit of a robot, which may be `CHOSEN`, as a share of its speed, 0 to 1."""
         return self.speed_limits.get(self.chosen if robot == CHOSEN else robot, 1.0)
 
     def unconfirmed_marks(self, robot: str) -> int:
-        """How many marks this robot has not confirmed."""
+        """Number of marks that this robot has not confirmed."""
         return sum(count for (_, whose), count in self.unconfirmed.items() if whose == robot)
 
     def overdue_marks(self, robot: str) -> int:
-        """How many marks this robot should have confirmed long ago."""
+        """Number of marks whose confirmation by this robot is late."""
         return sum(count for (_, whose), count in self.overdue.items() if whose == robot)
 
     def input_of(self, purpose: Purpose, robot: str) -> str:
@@ -228,14 +227,14 @@ class ConsoleState:
         return self.inputs.get((purpose, robot), chosen)
 
     def notice(self, text: str, *, robot: str = "", alarm: bool = False) -> Notice:
-        """Something that happens now, for the operator to read."""
+        """A notice with the present time."""
         return Notice(text=text, when=self.now, clock=self.clock, robot=robot, alarm=alarm)
 
 
 def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
-    """The state of a console after a switch to another layout.
+    """The state after a change of the layout.
 
-    What the operator did to viewports and robots that are there again holds.
+    The operator's settings of viewports and robots that exist in both layouts stay.
     """
     robots = {robot.name for robot in layout.robots}
     viewports = {viewport.name for viewport in layout.view.viewports}

@@ -74,7 +74,7 @@ def owner_words(robot: RobotState) -> str:
 
 
 def to_take(robot: RobotState, state: ConsoleState) -> str:
-    """Which key takes control or asks for it, for people; empty if none does."""
+    """The key that takes or requests control, in words; empty if there is none."""
     key = state.input_of(Purpose.TAKE_CONTROL, robot.name) if robot.link.may_command else ""
     does = "take it" if standing(robot) is Standing.FREE else "ask"
     return f"press {key} to {does}" if key else ""
@@ -95,7 +95,7 @@ def refused(
     Args:
         effects: Effects of a widget at one moment.
         state: Of the console.
-        by_hand: Robots whose control only a key takes, and not driving.
+        by_hand: Robots for which only a key takes control, not a drive command.
     """
     for effect in effects:
         if not effect.controlled:
@@ -109,7 +109,7 @@ def refused(
 
 
 def refusal(robot: RobotState, state: ConsoleState) -> Notify:
-    """The reason why nothing was sent, and the remedy."""
+    """A notice that names the reason for a refusal, and what to do."""
     words = "; ".join(filter(None, (owner_words(robot), to_take(robot, state))))
     return Notify.now(state, words, robot=robot.name)
 
@@ -123,7 +123,7 @@ def taking(effects: Iterable[Effect], state: ConsoleState) -> tuple[Effect, ...]
 
 
 def is_lost(before: Standing, now: Standing) -> bool:
-    """Whether held inputs must be released, because the owner of control has changed."""
+    """Whether held inputs must be released, because the owner has changed."""
     if now is before:
         return False
     if before is Standing.UNKNOWN:

@@ -1,4 +1,4 @@
-"""Robots with a new owner or a stop: held inputs must not drive them on."""
+"""Finds robots whose owner changed or that were stopped: their inputs must be released."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class ControlChanges:
     def look(self, robots: Iterable[RobotState]) -> list[str]:
         """Names of the robots that were stopped, or whose owner changed, since the last call."""
         return [
-            robot.name for robot in robots if self._changed_hands(robot) or self._stopped(robot)
+            robot.name for robot in robots if self._owner_changed(robot) or self._stopped(robot)
         ]
 
-    def _changed_hands(self, robot: RobotState) -> bool:
+    def _owner_changed(self, robot: RobotState) -> bool:
         now = standing(robot)
         before = self._standings.get(robot.name, Standing.UNKNOWN)
         self._standings[robot.name] = now

@@ -14,11 +14,11 @@ COVERS_M: Final = 1.2
 """Largest range used of a wide beam; a farther echo may come from beside the line [m]."""
 
 _SLACK_M: Final = 0.1
-"""Length of ground that is shown behind a measured obstacle [m]."""
+"""Depth of the ground that is shown behind a measured obstacle [m]."""
 _STEP_M: Final = 0.2
-"""From one point of a line to the next, so that it ends where it is covered [m]."""
+"""Distance between points of a line, which gives the precision of its end [m]."""
 _MOST_STEPS: Final = 256
-"""A longer part of a line, which no picture shows whole, has longer steps."""
+"""Most points of a line; a longer line has longer steps."""
 _GRAIN_M: Final = 0.05
 
 
@@ -64,7 +64,7 @@ def uncovered(lines: Floats, covers: tuple[float, ...]) -> Floats:
     first = np.repeat(np.arange(len(steps)), count)
     share = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     dense = lines[first] + steps[first] * (share / count[first])[:, None]
-    # A step into or out of a break has no length, and begins at its own corner.
+    # A step into a break or out of it has no length, and begins at its own corner.
     dense[share == 0] = lines[:-1][first[share == 0]]
     dense = np.concatenate((dense, lines[-1:]))
     dense[covered(dense, covers)] = np.nan

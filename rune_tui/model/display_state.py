@@ -1,4 +1,4 @@
-"""How the picture reaches the operator's eyes."""
+"""The state of the terminal's picture."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class DisplayState:
             not reported.
         frames_per_s: Frames written in the last second [1/s].
         bytes_per_s: Bytes of these frames [bytes/s].
-        coarseness: 0 where pictures are exact, more the coarser they are.
+        coarseness: 0 for exact pictures; a larger number is coarser.
     """
 
     latency: float

@@ -25,10 +25,10 @@ _SENDS_OFF = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
 
 
 class EffectFacts:
-    """The properties of an effect that the console checks before it carries it out.
+    """Facts about an effect that the console needs before it executes the effect.
 
     Attributes:
-        moves_view: Whether viewports may stand elsewhere afterwards.
+        moves_view: Whether it may move viewports.
     """
 
     __slots__ = ()
@@ -37,7 +37,7 @@ class EffectFacts:
 
     @property
     def ends_holds(self) -> bool:
-        """Whether held inputs were meant for another robot or another view."""
+        """Whether held inputs must be released: they belong to another robot or view."""
         return False
 
     @property
@@ -149,7 +149,7 @@ class ReleaseFirst(EffectFacts):
     """A robot was stopped: its keys that are down must be released before a key drives.
 
     Attributes:
-        keys: All its driving keys.
+        keys: All keys that drive it.
     """
 
     keys: frozenset[str]
@@ -162,17 +162,17 @@ class QuitEffect(EffectFacts):
 
 @dataclass(frozen=True, slots=True)
 class NextLayoutEffect(EffectFacts):
-    """Open the next of the layouts that the console was started with."""
+    """Open the next layout of the command line."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScreenshotEffect(EffectFacts):
-    """Write the shown view into files, a picture and a text."""
+    """Write the view into two files, a picture and a text."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecordEffect(EffectFacts):
-    """Start or end the recording of all messages from and to robots."""
+    """Begin or end a recording of all messages from and to robots."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -242,12 +242,12 @@ class CalibrateEffect(EffectFacts):
 
 @dataclass(frozen=True, slots=True)
 class PaletteEffect(EffectFacts):
-    """Open the list of all actions of the layout's inputs."""
+    """Open the list of the layout's actions."""
 
 
 @dataclass(frozen=True, slots=True)
 class SuspendEffect(EffectFacts):
-    """Give the terminal back to the shell for a while."""
+    """Suspend the console and return to the shell."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -331,7 +331,7 @@ class ToggleNight(RobotEffect):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetTheme(EffectFacts):
-    """Take other colours.
+    """Change the colours.
 
     Attributes:
         name: The theme's name; empty: the next one.
@@ -352,7 +352,7 @@ class ToggleHelp(EffectFacts):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ToggleLog(EffectFacts):
-    """Show or hide the page of events."""
+    """Open or close the page of messages."""
 
     @property
     def ends_holds(self) -> bool:
@@ -362,10 +362,10 @@ class ToggleLog(EffectFacts):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TurnPage(EffectFacts):
-    """Show the page over the view otherwise.
+    """Change the position or search of the page.
 
     Attributes:
-        page: How.
+        page: The new state.
     """
 
     page: Page
@@ -383,13 +383,13 @@ class AskToLeave(EffectFacts):
 
     @property
     def ends_holds(self) -> bool:
-        """Time of the question; the answer ends nothing."""
+        """Whether it opens the question; the answer releases no inputs."""
         return bool(self.reasons)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FillView(EffectFacts):
-    """Show one viewport over the whole view; if it is, show all of them again.
+    """Show one viewport in full screen, or all viewports again.
 
     Attributes:
         viewport: Its name.

@@ -11,14 +11,14 @@ conventions:
 | mount angles | left of straight ahead, and up from the horizontal [rad] |
 | robot | x ahead, y left of its centre, on the ground [m] |
 
-The camera is a pinhole with square pixels that does not roll, as the simulator draws: the tangent
-of an image angle is proportional to the distance from the centre, and pan and tilt turn rays in
-space. The report adds pan and tilt to the image angles instead, which is right in the picture's
-middle column only: 20 degrees down, at the edges of the wide picture (48.8 degrees), it is 1.4
-degrees off to the side and 1.9 degrees up, or a tenth of the distance. It gives drawings and no
-formulas, so whether it took the angle for proportional to the pixel is not known; that would be
-0.6 degrees off at most. It counts tilt from the downward vertical, and its camera frame has x to
-the right and y ahead.
+The camera is a pinhole with square pixels and no roll, as in the simulator. The tangent of an image
+angle is proportional to the distance from the centre; pan and tilt turn rays in space.
+
+The report adds pan and tilt to the image angles instead, which is exact only in the middle column.
+At 20 degrees down and the edges of the wide picture (48.8 degrees), the error is 1.4 degrees
+sideways and 1.9 degrees up, or a tenth of the distance. The report gives no formulas: an angle
+proportional to the pixel would have an error of at most 0.6 degrees. It counts tilt from the
+downward vertical, and its camera frame has x right and y ahead.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from hub.gcm.vision import CameraState
 from rune_tui.model.sightings import Floats, GroundPoints, SeenPoints, Spread
 
 _LEAST_DEPRESSION: Final = 1e-9
-"""Sine of the angle below the horizon from which a ray counts as meeting the ground."""
+"""Least sine of the angle below the horizon at which a ray meets the ground."""
 _NARROWEST: Final = 1e-6
-"""No camera has so narrow a field of view [rad]."""
+"""Least field of view of a camera [rad]."""
 _LEAST_DEPTH: Final = 1e-9
-"""Points nearer to the camera than this [m] count as behind it."""
+"""Least distance ahead of the camera; nearer points count as behind it [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,7 +104,7 @@ class PictureGeometry:
 
     @property
     def horizon(self) -> float:
-        """Row of the horizon [px], which is level; may be beyond the picture, inf beyond all."""
+        """Row of the level horizon [px]; may be outside the picture, and inf."""
         if abs(self.tilt) >= math.pi / 2.0:
             return math.copysign(math.inf, self.tilt)
         return self.top + self.height / 2.0 * (1.0 + math.tan(self.tilt) / self.half_height)
@@ -121,7 +121,7 @@ class PictureGeometry:
         )
 
     def ground(self, pixels: npt.ArrayLike) -> GroundPoints:
-        """The ground points of pixels, shape (..., 2)."""
+        """Points of the ground at pixels of shape (..., 2)."""
         ahead, left, up = self._level(self._tangents(pixels))
         on_ground = up < -_LEAST_DEPRESSION * np.sqrt(ahead**2 + left**2 + up**2)
         reach = self.mount_height / np.where(on_ground, -up, np.nan)
@@ -132,7 +132,7 @@ class PictureGeometry:
         return GroundPoints(points=points, on_ground=on_ground)
 
     def ground_point(self, x: float, y: float) -> tuple[float, float] | None:
-        """The ground point of one pixel in the robot's frame [m]; None: it is not on the ground."""
+        """Point of the ground at a pixel, in the robot's frame [m]; None: not on the ground."""
         found = self.ground((x, y))
         if not found.on_ground:
             return None
@@ -140,7 +140,7 @@ class PictureGeometry:
         return ahead, left
 
     def pixels(self, points: npt.ArrayLike, heights: npt.ArrayLike = 0.0) -> SeenPoints:
-        """Where points in the robot's frame [m], shape (..., 2), so high [m], are seen."""
+        """Pixels of points in the robot's frame [m], shape (..., 2), at some heights [m]."""
         rays = self.rays(points, heights)
         in_front = rays[..., 0] > _LEAST_DEPTH
         pixels = self.pixels_of_rays(np.where(in_front[..., None], rays, np.nan))
@@ -150,14 +150,14 @@ class PictureGeometry:
         return SeenPoints(pixels=pixels, in_front=in_front, inside=inside)
 
     def spreads(self, pixels: npt.ArrayLike) -> Floats:
-        """How much ground pixels cover along and across the line of sight [m], shape (..., 2) both.
+        """Ground that pixels cover along and across the line of sight [m], shape (..., 2) both.
 
-        To first order, and NaN for pixels that are not on the ground.
+        To first order; NaN for pixels that are not on the ground.
         """
         ahead, left, up = self._level(self._tangents(pixels))
         on_ground = up < -_LEAST_DEPRESSION * np.sqrt(ahead**2 + left**2 + up**2)
         down = np.where(on_ground, -up, np.nan)
-        # A step to the side turns the ray to the left only, a step downward ahead and down.
+        # A step sideways turns the ray left only; a step down turns it ahead and down.
         aside = 2.0 * self.half_width / self.width
         below = 2.0 * self.half_height / self.height
         side = np.stack((np.zeros_like(down), aside / down), axis=-1)
@@ -173,12 +173,12 @@ class PictureGeometry:
         return covered * self.mount_height
 
     def spread(self, x: float, y: float) -> Spread | None:
-        """How much ground one pixel covers, or None: it is not on the ground."""
+        """Ground that one pixel covers; None: not on the ground."""
         along, across = self.spreads((x, y)).tolist()
         return None if math.isnan(along) else Spread(along=along, across=across)
 
     def rays(self, points: npt.ArrayLike, heights: npt.ArrayLike = 0.0) -> Floats:
-        """From the camera to points in the robot's frame [m], shape (..., 2).
+        """Rays from the camera to points in the robot's frame.
 
         Args:
             points: Ahead and to the left [m], shape (..., 2).

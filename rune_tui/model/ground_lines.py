@@ -14,8 +14,8 @@ def visible_lines(
 ) -> list[Floats]:
     """The visible pieces of lines on the ground.
 
-    Segments are cut in space, before the division by the depth, so ends behind the camera or
-    exactly beside it do no harm (Liang and Barsky 1984, on the four sides of the field of view).
+    Segments are cut in space, before the division by the depth, so that ends behind the camera are
+    valid (Liang and Barsky 1984, on the four sides of the field of view).
 
     Args:
         geometry: The picture and its camera.
@@ -46,7 +46,7 @@ def visible_lines(
     step = rays[kept + 1] - rays[kept]
     starts = geometry.pixels_of_rays(rays[kept] + step * begin[:, None])
     ends = geometry.pixels_of_rays(rays[kept] + step * end[:, None])
-    # A piece goes on where the next segment begins within the picture.
+    # A piece continues if the next segment begins inside the picture.
     joined = (np.diff(kept) == 1) & (begin[1:] == 0.0)
     breaks = np.flatnonzero(~joined) + 1
     return [

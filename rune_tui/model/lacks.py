@@ -1,4 +1,4 @@
-"""Why a robot cannot carry out an order: it has no module for it."""
+"""Why a robot cannot execute an order: it has no module for it."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from hub.gcm.providers import TAKEN_BY
 from rune_tui.model.robot_state import LackKind, RobotState
 
 
-def untaken(robot: RobotState, message: str, *, lasting: bool = False) -> str:
-    """A sentence on why nothing on the robot takes this message; empty if something may.
+def why_unsupported(robot: RobotState, message: str, *, lasting: bool = False) -> str:
+    """Why no module of the robot accepts a message, in a sentence; empty if one may.
 
     Args:
         robot: The robot.
         message: The message's name.
-        lasting: Whether a module that is about to start counts as one that takes it.
+        lasting: Whether a module that is about to start counts.
     """
     takers = TAKEN_BY.get(message, ())
     lacks = [robot.link.lacking.get(taker) for taker in takers]

@@ -1,4 +1,4 @@
-"""Reasons against the end of the console: data to lose, and robots that go on alone; pure."""
+"""Reasons against the end of the console: unsaved data, and robots that move by themselves."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rune_tui.model.effects import Effect
 from rune_tui.model.mission import mission_of
 
 ORDERED_S: Final = 3.0
-"""After an order to go, a robot counts as going for this time, with or without a report [s]."""
+"""Time after an order to go in which a robot counts as moving, even without a report [s]."""
 
 
 def ordered(state: ConsoleState, effect: Effect, now: float) -> ConsoleState:
@@ -40,19 +40,19 @@ def _recording(state: ConsoleState) -> Iterator[str]:
         yield "the recording ends"
 
 
-def _on_its_own(state: ConsoleState) -> Iterator[str]:
-    """Robots of this console that go somewhere without a hand on the stick."""
+def _moving_robots(state: ConsoleState) -> Iterator[str]:
+    """Robots of this console that move by themselves."""
     for robot in state.robots.values():
         going = robot.navigation is not None and robot.navigation.value.motion is MotionState.GOING
-        # An order that was just sent does not show in the robot's state yet.
+        # The robot's state does not show a new order yet.
         ordered = state.now - state.sent_off.get(robot.name, -math.inf) < ORDERED_S
         moves = going or ordered
         if moves and standing(robot) is not Standing.OTHERS:
             yield f"{state.title(robot.name)} goes on by itself, and nobody watches it"
 
 
-def _unkept(state: ConsoleState) -> Iterator[str]:
-    """Marks that no robot has confirmed, and those that are only in a robot's memory."""
+def _unsaved(state: ConsoleState) -> Iterator[str]:
+    """Marks without confirmation, and missions that robots cannot save."""
     waiting = sum(state.unconfirmed.values())
     if waiting:
         marks = "1 mark is" if waiting == 1 else f"{waiting} marks are"
@@ -66,10 +66,10 @@ def _unkept(state: ConsoleState) -> Iterator[str]:
 
 _REASONS: tuple[Callable[[ConsoleState], Iterator[str]], ...] = (
     _recording,
-    _on_its_own,
-    _unkept,
+    _moving_robots,
+    _unsaved,
 )
-"""Each gives reasons against the end, in a few words; add new ones here."""
+"""Functions that give reasons against the end."""
 
 
 def question(reasons: tuple[str, ...]) -> str:

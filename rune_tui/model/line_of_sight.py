@@ -29,17 +29,17 @@ from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.pose import Pose
-from rune_tui.model.world import SaidBy, WorldPoint
+from rune_tui.model.world import DistanceSource, WorldPoint
 
 FARTHEST_M: Final = 12.0
 """Obstacles that are farther away do not count [m]."""
 SURE_HEIGHT_M: Final = 0.4
 """Obstacles of the map and the range sensors have at least this height [m]."""
 OCCUPIED: Final = 65
-"""From this value on a cell of the map is occupied, as for ROS's map_server."""
+"""Least value of an occupied cell, as in ROS's map_server."""
 
-_TOGETHER_M: Final = 0.15
-"""Where an obstacle is no further before the floor than this, the foot of it was clicked [m]."""
+_AT_FOOT_M: Final = 0.15
+"""Largest distance between an obstacle and the floor's place if the click is at its foot [m]."""
 _INFRARED_HALF: Final = math.radians(4.0)
 _INFRARED_OFF_M: Final = 0.04
 _STANDARD_DEVIATIONS: Final = 2.0
@@ -72,12 +72,12 @@ class _Obstacle:
     Attributes:
         way: Horizontal distance from the camera [m].
         off: Its error [m].
-        said_by: Its source.
+        source: Its source.
     """
 
     way: float
     off: float
-    said_by: SaidBy
+    source: DistanceSource
 
 
 def place_of_pixel(
@@ -97,8 +97,8 @@ def place_of_pixel(
     floor = floor if geometry.ground_point(*pixel) is not None else math.inf
     pixel_m = 2.0 * geometry.half_width / geometry.width * coarse
     obstacle = _obstacle(geometry.mount_forward, bearing, min(floor, FARTHEST_M), pixel_m, around)
-    if obstacle is not None and obstacle.way < floor - _TOGETHER_M:
-        way, off, said_by = obstacle.way, obstacle.off, obstacle.said_by
+    if obstacle is not None and obstacle.way < floor - _AT_FOOT_M:
+        way, off, source = obstacle.way, obstacle.off, obstacle.source
         height = geometry.mount_height + way * drop
         if height > SURE_HEIGHT_M and math.isfinite(floor):
             off = max(off, floor - way)
@@ -106,7 +106,11 @@ def place_of_pixel(
         spread = geometry.spread(*pixel)
         if spread is None or not math.isfinite(floor):
             return None
-        way, off, said_by = floor, coarse * math.hypot(spread.along, spread.across), SaidBy.FLOOR
+        way, off, source = (
+            floor,
+            coarse * math.hypot(spread.along, spread.across),
+            DistanceSource.FLOOR,
+        )
         height = 0.0
     ahead, left = geometry.mount_forward + way * math.cos(bearing), way * math.sin(bearing)
     x, y = around.pose.to_map((ahead, left)).tolist()
@@ -118,7 +122,7 @@ def place_of_pixel(
         height=height,
         uncertainty=math.hypot(off, _STANDARD_DEVIATIONS * pose_off),
         distance=away,
-        said_by=said_by,
+        source=source,
     )
 
 
@@ -131,7 +135,7 @@ def hidden(place: WorldPoint, pose: Pose, camera_forward: float, grid: Occupancy
     far, bearing = math.hypot(ahead, left), math.atan2(left, ahead)
     line = _cells(camera_forward, bearing, far, pose, grid)
     occupied = np.flatnonzero(line >= OCCUPIED)
-    return bool(len(occupied)) and occupied[0] * _step(grid) < far - 2.0 * _TOGETHER_M
+    return bool(len(occupied)) and occupied[0] * _step(grid) < far - 2.0 * _AT_FOOT_M
 
 
 def _obstacle(
@@ -149,12 +153,12 @@ def _obstacle(
         if len(occupied):
             way = float(occupied[0]) * step
             off = math.hypot(around.grid.resolution * math.sqrt(2.0), way * pixel_m)
-            mapped = _Obstacle(way=way, off=off, said_by=SaidBy.MAP)
+            mapped = _Obstacle(way=way, off=off, source=DistanceSource.MAP)
         not_free = np.flatnonzero((line < 0) | (line >= OCCUPIED))
         free = float(not_free[0] if len(not_free) else len(line)) * step
-    if mapped is not None and free >= mapped.way - _TOGETHER_M:
+    if mapped is not None and free >= mapped.way - _AT_FOOT_M:
         return mapped
-    if sonar is not None and free < sonar.way + _TOGETHER_M and sonar.way < reach:
+    if sonar is not None and free < sonar.way + _AT_FOOT_M and sonar.way < reach:
         return sonar if mapped is None or sonar.way < mapped.way else mapped
     return mapped
 
@@ -173,15 +177,15 @@ def _ranges(
     infrared = sonar = None
     if math.isfinite(seen) and beside <= _INFRARED_HALF:
         way = max(0.0, seen - forward * math.cos(bearing))
-        infrared = _Obstacle(way=way, off=_INFRARED_OFF_M, said_by=SaidBy.RANGES)
+        infrared = _Obstacle(way=way, off=_INFRARED_OFF_M, source=DistanceSource.RANGES)
     if math.isfinite(echo):
         way = max(0.0, echo - forward * math.cos(bearing))
-        sonar = _Obstacle(way=way, off=way * math.sin(opening / 2.0), said_by=SaidBy.RANGES)
+        sonar = _Obstacle(way=way, off=way * math.sin(opening / 2.0), source=DistanceSource.RANGES)
     return infrared, sonar
 
 
 def _step(grid: OccupancyMap) -> float:
-    """From one sample of a line to the next [m]."""
+    """Distance between samples of a line [m]."""
     return grid.resolution / 2.0
 
 

@@ -1,4 +1,4 @@
-"""The part of the frame `map` in a picture, its scale, and its upper direction."""
+"""The part of the world frame `map` that a picture shows, its scale and its direction."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class MapWindow:
     up: float = math.pi / 2.0
 
     def pixels(self, points: npt.ArrayLike) -> Floats:
-        """Where points of `map` [m] are in the picture [px], x right and y down, (..., 2) both."""
+        """Pixels of points of `map` [m], x right and y down, shape (..., 2) both."""
         x, y = np.moveaxis(np.asarray(points, np.float64), -1, 0)
         x, y = (x - self.x) / self.metres_per_pixel, (y - self.y) / self.metres_per_pixel
         cos, sin = math.cos(self.up), math.sin(self.up)

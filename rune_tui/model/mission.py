@@ -20,7 +20,7 @@ def mission_of(robot: RobotState) -> MissionState | None:
 
 
 class MissionWatch:
-    """Compares each robot's mission with its state before."""
+    """Compares each robot's mission with its last state."""
 
     def __init__(self) -> None:
         self._known: dict[str, MissionState] = {}
@@ -43,7 +43,7 @@ class MissionWatch:
 
 
 def _changes(before: MissionState, now: MissionState, key: str) -> Iterator[tuple[str, bool]]:
-    """The difference in words, and whether it needs the operator."""
+    """The changes in words, and whether each needs the operator."""
     again = (now.running, now.begun) != (before.running, before.begun)
     if again and now.running:
         yield f"mission {now.name} begins", False

@@ -1,4 +1,4 @@
-"""Events about the stops of a robot and its waits after them, one for each change."""
+"""Reports why a robot does not move, once for each change."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _AGAIN: Final = "its driver reports again"
 
 
 class MotionWatch:
-    """Compares the state of navigation with its state before."""
+    """Compares navigation's use of commands with its last state."""
 
     def __init__(self) -> None:
         self._before: dict[str, tuple[MotionState, int]] = {}
@@ -36,7 +36,7 @@ class MotionWatch:
         if motion is before:
             return
         again = before is MotionState.NO_DRIVER
-        # A change of control has an event of its own.
+        # A change of control has its own event.
         handed = motion is MotionState.WAITING and not again and owner != owner_before
         others = motion is MotionState.WAITING and standing(robot) is Standing.OTHERS
         words = "" if handed or others else _WORDS.get(motion, "")

@@ -1,4 +1,4 @@
-"""Prepares notices for reading: repeated notices as one, long paths short; pure."""
+"""Prepares notices for display: merges equal ones, and shortens paths; pure."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from collections.abc import Iterable, Sequence
 from rune_tui.model.console_state import Notice
 
 KEPT_S = 10.0
-"""Time in which routine notices do not replace important ones [s]."""
+"""Time in which an alarm stays before other notices [s]."""
 _PATH = re.compile(r"(?:~|/)(?:[^\s/]+/)+([^\s/]+)")
 
 
 def merged(notices: Sequence[Notice]) -> tuple[Notice, ...]:
-    """The notices, with equal ones in a row as one and their number."""
+    """The notices, with equal neighbours merged and counted."""
     found: list[Notice] = []
     counts: list[int] = []
     for notice in notices:
@@ -36,14 +36,14 @@ def _same(one: Notice, other: Notice) -> bool:
 
 
 def shortened(text: str) -> str:
-    """A text in which of each path only the file's name is left."""
+    """A text with each path reduced to its file name."""
     return _PATH.sub(r"…/\1", text)
 
 
 def by_weight(notices: Iterable[Notice], now: float) -> list[Notice]:
-    """The notices, those first that a short log must show, and of these the newest first.
+    """The notices in order of importance, then newest first.
 
-    For a while, alarms come first, and the results of the operator's own orders last.
+    Recent alarms come first, and recent confirmations of orders come last.
     """
 
     def weight(place: tuple[int, Notice]) -> tuple[int, int]:

@@ -1,4 +1,4 @@
-"""Keys of the console itself, in every layout that does not bind them."""
+"""The console's own keys, which work in every layout that does not bind them."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class OwnKey:
         effect: Its effect.
         words: The same in plain words.
         section: Its section of the help.
-        under_page: Whether it counts while a page covers the view, and leaves the page open.
-        ends_page: Whether it counts while a page covers the view, and closes the page.
+        under_page: Whether it works under a page and leaves the page open.
+        ends_page: Whether it works under a page and closes the page.
     """
 
     key: str
@@ -51,11 +51,11 @@ OWN_KEYS = (
 
 
 def own_key(name: str) -> OwnKey | None:
-    """The console's key of this name, where a layout binds it to nothing."""
+    """The console's key of this name; None if there is none."""
     return next((each for each in OWN_KEYS if each.key == name), None)
 
 
 def unbound(bound: Iterable[str]) -> Iterator[OwnKey]:
-    """The console's keys that a layout leaves alone."""
+    """The console's keys that a layout does not bind."""
     taken = set(bound)
     return (each for each in OWN_KEYS if each.key not in taken)

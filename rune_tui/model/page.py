@@ -1,7 +1,4 @@
-"""A page of text over the view, the help or the messages: its scroll position and its search.
-
-Its keys are in a table of their own, because they are no part of a layout.
-"""
+"""A page of text over the view, the help or the messages: its position and search."""
 
 from __future__ import annotations
 
@@ -10,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 LONGEST_SEARCH = 60
-"""Letters that can be searched for."""
+"""Most letters of a search."""
 _END = 1_000_000
 """More lines than a page has."""
 _SEARCH = "/"
@@ -76,4 +73,4 @@ _MOVES: Mapping[str, Callable[[int], int]] = {
     "home": lambda _: -_END,
     "end": lambda _: _END,
 }
-"""How many lines a key moves a page down, by half the terminal's height."""
+"""Lines that a key moves a page down, as a function of half the terminal's height."""

@@ -46,7 +46,7 @@ class Received(Generic[T]):
     Attributes:
         value: The value.
         measured: When it was measured, on the console's monotonic clock [s].
-        number: Counts the values of its kind; it differs for a new value.
+        number: Counts the values of its kind, to detect a new one.
     """
 
     value: T
@@ -64,7 +64,7 @@ class Picture:
 
     Attributes:
         pixels: Red, green, blue, shape (height, width, 3).
-        camera: The camera at the time of the picture.
+        camera: State of the camera at that moment.
     """
 
     pixels: npt.NDArray[np.uint8]
@@ -73,15 +73,15 @@ class Picture:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureFlow:
-    """How pictures have come lately.
+    """Statistics of recent pictures.
 
     Attributes:
-        coding: How the newest was coded.
-        quality: Quality of the requests.
+        coding: Coding of the newest.
+        quality: Requested quality.
         width_px: Width of the newest.
         height_px: Height of the newest.
-        shrunk: Whether they are smaller than their viewport, because of the link's capacity.
-        per_s: Their rate [1/s].
+        shrunk: Whether they are smaller than their viewport, because the link is slow.
+        per_s: Rate [1/s].
     """
 
     coding: ImageCoding
@@ -112,7 +112,7 @@ class Lack:
 
     Attributes:
         kind: The reason.
-        why: The same for people.
+        why: The reason in words.
     """
 
     kind: LackKind
@@ -137,9 +137,9 @@ class LinkState:
         unfit: First fault in the values of each message, in a sentence, by its name.
         number: This console's number at the robot's hub, as in frame headers; 0: none yet.
         owned_since: Time of day at which its owner got control, such as "14:03".
-        said: Reason of the last refusal by the robot or its hub; empty: none.
-        said_count: Number of refusals, to detect a new one.
-        pictures: Statistics of recent pictures; None: there are none.
+        refusal: Reason of the last refusal by the robot or its hub; empty: none.
+        refusal_count: Number of refusals, to detect a new one.
+        pictures: Statistics of recent pictures; None: no pictures come.
     """
 
     phase: LinkPhase
@@ -155,8 +155,8 @@ class LinkState:
     unfit: Mapping[str, str] = field(default_factory=dict)
     number: int = 0
     owned_since: str = ""
-    said: str = ""
-    said_count: int = 0
+    refusal: str = ""
+    refusal_count: int = 0
     pictures: PictureFlow | None = None
 
     def may_send(self, message: str) -> bool:

@@ -1,4 +1,4 @@
-"""Positions of pixels and points of the ground; an unknown one is never a number."""
+"""Results of the geometry of pixels and ground points; NaN where unknown."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Bools = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GroundPoints:
-    """The ground behind pixels.
+    """Points of the ground at pixels.
 
     Attributes:
         points: In the robot's frame [m], shape (..., 2); NaN where `on_ground` is false.
@@ -26,7 +26,7 @@ class GroundPoints:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SeenPoints:
-    """Where points of the ground are in the picture.
+    """Pixels of points.
 
     Attributes:
         pixels: x and y [px], shape (..., 2); NaN where `in_front` is false.

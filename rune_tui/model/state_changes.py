@@ -1,4 +1,4 @@
-"""What effects change in the console's state."""
+"""Applies effects to the console's state."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ T = TypeVar("T")
 
 
 def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
-    """The console's state after an effect that concerns nothing else."""
+    """The console's state after an effect."""
     match effect:
         case ShowViewport():
             return _showing(state, effect)
@@ -67,7 +67,7 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
 
 
 def _covered(state: ConsoleState, effect: CoverEffect) -> ConsoleState:
-    """The state with something over the whole view, or with the view again."""
+    """The state after a page or a full viewport opens or closes."""
     match effect:
         case FillView(viewport=name):
             return dataclasses.replace(state, full="" if state.full == name else name)
@@ -88,7 +88,7 @@ def _covered(state: ConsoleState, effect: CoverEffect) -> ConsoleState:
 def _of_robot(
     state: ConsoleState, effect: WishPictures | ToggleNight | LimitSpeed | ShowGhost
 ) -> ConsoleState:
-    """The state after an effect that concerns one robot."""
+    """The state after an effect on one robot."""
     match effect:
         case WishPictures(robot=name, wish=wish):
             return dataclasses.replace(state, wishes=_with(state.wishes, name, wish))
@@ -130,7 +130,7 @@ def _with(mapping: Mapping[K, T], name: K, value: T) -> Mapping[K, T]:
 
 
 def _next(name: str, names: Mapping[str, object]) -> str:
-    """The one behind a name in a circle; the first if it is none of them."""
+    """The next name in cyclic order; the first for an unknown name."""
     known = list(names)
     if not known:
         return ""

@@ -1,4 +1,4 @@
-"""The ground that a round body passes over while it keeps its velocities."""
+"""The ground that a round body covers at constant velocities."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from rune_tui.model.sightings import Floats
 
 _STEP: Final = math.radians(4.0)
-"""Change of heading from one corner of a drawn arc to the next [rad]."""
+"""Change of heading between corners of a drawn arc [rad]."""
 _TURN: Final = 2.0 * math.pi
 
 

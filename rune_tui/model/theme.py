@@ -14,7 +14,7 @@ Colour = tuple[int, int, int, int]
 """Red, green, blue, alpha; 0 to 255 each."""
 
 LEAST_CONTRAST: Final = 4.5
-"""Of text with its ground: WCAG 2.2, success criterion 1.4.3 (AA)."""
+"""Least contrast of text to its ground: WCAG 2.2, success criterion 1.4.3 (AA)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,4 +137,4 @@ RED: Final = Theme(
 
 THEMES: Final[Mapping[str, Theme]] = {theme.name: theme for theme in (DARK, LIGHT, RED)}
 RENAMED: Final[Mapping[str, str]] = {"night": RED.name}
-"""Older spellings, which layouts may still use: `night` is the name of the camera's night mode."""
+"""Older names of themes in layouts; "night" is now the camera's night mode."""

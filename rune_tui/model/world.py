@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from hub.gcm.fields import FARTHEST_M, LONGEST_M
 
 
-class SaidBy(enum.Enum):
+class DistanceSource(enum.Enum):
     """The source of the distance of a place.
 
     Attributes:
@@ -35,7 +35,7 @@ class WorldPoint:
         uncertainty: Its error [m], as in `hub.gcm.mapping.InterestPoint`.
         distance: Its distance from the robot when it was seen [m]; NaN: not known.
         height: Above the ground [m].
-        said_by: The source of its distance.
+        source: The source of its distance.
     """
 
     x: float
@@ -43,11 +43,11 @@ class WorldPoint:
     uncertainty: float
     distance: float = float("nan")
     height: float = 0.0
-    said_by: SaidBy = SaidBy.OPERATOR
+    source: DistanceSource = DistanceSource.OPERATOR
 
     @property
-    def sayable(self) -> bool:
-        """Whether a message may name it: messages have a range."""
+    def in_range(self) -> bool:
+        """Whether it is in the range of messages."""
         near = max(abs(self.x), abs(self.y)) <= FARTHEST_M
         return near and not (self.uncertainty > LONGEST_M or self.distance > LONGEST_M)
 

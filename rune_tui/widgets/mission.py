@@ -11,7 +11,7 @@ from rune_tui.layout.rules import ChoiceOption, HandlerRule, Purpose, Section
 from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, Effect, MissionEffect, Notify
-from rune_tui.model.lacks import untaken
+from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.widgets.widget import OrderWidget
@@ -71,7 +71,7 @@ class Mission(OrderWidget):
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The question; of a robot that keeps no missions, why it does not."""
-        if why := untaken(robot, MISSION_COMMAND.name, lasting=True):
+        if why := why_unsupported(robot, MISSION_COMMAND.name, lasting=True):
             return (Notify.now(state, f"no mission: {why}", robot=robot.name),)
         mission = _running(robot)
         do = self.spec.options.word("do")

@@ -15,7 +15,7 @@ from hub.gcm.vision import (
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section
 from rune_tui.model.console_state import ConsoleState, PictureWish
 from rune_tui.model.effects import Effect, Notify, SendEffect, ToggleNight, WishPictures
-from rune_tui.model.lacks import untaken
+from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.robot_state import RobotState
 from rune_tui.widgets.widget import OrderWidget
 
@@ -94,7 +94,7 @@ class ToggleNightMode(OrderWidget):
 
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """Night mode here and on the robot; of a robot that has none, why not."""
-        if why := untaken(robot, NIGHT_COMMAND.name):
+        if why := why_unsupported(robot, NIGHT_COMMAND.name):
             return (Notify.now(state, f"no night mode: {why}", robot=robot.name),)
         wanted = robot.name not in state.night
         command = NightCommand(on=int(wanted))

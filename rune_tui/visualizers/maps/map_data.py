@@ -15,10 +15,10 @@ from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.doing import by_navigation
 from rune_tui.model.map_window import MapWindow
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.robot_task import navigation_task
 from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
 from rune_tui.model.world import WorldPoint
@@ -26,10 +26,10 @@ from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.grid_picture import UNKNOWN, grid_colours, grid_values
 from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.maps import map_marks
-from rune_tui.visualizers.parts.doing_words import goal_word
 from rune_tui.visualizers.parts.notice import link_trouble, write_notice
 from rune_tui.visualizers.parts.severity import Severity
 from rune_tui.visualizers.parts.staleness import age_look, age_text, fade_by_age, mark_age
+from rune_tui.visualizers.parts.task_words import goal_word
 from rune_tui.visualizers.parts.trail import Trail
 
 OLD_MAP_S: Final = 30.0
@@ -265,10 +265,10 @@ def _route(robot: RobotState) -> Floats:
 
 def _goal(robot: RobotState, now: float) -> tuple[tuple[float, float], str, Severity]:
     """The target of the robot's task, or of the last one with its outcome; empty: none."""
-    doing = by_navigation(robot)
-    if doing is None or not (math.isfinite(doing.x) and math.isfinite(doing.y)):
+    task = navigation_task(robot)
+    if task is None or not (math.isfinite(task.x) and math.isfinite(task.y)):
         return (0.0, 0.0), "", Severity.PLAIN
-    return (doing.x, doing.y), *goal_word(doing, now)
+    return (task.x, task.y), *goal_word(task, now)
 
 
 def _whole(number: float) -> int | None:

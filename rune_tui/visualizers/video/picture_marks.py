@@ -14,7 +14,7 @@ from rune_tui.model.line_of_sight import hidden
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
-from rune_tui.model.world import SaidBy, WorldPoint, metres_text
+from rune_tui.model.world import DistanceSource, WorldPoint, metres_text
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.maps.map_marks import mark_word, write_at
@@ -66,8 +66,8 @@ def ghost_words(ghost: Ghost) -> str:
         parts.append(f"{away} m")
     if off := metres_text(place.uncertainty, 1):
         parts.append(f"±{off} m")
-    if place.said_by in {SaidBy.MAP, SaidBy.RANGES}:
-        parts.append(place.said_by.value)
+    if place.source in {DistanceSource.MAP, DistanceSource.RANGES}:
+        parts.append(place.source.value)
     return " ".join(parts)
 
 

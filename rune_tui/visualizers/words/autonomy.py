@@ -9,14 +9,14 @@ from hub.gcm.autonomy import AUTONOMY_STATE
 from hub.gcm.navigation import NAVIGATION_STATUS
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.doing import doing_of
 from rune_tui.model.robot_state import Received, RobotState
+from rune_tui.model.robot_task import task_of
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.doing_words import doing_rows
 from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
 from rune_tui.visualizers.parts.severity import Part
 from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
+from rune_tui.visualizers.parts.task_words import task_rows
 from rune_tui.visualizers.visualizer import PlainVisualizer
 from rune_tui.visualizers.words.troubles import is_in_banner
 
@@ -54,11 +54,11 @@ class VisualizeAutonomy(PlainVisualizer):
 
 def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """All rows but what the banner says."""
-    rows = doing_rows(robot, state.now)
+    rows = task_rows(robot, state.now)
     return tuple(part for part in rows if not is_in_banner(part, robot, state))
 
 
 def _task_report(robot: RobotState) -> Received[None] | None:
     """When what is written was said."""
-    doing = doing_of(robot)
-    return None if doing is None else Received(value=None, measured=doing.measured, number=0)
+    task = task_of(robot)
+    return None if task is None else Received(value=None, measured=task.measured, number=0)

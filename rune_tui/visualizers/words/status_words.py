@@ -13,12 +13,11 @@ from hub.gcm.navigation import RobotState as NavigationState
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.body import rim
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.doing import doing_of
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.model.robot_task import task_of
 from rune_tui.visualizers.maps.range_data import Nearness, as_it_moves, nearness_of
 from rune_tui.visualizers.parts.control_words import control_parts
-from rune_tui.visualizers.parts.doing_words import doing_parts
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import (
     ALARM_AFTER_S,
@@ -28,6 +27,7 @@ from rune_tui.visualizers.parts.staleness import (
     age_text,
     staleness,
 )
+from rune_tui.visualizers.parts.task_words import task_parts
 
 LOW_BATTERY = 0.2
 CRITICAL_BATTERY = 0.1
@@ -143,7 +143,7 @@ def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterat
     text = _MOTION[motion]
     if _rolls(navigation):
         text = _ROLLING_ON.get(motion, text)
-    by_itself = tuple(doing_parts(robot, now))
+    by_itself = tuple(task_parts(robot, now))
     if motion is not MotionState.GOING or not by_itself:
         severity = Severity.ALARM if motion in _FAULTS else Severity.PLAIN
         yield Part(text, 7, severity, short=_SHORT_MOTION.get(text, ""))
@@ -210,8 +210,8 @@ _NEAREST = {
 
 def _limit(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     """With how much of its speed hands drive the robot; none of what it does by itself."""
-    doing = doing_of(robot)
-    if _goes(robot) or (doing is not None and doing.under_way):
+    task = task_of(robot)
+    if _goes(robot) or (task is not None and task.under_way):
         return
     limit = state.speed_limit(robot.name)
     text = f"limit {100.0 * limit:.0f}%"

@@ -7,13 +7,13 @@ from typing import Final
 
 from hub.gcm.navigation import Assistance
 from rune_tui.model.console_state import Banner, ConsoleState
-from rune_tui.model.doing import doing_of
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
+from rune_tui.model.robot_task import task_of
 from rune_tui.visualizers.maps.range_data import pressed_bumpers
-from rune_tui.visualizers.parts.doing_words import SILENT_S, doing_parts
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import Staleness, staleness
+from rune_tui.visualizers.parts.task_words import SILENT_S, task_parts
 from rune_tui.visualizers.words.status_words import side_of, status_parts
 
 START_S: Final = 10.0
@@ -56,10 +56,10 @@ def banner_of(state: ConsoleState) -> Banner | None:
 def _by_themselves(state: ConsoleState) -> Iterator[Banner]:
     """Tasks of robots, which a driver must know."""
     for robot in state.robots.values():
-        doing = doing_of(robot)
-        if doing is None or not doing.under_way or state.now - doing.measured > SILENT_S:
+        task = task_of(robot)
+        if task is None or not task.under_way or state.now - task.measured > SILENT_S:
             continue
-        for part in doing_parts(robot, state.now):
+        for part in task_parts(robot, state.now):
             advice = "by itself; a key that drives ends it"
             yield Banner(robot=robot.name, text=part.text, advice=advice, calm=True)
 

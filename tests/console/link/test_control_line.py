@@ -112,11 +112,11 @@ def test_what_is_refused_is_told_to_who_sent_it_alone(robot: Robot) -> None:
     alice.control(ControlAction.TAKE)
     wait(bob, Standing.OTHERS)
     bob.control(ControlAction.TAKE)
-    until(lambda: bob.state.link.said == "alice has control; ask for it", 10.0)
+    until(lambda: bob.state.link.refusal == "alice has control; ask for it", 10.0)
     bob.send(AUTONOMY_COMMAND, AutonomyCommand())
-    until(lambda: bob.state.link.said == "autonomy command refused: alice has control", 10.0)
-    assert bob.state.link.said_count == 2
-    assert alice.state.link.said_count == 0
+    until(lambda: bob.state.link.refusal == "autonomy command refused: alice has control", 10.0)
+    assert bob.state.link.refusal_count == 2
+    assert alice.state.link.refusal_count == 0
 
 
 def test_console_says_five_times_a_second_whether_it_has_control(robot: Robot) -> None:
@@ -161,8 +161,8 @@ def test_robot_without_a_desk_is_commanded_as_ever_and_says_so_when_asked(tmp_pa
             assert standing(link.state) is Standing.UNKNOWN
             link.control(ControlAction.TAKE, by_driving=True)
             link.control(ControlAction.TAKE)
-            until(lambda: "everybody commands it" in link.state.link.said, 10.0)
-            assert link.state.link.said_count == 1
+            until(lambda: "everybody commands it" in link.state.link.refusal, 10.0)
+            assert link.state.link.refusal_count == 1
 
 
 def test_observer_says_and_asks_nothing(tmp_path: Path) -> None:
@@ -187,4 +187,4 @@ def test_observer_says_and_asks_nothing(tmp_path: Path) -> None:
                 second: Callable[[], bool] = lambda: link.state.link.messages_per_s != count  # noqa: E731
                 until(second, 10.0, meanwhile=lambda: (link.attend(), desk.listen(0.01)))
     assert heard == []
-    assert link.state.link.said_count == 0
+    assert link.state.link.refusal_count == 0

@@ -209,6 +209,6 @@ def test_a_fault_in_taking_a_message_is_told_once_and_the_link_goes_on(
             patch.setattr(link, "received", broken)
             until(lambda: came(lambda: len(faults) > 3), 10.0)
         until(lambda: came(lambda: link.state.navigation is not None), 10.0)
-    assert link.state.link.said == "a message could not be taken; the log says why"
-    assert link.state.link.said_count == 1
+    assert link.state.link.refusal == "a message could not be taken; the log says why"
+    assert link.state.link.refusal_count == 1
     assert len([each for each in caplog.records if each.exc_info]) == 1

@@ -122,7 +122,7 @@ def told_of(
     ("absence", "text"),
     [
         (Absence.SILENT, "pad is silent: nothing comes from F310 at desk"),
-        (Absence.ENDED, "pad has ended: nobody sends F310 at desk any more"),
+        (Absence.ENDED, "pad has ended: F310 at desk is no longer sent"),
         (Absence.UNPLUGGED, "pad is unplugged: F310 at desk is gone"),
     ],
 )
@@ -156,7 +156,7 @@ def test_a_robot_that_cannot_be_followed_takes_no_other_away(caplog: pytest.LogC
     wrong = {CAPABILITY_REPORTS.name: received(None)}  # no value of this message
     robots = {"rover": whole.with_(name="rover", messages=wrong), "magellan": whole}
     state = ConsoleState(now=1.0, robots=robots)
-    fault = ("not all that it says can be followed; the log says why", True)
+    fault = ("its state cannot be compared with the last one; the log says why", True)
     assert texts(list(watch.look(state))) == [fault, ("linked", False)]
     assert watch.look(state) == ()
     assert len([record for record in caplog.records if record.exc_info]) == 1

@@ -13,7 +13,7 @@ from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.line_of_sight import SURE_HEIGHT_M, Surroundings, hidden, place_of_pixel
 from rune_tui.model.pose import Pose
-from rune_tui.model.world import SaidBy, WorldPoint
+from rune_tui.model.world import DistanceSource, WorldPoint
 from tests.support.messages import camera_state, robot_state
 
 WIDTH, HEIGHT = 160, 120
@@ -57,7 +57,7 @@ def row_of_floor(distance: float) -> float:
 def test_floor_before_all_that_is_known_is_where_it_was() -> None:
     place = clicked(row_of_floor(1.0), grid=wall())
     assert place is not None
-    assert (place.x, place.said_by) == (pytest.approx(1.0), SaidBy.FLOOR)
+    assert (place.x, place.source) == (pytest.approx(1.0), DistanceSource.FLOOR)
     assert place.height == 0.0
 
 
@@ -68,7 +68,7 @@ def test_a_body_before_a_wall_is_not_marked_behind_the_wall() -> None:
     place = clicked(row, grid=wall())
     assert place is not None
     assert place.x == pytest.approx(WALL_M, abs=0.05)
-    assert place.said_by is SaidBy.MAP
+    assert place.source is DistanceSource.MAP
     assert place.height == pytest.approx(0.37 * (1.0 - WALL_M / 3.1), abs=0.02)
     assert place.uncertainty < 0.2
 
@@ -86,7 +86,7 @@ def test_an_echo_counts_where_the_map_knows_nothing() -> None:
     sonar = np.full(16, 2.0, np.float32)
     place = clicked(row_of_floor(4.0), grid=unknown(), navigation=robot_state(sonar=sonar))
     assert place is not None
-    assert (place.x, place.said_by) == (pytest.approx(2.0), SaidBy.RANGES)
+    assert (place.x, place.source) == (pytest.approx(2.0), DistanceSource.RANGES)
     assert place.uncertainty == pytest.approx(2.0 * math.sin(math.pi / 16), rel=0.1)
 
 
@@ -94,7 +94,7 @@ def test_ground_that_the_map_knows_as_free_is_not_cut_by_an_echo_from_beside() -
     sonar = np.full(16, 0.8, np.float32)
     place = clicked(row_of_floor(1.2), grid=wall(), navigation=robot_state(sonar=sonar))
     assert place is not None
-    assert (place.x, place.said_by) == (pytest.approx(1.2), SaidBy.FLOOR)
+    assert (place.x, place.source) == (pytest.approx(1.2), DistanceSource.FLOOR)
 
 
 def test_what_infrared_sees_ends_the_line_whatever_the_map_says() -> None:
@@ -103,7 +103,7 @@ def test_what_infrared_sees_ends_the_line_whatever_the_map_says() -> None:
     infrared[0] = 0.6
     place = clicked(row_of_floor(1.3), grid=wall(), navigation=robot_state(infrared=infrared))
     assert place is not None
-    assert (place.x, place.said_by) == (pytest.approx(0.6), SaidBy.RANGES)
+    assert (place.x, place.source) == (pytest.approx(0.6), DistanceSource.RANGES)
 
 
 def test_a_line_that_may_pass_over_the_obstacle_says_that_it_may_be_behind_it() -> None:

@@ -14,10 +14,10 @@ from hub.gcm.navigation import (
     Task,
 )
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.doing import doing_of
 from rune_tui.model.robot_state import RobotState
-from rune_tui.visualizers.parts.doing_words import OTHERS_S, SHOWN_S, SILENT_S
+from rune_tui.model.robot_task import task_of
 from rune_tui.visualizers.parts.severity import Part, Severity
+from rune_tui.visualizers.parts.task_words import OTHERS_S, SHOWN_S, SILENT_S
 from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.visualizers import known
 from tests.console.visualizers.conftest import NOW, Made, made_by, received, words
@@ -166,6 +166,6 @@ def test_of_two_that_ended_the_later_one_is_told_however_long_ago_it_was_heard()
         AUTONOMY_STATE.name: received(known.autonomy(phase=Phase.DONE, ended_s=1.0), 60.0),
         NAVIGATION_STATUS.name: received(navigation(task=Task.REACHED, ended_s=5.0), 0.1),
     }
-    doing = doing_of(Made().robot(messages=told))
-    assert doing is not None
-    assert doing.kind == "going"
+    task = task_of(Made().robot(messages=told))
+    assert task is not None
+    assert task.kind == "going"

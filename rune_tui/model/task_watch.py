@@ -8,13 +8,16 @@ from typing import Final
 
 from hub.gcm.autonomy import Phase
 from rune_tui.model.console_state import ConsoleState, Notice
-from rune_tui.model.doing import Doing, by_autonomy, of_operators
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.robot_task import RobotTask, autonomy_task, operator_task
 
 WAIT_S: Final = 4.0
 """Shorter waits are not reported [s]."""
 
-_SOURCES: Final[tuple[Callable[[RobotState], Doing | None], ...]] = (by_autonomy, of_operators)
+_SOURCES: Final[tuple[Callable[[RobotState], RobotTask | None], ...]] = (
+    autonomy_task,
+    operator_task,
+)
 _VERBS: Final = {
     Phase.DONE: "done",
     Phase.BLOCKED: "BLOCKED",
@@ -25,11 +28,11 @@ _VERBS: Final = {
 }
 
 
-class DoingWatch:
-    """Compares each robot's task with its task before."""
+class TaskWatch:
+    """Compares each robot's tasks with their last state."""
 
     def __init__(self) -> None:
-        self._before: dict[tuple[str, int], Doing | None] = {}
+        self._before: dict[tuple[str, int], RobotTask | None] = {}
         self._waits: dict[tuple[str, int], tuple[str, float]] = {}
         self._reported: dict[tuple[str, int], str] = {}
 
@@ -48,16 +51,16 @@ class DoingWatch:
     def _changed(
         robot: RobotState,
         state: ConsoleState,
-        before: Doing | None,
-        now: Doing | None,
+        before: RobotTask | None,
+        now: RobotTask | None,
         *,
         first: bool,
     ) -> Iterator[Notice]:
-        """The events of a start or an end."""
+        """The begin or end of a task."""
         same = before is not None and now is not None and before.number == now.number
         if before is not None and before.under_way and not same:
             known = now is not None and now.number > before.number
-            why = "something else came" if known else "the robot says nothing of it any more"
+            why = "another task began" if known else "the robot no longer reports it"
             text = f"{before.kind} ended: {why}"
             yield state.notice(text, robot=robot.name, alarm=not known)
         if now is None or (first and not now.under_way):
@@ -71,9 +74,9 @@ class DoingWatch:
             yield state.notice(text, robot=robot.name, alarm=now.failed)
 
     def _waiting(
-        self, key: tuple[str, int], robot: RobotState, state: ConsoleState, now: Doing | None
+        self, key: tuple[str, int], robot: RobotState, state: ConsoleState, now: RobotTask | None
     ) -> Iterator[Notice]:
-        """The events of a long wait, and of its end."""
+        """A long wait, and its end."""
         if now is None or now.phase is not Phase.WAITING:
             self._waits.pop(key, None)
             if self._reported.pop(key, "") and now is not None and now.phase is Phase.ACTIVE:
@@ -88,6 +91,6 @@ class DoingWatch:
             yield state.notice(f"{now.kind} {why}", robot=robot.name)
 
 
-def _begun(doing: Doing) -> str:
-    place = f" to {doing.x:.1f}, {doing.y:.1f} m" if math.isfinite(doing.x + doing.y) else ""
-    return f"{doing.kind}{place if doing.kind == 'going' else ''} begins"
+def _begun(task: RobotTask) -> str:
+    place = f" to {task.x:.1f}, {task.y:.1f} m" if math.isfinite(task.x + task.y) else ""
+    return f"{task.kind}{place if task.kind == 'going' else ''} begins"

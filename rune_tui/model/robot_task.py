@@ -10,7 +10,7 @@ from hub.gcm.navigation import NAVIGATION_STATUS, Cause, NavigationStatus, Task
 from rune_tui.model.robot_state import Received, RobotState
 
 UNDER_WAY = frozenset({Phase.ACTIVE, Phase.WAITING})
-"""Phases in which the robot goes on by itself."""
+"""Phases in which the robot continues by itself."""
 FAILED = frozenset({Phase.BLOCKED, Phase.LOST, Phase.REFUSED})
 """Phases of a task that failed."""
 
@@ -32,7 +32,7 @@ _KIND = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Doing:
+class RobotTask:
     """The present task of a robot, or its last one.
 
     Attributes:
@@ -65,12 +65,12 @@ class Doing:
 
     @property
     def under_way(self) -> bool:
-        """Whether it goes on, now or after a while."""
+        """Whether it continues, now or after a wait."""
         return self.phase in UNDER_WAY
 
     @property
     def reason(self) -> str:
-        """The reason, without the word of the phase."""
+        """The reason, without a repetition of the phase."""
         return self.why.removeprefix("stopped: ") if self.phase is Phase.STOPPED else self.why
 
     @property
@@ -84,76 +84,76 @@ class Doing:
         return 0.0 if self.under_way else max(0.0, self.ended_s) + since_report
 
 
-def by_autonomy(robot: RobotState) -> Doing | None:
-    """The task of autonomy; None: it never had one."""
+def autonomy_task(robot: RobotState) -> RobotTask | None:
+    """Autonomy's task; None: it never had one."""
     received: Received[AutonomyState] | None = robot.newest(AUTONOMY_STATE)
     if received is None or received.value.phase is Phase.IDLE:
         return None
-    said = received.value
-    return Doing(
-        kind=_KIND[said.asked],
-        number=said.number,
-        phase=said.phase,
-        why=said.why,
-        x=said.x,
-        y=said.y,
-        left_m=said.distance_m,
-        explored=said.explored,
-        edge_m=said.frontier_m,
-        seconds=said.seconds,
-        ended_s=_known(said.ended_s),
+    status = received.value
+    return RobotTask(
+        kind=_KIND[status.asked],
+        number=status.number,
+        phase=status.phase,
+        why=status.why,
+        x=status.x,
+        y=status.y,
+        left_m=status.distance_m,
+        explored=status.explored,
+        edge_m=status.frontier_m,
+        seconds=status.seconds,
+        ended_s=_known(status.ended_s),
         measured=received.measured,
     )
 
 
-def by_navigation(robot: RobotState) -> Doing | None:
-    """The present or last task of navigation, also for autonomy; None: none yet."""
+def navigation_task(robot: RobotState) -> RobotTask | None:
+    """Navigation's present or last task, also for autonomy; None: none yet."""
     received: Received[NavigationStatus] | None = robot.newest(NAVIGATION_STATUS)
     if received is None or received.value.task is Task.NONE:
         return None
-    said = received.value
-    place = math.isfinite(said.x) and math.isfinite(said.y)
-    return Doing(
-        kind="going" if place or said.task is Task.GOING else "turning",
-        number=said.number,
-        phase=_phase_of(said),
-        why=said.why,
-        x=said.x if place else math.nan,
-        y=said.y if place else math.nan,
-        left_m=said.distance_left,
-        seconds=said.seconds,
-        ended_s=_known(said.ended_s),
+    status = received.value
+    place = math.isfinite(status.x) and math.isfinite(status.y)
+    return RobotTask(
+        kind="going" if place or status.task is Task.GOING else "turning",
+        number=status.number,
+        phase=_phase_of(status),
+        why=status.why,
+        x=status.x if place else math.nan,
+        y=status.y if place else math.nan,
+        left_m=status.distance_left,
+        seconds=status.seconds,
+        ended_s=_known(status.ended_s),
         measured=received.measured,
     )
 
 
-def of_operators(robot: RobotState) -> Doing | None:
+def operator_task(robot: RobotState) -> RobotTask | None:
     """The task of navigation that autonomy did not send."""
     status, autonomy = robot.newest(NAVIGATION_STATUS), robot.newest(AUTONOMY_STATE)
     if status is not None and autonomy is not None:
         sender = autonomy.value.sender
         if sender != 0 and status.value.sender == sender:
             return None
-    return by_navigation(robot)
+    return navigation_task(robot)
 
 
-def doing_of(robot: RobotState) -> Doing | None:
-    """The robot's present task, else its last one; None: none yet."""
-    found = [doing for doing in (by_autonomy(robot), of_operators(robot)) if doing is not None]
+def task_of(robot: RobotState) -> RobotTask | None:
+    """The robot's present or last task; None: none yet."""
+    found = [task for task in (autonomy_task(robot), operator_task(robot)) if task is not None]
     return min(found, key=_newest, default=None)
 
 
-def _newest(doing: Doing) -> tuple[bool, float]:
+def _newest(task: RobotTask) -> tuple[bool, float]:
     """Key of an order: active tasks first, then the task that ended last."""
-    return not doing.under_way, 0.0 if doing.under_way else doing.ended_s - doing.measured
+    return not task.under_way, 0.0 if task.under_way else task.ended_s - task.measured
 
 
-def _phase_of(said: NavigationStatus) -> Phase:
-    if said.task in (Task.GOING, Task.TURNING):
-        return Phase.ACTIVE if said.cause is Cause.NONE else Phase.WAITING
-    if said.task is Task.CANCELLED:
-        return _CANCELLED.get(said.cause, Phase.TAKEN_OVER)
-    return _ENDED[said.task]
+def _phase_of(status: NavigationStatus) -> Phase:
+    if status.task in (Task.GOING, Task.TURNING):
+        return Phase.ACTIVE if status.cause is Cause.NONE else Phase.WAITING
+    if status.task is Task.CANCELLED:
+        return _CANCELLED.get(status.cause, Phase.TAKEN_OVER)
+    return _ENDED[status.task]
 
 
 def _known(seconds: float) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 from hub.gcm.autonomy import AUTONOMY_STATE, Behaviour, Phase
 from hub.gcm.navigation import NAVIGATION_STATUS, Cause, Task
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.doings import WAIT_S, DoingWatch
+from rune_tui.model.task_watch import WAIT_S, TaskWatch
 from tests.console.visualizers import known
 from tests.console.visualizers.conftest import Made, received
 from tests.console.visualizers.words.test_autonomy import navigation
@@ -19,7 +19,7 @@ class Story:
     """What a console sees, look by look."""
 
     def __init__(self) -> None:
-        self.watch = DoingWatch()
+        self.watch = TaskWatch()
         self.now = 100.0
 
     def look(
@@ -133,7 +133,7 @@ def test_a_new_order_ends_the_old_one() -> None:
     story.look({})
     back = {"asked": Behaviour.RETURN, "number": 2, "explored": math.nan}
     assert story.look(back) == [
-        ("exploring ended: something else came", False),
+        ("exploring ended: another task began", False),
         ("returning begins", False),
     ]
 
@@ -141,4 +141,4 @@ def test_a_new_order_ends_the_old_one() -> None:
 def test_an_autonomy_that_began_anew_has_forgotten_and_that_is_an_alarm() -> None:
     story = Story()
     story.look({})
-    assert story.look(IDLE) == [("exploring ended: the robot says nothing of it any more", True)]
+    assert story.look(IDLE) == [("exploring ended: the robot no longer reports it", True)]

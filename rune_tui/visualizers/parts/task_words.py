@@ -1,0 +1,101 @@
+"""Words about a robot's task: on the status line, and row by row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from hub.gcm.autonomy import Phase
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.robot_task import RobotTask, task_of
+from rune_tui.visualizers.parts.severity import Part, Severity
+
+SHOWN_S = {Phase.DONE: 30.0, Phase.BLOCKED: 120.0, Phase.LOST: 120.0, Phase.REFUSED: 30.0}
+"""Time for which an outcome stays on the status line [s]; others: OTHERS_S."""
+OTHERS_S = 10.0
+SILENT_S = 3.0
+"""Age of a report from which it may be outdated [s]."""
+
+_OUTCOME_WEIGHT = 2.5
+"""Weight of an outcome: the owner, the battery and the nearest obstacle come first."""
+_SEVERITIES = {
+    Phase.WAITING: Severity.WARNING,
+    Phase.DONE: Severity.GOOD,
+    Phase.BLOCKED: Severity.WARNING,
+    Phase.LOST: Severity.WARNING,
+    Phase.REFUSED: Severity.WARNING,
+}
+_OUTCOMES = {
+    Phase.DONE: "DONE",
+    Phase.BLOCKED: "BLOCKED",
+    Phase.STOPPED: "STOPPED",
+    Phase.TAKEN_OVER: "ENDED",
+    Phase.LOST: "GIVEN UP",
+    Phase.REFUSED: "REFUSED",
+}
+
+
+def task_parts(robot: RobotState, now: float) -> Iterator[Part]:
+    """The short form, for the status line: what it does, or for a while how that ended."""
+    task = task_of(robot)
+    if task is None or task.phase is Phase.IDLE:
+        return
+    severity = _SEVERITIES.get(task.phase, Severity.PLAIN)
+    if task.under_way and now - task.measured > SILENT_S:
+        silent = duration(now - task.measured)
+        yield Part(f"{head(task)}, NOT HEARD FOR {silent}", 7, Severity.WARNING)
+    elif task.phase is Phase.WAITING:
+        yield Part(task.why.replace("waits", "WAITS", 1), 7, severity, short="WAITS")
+    elif task.under_way:
+        yield Part(head(task), 7, severity)
+    elif task.age(now) < SHOWN_S.get(task.phase, OTHERS_S):
+        yield Part(f"{head(task)}: {task.reason}", _OUTCOME_WEIGHT, severity, short=head(task))
+
+
+def task_rows(robot: RobotState, now: float) -> Iterator[Part]:
+    """All of it, a row each."""
+    task = task_of(robot)
+    if task is None:
+        yield Part("nothing yet: the robot has done nothing by itself", 0, Severity.FAINT)
+        return
+    yield Part(head(task), 0, _SEVERITIES.get(task.phase, Severity.PLAIN))
+    if task.reason:
+        yield Part(task.reason, 0)
+    if task.under_way and math.isfinite(task.x) and math.isfinite(task.y):
+        left = f", {task.left_m:.1f} m to go" if math.isfinite(task.left_m) else ""
+        yield Part(f"to {task.x:.1f}, {task.y:.1f} m{left}", 0)
+    if task.under_way and math.isfinite(task.edge_m):
+        yield Part(f"{task.edge_m:.1f} m of the map's edge are left to explore", 0)
+    took = f"{'for' if task.under_way else 'took'} {duration(task.seconds)}"
+    ago = "" if task.under_way else f", ended {duration(task.age(now))} ago"
+    yield Part(f"{took}{ago}", 0, Severity.FAINT)
+
+
+def head(task: RobotTask) -> str:
+    """The kind of the task in capitals with its number, or its outcome."""
+    kind = task.kind.upper()
+    share = f" {100.0 * task.explored:.0f} %" if 0.0 <= task.explored <= 1.0 else ""
+    if task.under_way:
+        way = f" {task.left_m:.1f} m" if math.isfinite(task.left_m) and not share else ""
+        waits = ", WAITS" if task.phase is Phase.WAITING else ""
+        return f"{kind}{share}{way}{waits}"
+    return f"{kind}{share} {_OUTCOMES[task.phase]}"
+
+
+def goal_word(task: RobotTask, now: float) -> tuple[str, Severity]:
+    """The words at a task's target on the map, and their severity; empty: none."""
+    if task.phase is Phase.WAITING:
+        return "G waits", Severity.WARNING
+    if task.under_way:
+        return "G", Severity.GOOD
+    if task.age(now) >= SHOWN_S.get(task.phase, OTHERS_S):
+        return "", Severity.PLAIN
+    if task.phase is Phase.DONE:
+        return "G reached", Severity.GOOD
+    return f"G {_OUTCOMES[task.phase]}", _SEVERITIES.get(task.phase, Severity.FAINT)
+
+
+def duration(seconds: float) -> str:
+    """A time in whole seconds, from two minutes on in minutes."""
+    whole = int(max(0.0, seconds)) if math.isfinite(seconds) else 0
+    return f"{whole} s" if whole < 120 else f"{whole // 60} min {whole % 60} s"
