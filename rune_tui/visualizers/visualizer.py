@@ -1,4 +1,4 @@
-"""What every visualizer is: made from the layout, draws one robot's state on a canvas."""
+"""The interface of visualizers: made from the layout, they draw one robot's state on a canvas."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class PlainVisualizer:
 
 
 class Locating(Protocol):
-    """A visualizer with `locates` in its rule: it knows where in the world a pixel is."""
+    """A visualizer with `locates` in its rule: it has the place of a pixel in the world."""
 
     def locate(
         self,
@@ -89,7 +89,7 @@ class Overlaying(Protocol):
 
 
 class Picturing(Protocol):
-    """A visualizer with `pictures` in its rule: it knows where in the picture a pixel is."""
+    """A visualizer with `pictures` in its rule: it has the place of a pixel in the picture."""
 
     def picture_size(self, width: int, height: int) -> tuple[int, int]:
         """Width and height of the picture that fits a viewport of this size best [pixels]."""

@@ -52,7 +52,7 @@ class Attitude(MessageGauge[flight.Attitude, _Tilt]):
     subject = "attitude"
 
     def reading(self, value: flight.Attitude, _robot: RobotState) -> _Tilt:
-        """Right side down and nose up, though the message has it nose down."""
+        """Right side down and nose up; positive pitch in the message is nose down."""
         return _Tilt(_degrees(value.roll), _degrees(-value.pitch))
 
     def show(self, canvas: Canvas, reading: _Tilt, theme: Theme) -> None:

@@ -1,4 +1,4 @@
-"""The one way gauges look: a name, a bar on its track, and the value in words at the right.
+"""The common form of gauges: a name, a bar on its track, and the value in words at the right.
 
 A gauge gives up first the length of its bar, then the bar, then its name; the value stays.
 """
@@ -25,13 +25,13 @@ _VALUE_STEP: Final = 6
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bar:
-    """What a bar shows, in shares of its length from its left end, 0 to 1.
+    """The content of a bar, in shares of its length from its left end, 0 to 1.
 
     Attributes:
-        low: Where what is filled begins.
+        low: Start of the filled part.
         high: Where it ends.
-        origin: Where a line says what is neither left nor right; None: nowhere.
-        mark: Where a sign says what is wanted; None: nowhere.
+        origin: Place of the line for neutral; None: none.
+        mark: Place of the sign for the wanted value; None: none.
         beyond: -1 where the value is past the left end, 1 where it is past the right one, else 0.
     """
 
@@ -48,7 +48,7 @@ class Bar:
 
     @classmethod
     def from_middle(cls, value: float, wanted: float | None = None) -> Bar:
-        """From the middle to a value of -1 to 1, and what is wanted of it."""
+        """A bar from the middle to a value of -1 to 1, with the wanted value."""
         low, high = sorted((0.5, _share(value)))
         mark = None if wanted is None or not math.isfinite(wanted) else _share(wanted)
         past = math.isfinite(value) and abs(value) > 1.0
@@ -69,13 +69,13 @@ def write_gauge(
     """Write a gauge into one row.
 
     Args:
-        canvas: What to draw on.
+        canvas: The canvas.
         row: Which row.
-        name: What it is of.
-        bar: What the bar shows; None: there is no bar.
-        values: Ways to say the value, the fullest first.
+        name: Name of the value.
+        bar: The content of the bar; None: there is no bar.
+        values: Texts of the value, the fullest first.
         theme: The colours.
-        ink: Of the value, and of what is filled where that needs a look; None: nothing is amiss.
+        ink: Ink of the value, and of the filled part if it needs attention; None: no problem.
     """
     width = canvas.width
     named = width >= NAME_COLUMNS + _GAP + len(values[-1])
@@ -106,13 +106,13 @@ def draw_bar(
     """Draw a bar in the lower half of a row, so that bars below each other do not touch.
 
     Args:
-        canvas: What to draw on.
+        canvas: The canvas.
         row: Which row of cells.
         left: Its first column.
         end: One past its last column.
-        bar: What it shows.
+        bar: Its content.
         theme: The colours.
-        fill: The colour of what is filled; None: the accent.
+        fill: The colour of the filled part; None: the accent.
     """
     length = end - left
     line = canvas.pixels[2 * row + 1 : 2 * row + 2, left:end]

@@ -20,7 +20,7 @@ from rune_tui.visualizers.words.status_words import CRITICAL_BATTERY, LOW_BATTER
 
 @dataclass(frozen=True, slots=True)
 class _Charge:
-    """What is known of the battery.
+    """The state of the battery.
 
     Attributes:
         percent: Charge left, 0 to 100; None when not known.

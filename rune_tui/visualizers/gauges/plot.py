@@ -63,7 +63,7 @@ class Plot:
         """Begin with nothing.
 
         Args:
-            spec: What the layout says.
+            spec: The layout's values.
         """
         self._definition = BY_NAME[spec.message]
         self._field = spec.options.word("field")
@@ -91,7 +91,7 @@ class Plot:
         return robot.name, history.count, self._pixel(state.now), look, state.theme.name
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw what is remembered and say the newest value."""
+        """Draw the history, and write the newest value."""
         canvas.fill(state.theme.panel)
         self._width = max(1, canvas.width)
         history = self._note(robot)
@@ -191,7 +191,7 @@ class Plot:
 
 @dataclass(slots=True)
 class _Stroke:
-    """What lies in one column of pixels.
+    """The values in one column of pixels.
 
     Attributes:
         column: Which; negative left of the edge.
@@ -211,7 +211,7 @@ class _Stroke:
 
 
 def _strokes(slots: Iterable[Slot], start: float, scale: float) -> list[_Stroke]:
-    """Slots by the columns they lie in, from a time [s] on, `scale` pixels a second."""
+    """Slots by their columns, from a time [s] on, `scale` pixels a second."""
     strokes: list[_Stroke] = []
     for slot in slots:
         column = math.floor((slot.begin - start) * scale)

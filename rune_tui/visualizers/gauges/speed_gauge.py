@@ -30,7 +30,7 @@ class _Pair:
 class Speed(MessageGauge[NavigationState, tuple[_Pair, _Pair]]):
     """Two gauges from the middle, ahead to the right and turning to where it turns.
 
-    A sign stands at what is commanded, and the words say both.
+    A sign marks the commanded speed, and the words have both speeds.
     """
 
     rule: ClassVar = VisualizerRule(
@@ -73,7 +73,7 @@ class Speed(MessageGauge[NavigationState, tuple[_Pair, _Pair]]):
 
 
 def _rounded(value: float, digits: int) -> float:
-    """Nothing that is not a number, as that equals nothing, itself included."""
+    """The rounded value; infinite for NaN, which is not equal to itself."""
     return round(value, digits) + 0.0 if math.isfinite(value) else math.inf
 
 

@@ -1,4 +1,4 @@
-"""visualizeMapData: the map, the robot on it, and what was found."""
+"""visualizeMapData: the map, the robot on it, and the marks."""
 
 from __future__ import annotations
 
@@ -336,7 +336,7 @@ def _write_remark(canvas: Canvas, remark: str, theme: Theme) -> None:
 
 
 def _explanation(robot: RobotState, now: float) -> str:
-    """Why there is no map; of a lost link the banner tells."""
+    """Why there is no map; the banner reports a lost link."""
     if robot.map is not None:
         return ""
     trouble = link_trouble(robot, now)

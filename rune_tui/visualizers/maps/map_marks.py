@@ -24,7 +24,7 @@ from rune_tui.visualizers.parts.severity import Severity, ink_of
 _CONE_M: Final = 2.0
 _CONE_STEPS: Final = 9
 _GLOW: Final = 90
-"""How strongly what the camera sees is lit, of 255."""
+"""Brightness of the ground in the camera's view, of 255."""
 _DART_BACK: Final = math.radians(150.0)
 """From a dart's tip to its other corners, seen from its middle [rad]."""
 _DART_NOTCH: Final = 0.8
@@ -53,7 +53,7 @@ def draw_route(pen: Pen, window: MapWindow, route: Floats, theme: Theme) -> None
 def draw_cone(
     canvas: Canvas, window: MapWindow, pose: Pose, camera: CameraState, theme: Theme
 ) -> None:
-    """What the camera sees, as a glow on the ground; walls stay as they are."""
+    """The camera's view, as a glow on the ground; walls stay unchanged."""
     middle, half = camera.pan, camera.horizontal_fov / 2.0
     if not (math.isfinite(middle) and 0.0 < half < math.pi):
         return
@@ -106,7 +106,7 @@ def draw_robot(
 
 
 def _draw_dart(pen: Pen, centre: Point, reach: float, direction: float, theme: Theme) -> None:
-    """A dart whose tip is ahead, dark around, so that its heading is seen on any ground."""
+    """A dart with its tip ahead and a dark rim, so that its heading is visible on any ground."""
     shape = ((0.0, 1.0), (_DART_BACK, 1.0), (math.pi, _DART_NOTCH), (-_DART_BACK, 1.0))
     for size, colour in ((reach + 1.0, theme.ground), (reach, theme.robot)):
         corners_px = [toward(centre, size * far, direction + turn) for turn, far in shape]
@@ -143,7 +143,7 @@ def write_goal(
     severity: Severity,
     theme: Theme,
 ) -> None:
-    """A letter where the robot goes, and its outcome; nothing if there is no word."""
+    """A letter at the robot's goal, and the outcome; nothing without a word."""
     if word:
         write_at(canvas, _point(window.pixels(place)), word, ink_of(severity, theme), theme)
 

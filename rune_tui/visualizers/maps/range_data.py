@@ -236,7 +236,7 @@ class RangeData:
             reach, nearness = plan.length(reading), self._nearness(room, navigation)
             colour = _colour(nearness, theme)
             if nearness:
-                # To the rim, so that its side is seen at a glance; what is free, before it.
+                # To the rim, so that its side is clear at a glance; the free part is before it.
                 blocked = (*colour[:3], _NEAR_ALPHA)
                 pen.pie(plan.centre, plan.rim, _direction(sensor), _OPENING, blocked)
                 reach = max(reach, plan.body + 1.0)
@@ -292,7 +292,7 @@ def _write_metres(canvas: Canvas, plan: _Plan, rings: Sequence[float], theme: Th
 def _with_room(
     ranges: npt.NDArray[np.float32], body: RobotBody | None
 ) -> Iterator[tuple[float, float]]:
-    """Each range from the robot's centre, and what of it is room beside its body [m]."""
+    """Each range from the robot's centre, and the free room beside its body [m]."""
     rooms = ranges - rim(body, len(ranges)) if len(ranges) else ranges
     return zip(ranges.tolist(), rooms.tolist(), strict=True)
 

@@ -39,7 +39,7 @@ def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 
 
 def control_rows(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """All of it, a row each."""
+    """All words, a row each."""
     control = control_of(robot)
     if control is None:
         yield Part("control: not known", 0, Severity.FAINT)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 SLOTS = 1024
-"""Parts into which the time that is kept is divided; more columns has hardly a terminal."""
+"""Number of slots of the kept time; few terminals have more columns."""
 
 _PLAIN = (int, float, np.number, np.bool_)
 
@@ -39,7 +39,7 @@ def _element(value: object, step: str) -> object:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slot:
-    """What a number was during a short time.
+    """The values of a number during a short time.
 
     Attributes:
         begin: When the first value of it was measured, on the console's monotonic clock [s].
@@ -78,7 +78,7 @@ class History:
         """Number of values so far; it changes with each new value."""
 
     def add(self, when: float, value: float) -> None:
-        """Note a value; what is not finite leaves a gap."""
+        """Add a value; one that is not finite leaves a gap."""
         self.count += 1
         if not math.isfinite(value):
             self._broken = True
@@ -108,7 +108,7 @@ class History:
         )
 
     def since(self, when: float) -> Iterator[Slot]:
-        """All that was measured from this time on [s]."""
+        """All slots from this time on [s]."""
         return (slot for slot in self._slots if slot.end >= when)
 
     def _place(self, when: float) -> int:

@@ -1,4 +1,4 @@
-"""What visualizers of one message share: they take a reading of it, and draw only that."""
+"""Common part of visualizers of one message: they take a reading of it, and draw only that."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class MessageGauge(ABC, Generic[T, R]):
 
     definition: ClassVar[MessageDefinition[Any]]
     subject: ClassVar[str]
-    """What is missing while no message has come."""
+    """The missing message, in words."""
     whole_cells: ClassVar[bool] = True
     urgency: ClassVar[Urgency] = Urgency.OTHER
 

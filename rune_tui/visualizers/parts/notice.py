@@ -1,4 +1,4 @@
-"""Words in place of a picture or over it: what is missing and why."""
+"""Words in place of a picture or over it: the missing part and the reason."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rune_tui.raster.shapes import drawing
 
 
 def link_trouble(robot: RobotState, now: float) -> str:
-    """What is wrong with the link, in one line; empty while central answers."""
+    """The fault of the link, in one line; empty: central answers."""
     link = robot.link
     seconds = int(max(0.0, now - link.since))
     if link.phase is LinkPhase.CONNECTED:
@@ -24,7 +24,7 @@ def link_trouble(robot: RobotState, now: float) -> str:
 def write_notice(canvas: Canvas, text: str, theme: Theme, ink: Colour | None = None) -> None:
     """Write words on a plate in the middle of a canvas, wrapped to its width.
 
-    What does not fit in height is left out from the end. Without an ink it is the theme's.
+    Rows that do not fit are dropped from the end. Without an ink it is the theme's.
     """
     margin = 1 if canvas.width >= 12 else 0
     lines = textwrap.wrap(printable_text(text), max(1, canvas.width - 2 * margin))

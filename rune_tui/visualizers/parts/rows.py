@@ -13,7 +13,7 @@ from rune_tui.visualizers.parts.severity import Severity, ink_of
 GAP = 2
 """Blanks between columns of a table, and between words that share a row."""
 NARROW = 60
-"""Columns of a canvas below which what is free text in a table gets rows of its own."""
+"""Columns of a canvas below which free text in a table gets rows of its own."""
 
 _TROUBLE = frozenset({Severity.WARNING, Severity.ALARM})
 _ELLIPSIS = "…"

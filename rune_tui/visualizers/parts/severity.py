@@ -1,4 +1,4 @@
-"""The severity of words, and its ink; the words say it too."""
+"""The severity of words, and its ink; the words show it too."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ _OUTCOMES = {
 
 
 def task_parts(robot: RobotState, now: float) -> Iterator[Part]:
-    """The short form, for the status line: what it does, or for a while how that ended."""
+    """The short form, for the status line: the task, or for a while its outcome."""
     task = task_of(robot)
     if task is None or task.phase is Phase.IDLE:
         return
@@ -53,7 +53,7 @@ def task_parts(robot: RobotState, now: float) -> Iterator[Part]:
 
 
 def task_rows(robot: RobotState, now: float) -> Iterator[Part]:
-    """All of it, a row each."""
+    """All words, a row each."""
     task = task_of(robot)
     if task is None:
         yield Part("nothing yet: the robot has done nothing by itself", 0, Severity.FAINT)

@@ -56,7 +56,7 @@ class AngleBar(PlainVisualizer, ABC):
         )
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with the angle, the field of view and the look of their age."""
+        """Changes with the angle, the field of view and the fading of their age."""
         if robot.camera is None:
             return state.theme.name
         look = age_look(robot.camera, state.now)
@@ -107,7 +107,7 @@ def draw_angle_bar(
 
     Args:
         canvas: Its whole length stands for -(limit + field_of_view / 2) to the positive same.
-        direction: Which way the bar runs.
+        direction: Direction of the bar.
         angle: Pan or tilt [rad], positive left or up.
         field_of_view: In that direction, after zoom [rad].
         limit: Largest pan or tilt [rad].

@@ -42,7 +42,8 @@ class CameraImage:
 
     Attributes:
         fit: Its fit into the viewport, one of the choices of `FIT_OPTION`.
-        crosshair: Whether to mark its middle, and to say in words when the camera looks aside.
+        crosshair: Whether to mark its middle, and to write the camera's direction if it is not
+            ahead.
         aside_deg: Least angle for these words.
     """
 
@@ -153,7 +154,7 @@ class CameraImage:
         if pose is None or whole is None:
             return None
         frame = self._frame(picture, size, state)
-        # An enlarged picture tells no more than its own pixels do.
+        # An enlarged picture has no more details than its own pixels.
         coarse = max(1.0, frame.width / columns, frame.height / rows)
         return place_of_pixel(frame.shown(whole), pixel, coarse, _surroundings(robot, pose))
 
@@ -223,7 +224,7 @@ def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:
 
 
 def _explanation(robot: RobotState, now: float) -> str:
-    """Why there is no picture; of a lost link the banner tells."""
+    """Why there is no picture; the banner reports a lost link."""
     if robot.picture is not None:
         return ""
     trouble = link_trouble(robot, now)

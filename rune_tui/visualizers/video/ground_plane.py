@@ -287,7 +287,7 @@ def _draw_way(
 
 
 def _clear_beside(canvas: Canvas, frame: PictureFrame) -> None:
-    """Take away what thick lines have left beside the picture."""
+    """Remove the parts of thick lines beside the picture."""
     canvas.pixels[: max(0, frame.top)] = 0
     canvas.pixels[max(0, frame.top + frame.height) :] = 0
     canvas.pixels[:, : max(0, frame.left)] = 0

@@ -101,7 +101,7 @@ def _words(robot: RobotState, state: ConsoleState) -> tuple[str, ...]:
 
 
 def _effects(robot: RobotState) -> Iterator[str]:
-    """What the camera does to see in the dark."""
+    """The state of the camera's night mode."""
     if robot.camera is None:
         return
     camera = robot.camera.value

@@ -34,7 +34,7 @@ def draw_marks(
     """Marks that the camera sees, and the ghost with its distance.
 
     Args:
-        canvas: What the picture is drawn on.
+        canvas: Canvas of the picture.
         geometry: The picture as it is drawn there.
         pose: Where the robot was when the picture was taken.
         robot: The robot.

@@ -14,7 +14,7 @@ from rune_tui.model.sightings import Floats
 from rune_tui.model.sweep import swept_edges
 
 REACTION_S: Final = 0.3
-"""How long navigation follows the last command when no other one comes [s]."""
+"""Time for which navigation follows the last command [s]."""
 
 _SLOWEST: Final = 0.01
 """Slower than this [m/s] it counts as turning on the spot, and turning [rad/s] as straight."""
@@ -51,7 +51,7 @@ class Course:
         angular: Turn rate [rad/s], counter-clockwise.
         radius: Of the circle around the whole robot [m].
         now: The robot's pose now; None: not needed.
-        then: Its pose of the frame to draw in; None: its own frame.
+        then: Its pose in the frame of the drawing; None: its own frame.
         old: Whether a newer command may exist.
     """
 
@@ -66,7 +66,7 @@ class Course:
     def of(
         cls, navigation: NavigationState, *, radius: float, then: Pose | None, old: bool
     ) -> Self | None:
-        """The command of a robot; None: it stands, or the command is not known."""
+        """The command of a robot; None: it stands, or the command is unknown."""
         linear, angular = navigation.commanded_linear, navigation.commanded_angular
         moves = abs(linear) >= _SLOWEST or abs(angular) >= _SLOWEST
         if not moves or not math.isfinite(linear + angular):
@@ -78,7 +78,7 @@ class Course:
 
     @property
     def words(self) -> str:
-        """What it does, for when that cannot be seen."""
+        """Its motion in words, if the path is not visible."""
         if not self._drives:
             return "turns left" if self.angular > 0.0 else "turns right"
         return f"drives {'ahead' if self.linear > 0.0 else 'back'}, out of the picture"

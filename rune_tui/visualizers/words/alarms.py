@@ -1,4 +1,4 @@
-"""visualizeAlarms: what is wrong now, the worst first; a quiet line while nothing is."""
+"""visualizeAlarms: the present problems, the worst first; a quiet line without any."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Alarms(PlainVisualizer):
     urgency: ClassVar[Urgency] = Urgency.ALARM
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write what fits; behind it stands how many more there are."""
+        """Write the alarms that fit, and the number of the others."""
         theme = state.theme
         canvas.fill(theme.panel)
         parts = _unsaid(robot, state)
@@ -62,7 +62,7 @@ class Alarms(PlainVisualizer):
 
 
 def _alarmed(state: ConsoleState) -> bool:
-    """Whether the banner says an alarm."""
+    """Whether the banner shows an alarm."""
     return state.banner is not None and not state.banner.calm
 
 

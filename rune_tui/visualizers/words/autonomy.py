@@ -1,4 +1,4 @@
-"""visualizeAutonomy: what the robot does by itself, how far it is, and how it ended."""
+"""visualizeAutonomy: the robot's own task, its distance, and its outcome."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rune_tui.visualizers.words.troubles import is_in_banner
 
 
 class VisualizeAutonomy(PlainVisualizer):
-    """A row each: what it does, why, where to and how far, for how long; else the last outcome."""
+    """A row each: the task, its reason, its goal and distance, its time; else the last outcome."""
 
     rule: ClassVar = VisualizerRule(
         meaning="what the robot does by itself, where it goes, how far it is and why; "
@@ -33,7 +33,7 @@ class VisualizeAutonomy(PlainVisualizer):
     urgency: ClassVar[Urgency] = Urgency.DRIVE
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write what fits, and how old it is."""
+        """Write the rows that fit, and their age."""
         canvas.fill(state.theme.panel)
         rows = [
             row
@@ -46,19 +46,19 @@ class VisualizeAutonomy(PlainVisualizer):
             draw_age(canvas, report.age(state.now), state.theme, pause_of(AUTONOMY_STATE))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with any word of it, and with the look of its age."""
+        """Changes with any word, and with the fading of its age."""
         report = _task_report(robot)
         look = report and age_look(report, state.now, pause_of(AUTONOMY_STATE))
         return _parts(robot, state), look, state.theme.name
 
 
 def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-    """All rows but what the banner says."""
+    """All rows that the banner does not show."""
     rows = task_rows(robot, state.now)
     return tuple(part for part in rows if not is_in_banner(part, robot, state))
 
 
 def _task_report(robot: RobotState) -> Received[None] | None:
-    """When what is written was said."""
+    """Time of the written report."""
     task = task_of(robot)
     return None if task is None else Received(value=None, measured=task.measured, number=0)

@@ -36,9 +36,9 @@ _STATES: Final[Mapping[str, Callable[[RobotState, ConsoleState], bool | None]]] 
     "help": lambda _robot, state: state.help,
     "night": lambda robot, state: robot.name in state.night,
 }
-"""What a button can show the state of; None where it is not known."""
+"""The states that a button can show; None: not known."""
 _SHOWN: Final = frozenset({"assistance"})
-"""Those of them that the robot tells."""
+"""The states that come from the robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,11 +46,11 @@ class _Face:
     """The visible part of a button.
 
     Attributes:
-        text: What it says.
-        on: Whether what it turns is on; None if it turns nothing, or that is not known.
+        text: Its text.
+        on: Whether its subject is on; None: it has none, or that is not known.
         known: Whether it is known.
         pressed: Whether its key is held.
-        look: How old that is.
+        look: Fading by the age of that.
     """
 
     text: str
@@ -62,10 +62,10 @@ class _Face:
 
 @dataclass(frozen=True, slots=True)
 class Button:
-    """A plate with a text; what is on lies on the accent and says so, what is pressed has arrows.
+    """A plate with a text; an active one is on the accent and has a word, a pressed one has arrows.
 
     Attributes:
-        text: What it says.
+        text: Its text.
         key: The key that does the same, or none.
         shows: The state that it turns, of `_STATES`.
     """
@@ -113,7 +113,7 @@ class Button:
         fade_by_age(canvas, self._age(robot, state))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with what it says and whether it is pressed."""
+        """Changes with its text and its press."""
         return self._face(robot, state), state.theme.name
 
     def _face(self, robot: RobotState, state: ConsoleState) -> _Face:

@@ -1,4 +1,4 @@
-"""visualizeCapabilities: what the robot can do now, what not, and why."""
+"""visualizeCapabilities: the robot's capabilities, the missing ones, and the reasons."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ _PHASES = {
 
 
 class Capabilities(MessageGauge[CapabilityReports, tuple[Entry, ...]]):
-    """A row a capability: first those that somebody wants, of these first those that are missing.
+    """A row a capability: first the wanted ones, of these first the missing ones.
 
-    What the layout wants and no module has is among them, though the robot does not list it;
-    what consoles provide is not.
+    Wanted capabilities that no module has are among them, though the robot does not list them;
+    capabilities of consoles are not.
     """
 
     rule: ClassVar = VisualizerRule(
@@ -49,7 +49,7 @@ class Capabilities(MessageGauge[CapabilityReports, tuple[Entry, ...]]):
     subject = "capability list"
 
     def reading(self, value: CapabilityReports, robot: RobotState) -> tuple[Entry, ...]:
-        """All that the robot lists, and what of the layout's wishes it does not."""
+        """The robot's list, and the layout's wants that are missing in it."""
         reports = [each for each in value.capabilities if each.name != Capability.CON_REAL]
         known = {report.name for report in reports}
         unknown = [

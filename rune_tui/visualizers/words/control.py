@@ -1,4 +1,4 @@
-"""visualizeControl: who has control of the robot, who asks for it, and which key answers."""
+"""visualizeControl: the owner of control, the requests for it, and the keys to answer."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Control(PlainVisualizer):
     urgency: ClassVar[Urgency] = Urgency.ALARM
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write what fits; where room is short a request comes first."""
+        """Write the rows that fit, a request first."""
         theme = state.theme
         canvas.fill(theme.panel)
         parts = _parts(robot, state)
@@ -54,7 +54,7 @@ class Control(PlainVisualizer):
             draw_age(canvas, reported.age(state.now), theme, pause_of(CONTROL_STATE))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with any word of it, and with the look of its age."""
+        """Changes with any word, and with the fading of its age."""
         reported = robot.newest(CONTROL_STATE)
         look = reported and age_look(reported, state.now, pause_of(CONTROL_STATE))
         return _parts(robot, state), look, state.theme.name

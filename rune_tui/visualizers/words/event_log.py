@@ -56,7 +56,7 @@ class EventLog:
         return cls(spec.options.word("newest") == "top", spec.options.word("robots") == "all")
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write what there is room for, what needs the operator's eyes before all else."""
+        """Write the notices that fit, those that need the operator first."""
         canvas.fill(state.theme.panel)
         rows = self._chosen(merged(self._notices(robot, state)), canvas.width, canvas.rows, state)
         for index, row in enumerate(rows or [TextRow("nothing has happened yet", Severity.FAINT)]):
@@ -96,7 +96,7 @@ def _whose(notice: Notice, state: ConsoleState) -> str:
 
 
 def _rows(notice: Notice, robot: str, columns: int) -> Iterator[TextRow]:
-    """A notice in at most two rows; all of it is on the page of messages."""
+    """A notice in at most two rows; the page of messages has the whole text."""
     clock = notice.clock if columns >= _NARROW else notice.clock[: len("14:03")]
     whom = f"{robot}:" if robot else ""
     words = (clock, "!" if notice.alarm else "", whom, shortened(notice.text))

@@ -80,7 +80,7 @@ class Joystick:
 
 
 def _age(joystick: JoystickState, now: float) -> str:
-    """How old what is known of another machine's device is, in steps that do not flicker."""
+    """Age of the state of another machine's device, in steps that do not flicker."""
     if joystick.measured is None:
         return ""
     steps = round(max(0.0, now - joystick.measured) / _AGE_STEP_S)

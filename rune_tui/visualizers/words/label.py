@@ -23,8 +23,8 @@ class Label:
     """Text from the upper left corner on, wrapped; everything else is clear.
 
     Attributes:
-        text: What it says.
-        font: Letters of its own; None for the terminal's.
+        text: Its text.
+        font: Letters of its own; None: the terminal's.
     """
 
     text: str
@@ -40,7 +40,7 @@ class Label:
 
     @classmethod
     def from_spec(cls, spec: VisualizerSpec) -> Self:
-        """The visualizer that a layout asks for; its text is what it says."""
+        """The visualizer of a layout, with its text."""
         font = Font(file=spec.font.file, points=spec.font.points) if spec.font else None
         if font:
             check_font(font)
@@ -62,7 +62,7 @@ class Label:
         if canvas.rows > 1 or len(pieces) < 3:
             return textwrap.wrap(self.text, max(1, canvas.width))
         while len(pieces) > 1 and len(_BETWEEN.join(pieces)) > canvas.width:
-            # The first says how to stop; the last two say how to get help, and how to leave.
+            # The first is about the stop; the last two are about help and the end.
             del pieces[{3: -2, 2: -1}.get(len(pieces), -3)]
         return [_BETWEEN.join(pieces)]
 
@@ -72,7 +72,7 @@ class Label:
 
 
 def _wrapped(text: str, font: Font, width: int) -> list[str]:
-    """The text in lines that are no wider than this [pixels], as far as its words allow."""
+    """The text in lines up to this width [pixels], as far as its words allow."""
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word

@@ -1,4 +1,4 @@
-"""visualizeLink: how the connection to the robot stands, and what it carries."""
+"""visualizeLink: the state of the connection to the robot, and its traffic."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Link(PlainVisualizer):
     )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write the words; what there is no room for is left out from the end."""
+        """Write the words that fit, from the start."""
         canvas.fill(state.theme.panel)
         lines = [*flowing(_unsaid(robot, state), canvas.width)]
         if robot.link.detail:
@@ -72,7 +72,7 @@ def _words(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
         yield TextRow(text, Severity.ALARM if late else Severity.PLAIN)
     if state.display is not None:
         yield from _display(state.display)
-    # What is counted is counted for as long as central answers.
+    # Counts are valid while central answers.
     connected = link.phase is LinkPhase.CONNECTED
     if connected and link.pictures is not None:
         yield from _pictures(link.pictures)
@@ -85,7 +85,7 @@ def _words(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
 
 
 def _display(display: DisplayState) -> Iterator[TextRow]:
-    """How the way from the console to the eyes stands."""
+    """The state of the line from the console to the terminal."""
     latency = display.latency
     if math.isfinite(latency):
         late = latency > ALARM_AFTER_S
@@ -105,7 +105,7 @@ def _pictures(flow: PictureFlow) -> Iterator[TextRow]:
 
 
 def _unsaid(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
-    """All that the banner does not say."""
+    """All words that the banner does not show."""
     banner = state.banner
     said = banner.text if banner is not None and banner.robot == robot.name else ""
     return (row for row in _words(robot, state) if not said.startswith(row.text))

@@ -23,7 +23,7 @@ _UNKEPT = "NOT KEPT"
 
 
 class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
-    """How many there are of each kind, then all that is known of each.
+    """The number of each kind, then a row for each mark.
 
     That is: number, kind, whether it is not on the robot's disk, place, how far off it may be, from
     how far away it was seen, when, who, note. The newest is at the top, so that it is seen where

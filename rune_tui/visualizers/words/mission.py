@@ -1,4 +1,4 @@
-"""visualizeMission: the mission, what the robot keeps of it, and what it does not keep."""
+"""visualizeMission: the mission, its stored parts, and its unstored parts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rune_tui.visualizers.visualizer import PlainVisualizer
 
 
 class VisualizeMission(PlainVisualizer):
-    """A row each: the name and how long it runs, marks kept, the saved map, what is not kept."""
+    """A row each: the name and the time, stored marks, the stored map, unstored parts."""
 
     rule: ClassVar = VisualizerRule(
         meaning="the mission: its name, for how long it runs, how many marks are kept, how old the "
@@ -30,7 +30,7 @@ class VisualizeMission(PlainVisualizer):
     urgency: ClassVar[Urgency] = Urgency.ALARM
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write what fits; what is not kept comes first where room is short."""
+        """Write the rows that fit, unstored parts first."""
         canvas.fill(state.theme.panel)
         parts = _parts(robot, state)
         rows = [
@@ -49,7 +49,7 @@ class VisualizeMission(PlainVisualizer):
             draw_age(canvas, reported.age(state.now), state.theme, pause_of(MISSION_STATE))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with any word of it, and with the look of its age."""
+        """Changes with any word, and with the fading of its age."""
         reported = robot.newest(MISSION_STATE)
         look = reported and age_look(reported, state.now, pause_of(MISSION_STATE))
         return _parts(robot, state), look, state.theme.name
@@ -92,7 +92,7 @@ def _saved(mission: MissionState) -> Part:
     if math.isnan(mission.map_age_s):
         return Part("map not saved yet", 0, Severity.FAINT)
     old = mission.map_age_s > OLD_S
-    # A robot that stands maps nothing new, and so has nothing to save.
+    # A standing robot maps nothing new, and has nothing to save.
     return Part(
         f"map saved {_time(mission.map_age_s)} ago", 0, Severity.FAINT if old else Severity.GOOD
     )

@@ -24,7 +24,7 @@ _SEVERITIES = {
 
 
 class Modules(MessageGauge[ModuleReports, tuple[Entry, ...]]):
-    """A row a module; where room is short, why it does not run stands below it."""
+    """A row a module; on a narrow canvas, the reason for its phase is below it."""
 
     rule: ClassVar = VisualizerRule(
         meaning="the robot's modules: phase, why, starts, processor and memory",

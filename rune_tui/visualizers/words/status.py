@@ -27,11 +27,11 @@ _TROUBLE = frozenset({Severity.WARNING, Severity.ALARM})
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """Name, link, control, motion, what it does by itself, speed, battery, obstacle and so on.
+    """Name, link, control, motion, own task, speed, battery, obstacle and so on.
 
     Attributes:
-        alarms: Whether another pane says what is wrong.
-        gauges: Whether other panes say speed and battery.
+        alarms: Whether another pane shows the problems.
+        gauges: Whether other panes show speed and battery.
     """
 
     alarms: bool = False
@@ -66,7 +66,7 @@ class Status:
         return cls(alarms=_ALARMS in beside, gauges=_GAUGES in beside)
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write what there is room for in the first row."""
+        """Write the parts that fit into the first row."""
         canvas.fill(state.theme.bar)
         parts = fitting(self._unsaid(robot, state), canvas.width)
         column = 0 if _width(parts) + 2 > canvas.width else 1

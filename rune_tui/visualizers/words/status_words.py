@@ -1,4 +1,4 @@
-"""What the status line says of a robot, part by part, the most important first to stay."""
+"""The parts of the status line about a robot, with their weights."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ LOW_BATTERY = 0.2
 CRITICAL_BATTERY = 0.1
 OFF_CENTRE_DEG = 5.0
 ROLLING = 0.02
-"""From this speed on a robot does not stand: forward [m/s], and turning twice that [rad/s]."""
+"""Least speed of a moving robot: forward [m/s], and turning twice that [rad/s]."""
 _LEAST_ZOOM = 0.01
 _HELD_BACK = 0.05
 
@@ -56,7 +56,7 @@ _ROLLING_ON = {
 }
 """The same while the robot still moves without a command."""
 _FAULTS = frozenset({MotionState.SILENCE, MotionState.NO_DRIVER})
-"""Nobody wanted these; a stop, somebody did."""
+"""Unintended states of motion; a stop is intended."""
 _SHORT_MOTION = {
     "WAITING for a neutral command": "WAITING",
     "STOPPING, then waits for a neutral command": "STOPPING",
@@ -130,13 +130,13 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
 
 
 def _past(part: Part) -> Part:
-    """What was said last, which nobody knows to be so now."""
+    """The words of an outdated report."""
     short = f"was {part.short}" if part.short else ""
     return Part(f"was {part.text}", min(part.weight, 4), Severity.FAINT, short, part.gauge)
 
 
 def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
-    """What the robot does and how fast."""
+    """The robot's motion and its speed."""
     motion = navigation.motion
     if motion is MotionState.WAITING and not robot.link.may_command:
         motion = MotionState.STANDING  # an observer sends no neutral command
@@ -188,7 +188,7 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
 
 
 def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Part]:
-    """The nearest thing seen and its distance from the robot's rim, or its centre."""
+    """The nearest obstacle and its distance from the robot's rim, or its centre."""
     ranges = np.fmin(navigation.sonar, navigation.infrared)
     rooms = np.where(np.isnan(ranges), np.inf, ranges) - rim(body, len(ranges))
     sensor = int(rooms.argmin())
@@ -205,11 +205,11 @@ _NEAREST = {
     Nearness.NEAR: ("NEAR", 5, Severity.WARNING),
     Nearness.CLOSE: ("CLOSE", 7, Severity.ALARM),
 }
-"""What the nearest thing is called, how much that matters, and how it is meant."""
+"""The name of the nearest obstacle, its weight, and its severity."""
 
 
 def _limit(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """With how much of its speed hands drive the robot; none of what it does by itself."""
+    """The share of its speed at which hands drive the robot, apart from its own tasks."""
     task = task_of(robot)
     if _goes(robot) or (task is not None and task.under_way):
         return
@@ -224,7 +224,7 @@ def _goes(robot: RobotState) -> bool:
 
 
 def _camera(robot: RobotState, now: float) -> Iterator[Part]:
-    """Where the camera looks, where that is not straight ahead, wide."""
+    """The camera's direction, if it is not straight ahead and wide."""
     if robot.camera is None:
         return
     if robot.camera.age(now) > HATCH_AFTER_S:
@@ -265,7 +265,7 @@ def _joysticks(state: ConsoleState) -> Iterator[Part]:
 
 
 def joystick_words(joystick: JoystickState) -> tuple[str, Severity]:
-    """How a joystick stands to its device, in few words."""
+    """The state of a joystick and its device, in few words."""
     match joystick.phase:
         case JoystickPhase.CONNECTED if joystick.why:
             return joystick.why, Severity.WARNING
@@ -310,7 +310,7 @@ def _release(state: ConsoleState) -> Part:
 
 
 def side_of(sensor: int) -> str:
-    """Where a sensor looks; each side takes a quarter of the circle around its middle."""
+    """The direction of a sensor; each side takes a quarter of the circle around its middle."""
     return _SIDES[round(4 * sensor / SENSOR_COUNT) % 4]
 
 

@@ -29,7 +29,7 @@ def titled(head: Area, title: str, theme: Theme, *, marked: bool = False) -> Can
         head: Where it is.
         title: The name.
         theme: Its colours.
-        marked: Whether it stands out from other titles.
+        marked: Whether it differs from other titles.
     """
     canvas = Canvas.blank(head.width, head.height)
     canvas.fill(theme.ground)

@@ -1,4 +1,4 @@
-"""What is wrong with a robot now, and what of it the banner over everything says."""
+"""The present problems of a robot, and those on the banner."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rune_tui.visualizers.words.status_words import side_of, status_parts
 START_S: Final = 10.0
 """Modules that are not ready yet are no alarm for this time after a link began [s]."""
 REPORT_S: Final = 5.0
-"""How long something that just happened stands over everything [s]."""
+"""Time of a recent event on the banner [s]."""
 
 _SIGNED: Final = frozenset({Severity.ALARM, Severity.WARNING})
 _REPORT_WEIGHT: Final = 8.5
@@ -44,7 +44,7 @@ def banner_of(state: ConsoleState) -> Banner | None:
         found += [(part.weight, robot.name, part.text) for part in alarms]
     newest = state.notices[-1] if state.notices else None
     gravest = max(found, key=lambda each: each[0], default=None)
-    # What happened is not said beside what it brought about, such as a lost link.
+    # An event is not shown beside its result, such as a lost link.
     passing = gravest is None or gravest[0] < _REPORT_WEIGHT
     if passing and newest is not None and newest.alarm and state.now - newest.when <= REPORT_S:
         return Banner(robot=newest.robot, text=newest.text, more=len(found))
@@ -54,7 +54,7 @@ def banner_of(state: ConsoleState) -> Banner | None:
 
 
 def _by_themselves(state: ConsoleState) -> Iterator[Banner]:
-    """Tasks of robots, which a driver must know."""
+    """Tasks of robots, which matter to a driver."""
     for robot in state.robots.values():
         task = task_of(robot)
         if task is None or not task.under_way or state.now - task.measured > SILENT_S:
@@ -65,13 +65,13 @@ def _by_themselves(state: ConsoleState) -> Iterator[Banner]:
 
 
 def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:
-    """Whether the banner says this already."""
+    """Whether the banner shows this already."""
     banner = state.banner
     return banner is not None and (banner.robot, banner.text) == (robot.name, part.text)
 
 
 def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """What the status line has no room for."""
+    """The parts that the status line has no room for."""
     known = robot.navigation
     if known is not None and staleness(known.age(state.now)) is not Staleness.STALE:
         navigation = known.value
