@@ -12,7 +12,7 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from hub.gcm.supervision import CapabilityPhase, ModuleOrder, ModulePhase
+from hub.gcm.supervision import CapabilityPhase, CapabilityReport, ModuleOrder, ModulePhase
 from hub.nearest import did_you_mean
 from hub.own_pauses import OwnPauses
 from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
@@ -47,23 +47,6 @@ class ExternalModule:
     provides: frozenset[str]
     needs: frozenset[str]
     last_heard: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CapabilityView:
-    """The state of a capability.
-
-    Attributes:
-        phase: Its phase.
-        module: The module that provides it, or would; empty: none can.
-        modules: All modules that have it.
-        wanted_by: The holders that want it.
-    """
-
-    phase: CapabilityPhase
-    module: str
-    modules: tuple[str, ...]
-    wanted_by: tuple[str, ...]
 
 
 class ModulePolicy:
@@ -173,14 +156,14 @@ class ModulePolicy:
             if not life.asked and not life.starts and life.keep_alive_s > 0.0
         ]
 
-    def capabilities(self, now: float) -> dict[str, CapabilityView]:
+    def capabilities(self, now: float) -> dict[str, CapabilityReport]:
         """Every capability of a module, by name, and some wanted ones without a module."""
         self._survey()
         wants = self.wants.current(now)
         known = self._outside | self._known
         unknown = heapq.nsmallest(MAX_UNKNOWN, (name for name in wants if name not in known))
         return {
-            name: self._view(name, tuple(wants.get(name, ())[:MAX_SHOWN]))
+            name: self._view(name, wants.get(name, ())[:MAX_SHOWN])
             for name in sorted(known.union(unknown))
         }
 
@@ -189,7 +172,7 @@ class ModulePolicy:
         """Number of modules without a report of their capabilities, or a hint of them."""
         return sum(not (life.asked or life.provides) for life in self.lifecycles.values())
 
-    def _view(self, capability: str, wanted_by: tuple[str, ...]) -> CapabilityView:
+    def _view(self, capability: str, wanted_by: Iterable[str]) -> CapabilityReport:
         others = [n for n, one in self.externals.items() if capability in one.provides]
         owners = [n for n, life in self.lifecycles.items() if capability in life.provides]
         life = self._provider(capability)
@@ -204,8 +187,12 @@ class ModulePolicy:
                 ModulePhase.STARTING: CapabilityPhase.STARTING,
                 ModulePhase.WAITING: CapabilityPhase.STARTING,
             }.get(life.phase, CapabilityPhase.AVAILABLE)
-        return CapabilityView(
-            phase=phase, module=module, modules=(*owners, *others), wanted_by=wanted_by
+        return CapabilityReport(
+            name=capability,
+            phase=phase,
+            module=module,
+            modules=" ".join((*owners, *others)),
+            wanted_by=" ".join(wanted_by),
         )
 
     def _plan(self, now: float) -> set[str]:

@@ -149,17 +149,7 @@ class Reporting:
         )
 
     def _publish_capabilities(self) -> None:
-        views = self._supervisor.capabilities(self._clock())
-        reports = tuple(
-            supervision.CapabilityReport(
-                name=name,
-                phase=view.phase,
-                module=view.module,
-                modules=" ".join(view.modules),
-                wanted_by=" ".join(view.wanted_by),
-            )
-            for name, view in views.items()
-        )
+        reports = tuple(self._supervisor.capabilities(self._clock()).values())
         self._client.publish(
             supervision.CAPABILITY_REPORTS,
             supervision.CapabilityReports(

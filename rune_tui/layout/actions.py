@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -55,16 +56,7 @@ def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
         key = (action.robot, action.words)
         known = merged.get(key, action)
         inputs = tuple(dict.fromkeys((*known.inputs, *action.inputs)))
-        merged[key] = Action(
-            words=known.words,
-            help=known.help,
-            inputs=inputs,
-            robot=known.robot,
-            event=known.event,
-            section=known.section,
-            safe=known.safe,
-            at_once=known.at_once,
-        )
+        merged[key] = dataclasses.replace(known, inputs=inputs)
     order = ["", *(robot.name for robot in layout.robots)]
     robots = [*order, *(robot for robot, _ in merged if robot not in order)]
     return tuple(sorted(merged.values(), key=lambda action: robots.index(action.robot)))

@@ -43,7 +43,7 @@ def test_wanted_capability_starts_what_it_needs_first_and_stops_when_nobody_want
     assert [who for _, who, _ in world.log] == ["driver", "map", "autonomy"]
     views = world.supervisor.capabilities(world.now)
     assert views["AUT"].phase is CapabilityPhase.RUNNING
-    assert views["AUT"].wanted_by == ("console",)
+    assert views["AUT"].wanted_by == "console"
     world.run(LEASE_S + 2.0)
     assert len(world.processes) == 3, "lingers"
     world.run(10.0)
@@ -352,7 +352,7 @@ def test_wants_of_what_nobody_has_do_not_crowd_out_the_others() -> None:
     world.run(1.0)
     views = world.supervisor.capabilities(world.now)
     assert views["VID"].phase is CapabilityPhase.RUNNING
-    assert len(views["VID"].wanted_by) == MAX_SHOWN
+    assert len(views["VID"].wanted_by.split()) == MAX_SHOWN
     assert len(views) == 1 + MAX_UNKNOWN
 
 
