@@ -422,7 +422,7 @@ def test_exploring_ends_when_free_ground_grows_only_behind_walls() -> None:
 
 def test_exploring_turns_back_in_time_although_new_ground_is_left() -> None:
     scene = Scene()
-    scene.grid = hall(width=200, height=24, known=30)
+    scene.grid = hall(width=180, height=18, known=30)
     scene.ask(Behaviour.EXPLORE)
     began = scene.now
     known = 30
@@ -430,7 +430,7 @@ def test_exploring_turns_back_in_time_although_new_ground_is_left() -> None:
         scene.wait(30.0)
         if scene.task is Task.GOING and scene.targets[-1] != (0.0, 0.0):
             known += 6
-            scene.grid = hall(width=200, height=24, known=known)
+            scene.grid = hall(width=180, height=18, known=known)
             scene.arrive()
     way = math.hypot(scene.x, scene.y)
     assert scene.targets[-1] == (0.0, 0.0)
@@ -445,10 +445,10 @@ def test_exploring_turns_back_in_time_although_new_ground_is_left() -> None:
 
 def _open_at(place: int) -> Grid:
     """A hall with a gap in its right wall, each time in another of ten places."""
-    grid = hall(width=50, height=130, known=30)
-    first = 2 + 12 * (place % 10)
+    grid = hall(width=50, height=90, known=30)
+    first = 2 + 8 * (place % 10)
     grid.cells[:, 29] = 100
-    grid.cells[first : first + 6, 29] = 0
+    grid.cells[first : first + 5, 29] = 0
     return grid
 
 
