@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -51,6 +52,7 @@ def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
                 await desk.until(lambda: robot.speeds)
                 await script(desk)
 
+        stack.callback(sys.setswitchinterval, sys.getswitchinterval())  # a console shortens it
         yield lambda script: asyncio.run(run(script))
 
 

@@ -86,14 +86,28 @@ def test_what_is_no_path_of_a_file_is_said_to_be_none(
     assert capsys.readouterr().err.endswith("\n")
 
 
+WITHOUT_PICTURES = """<rune>
+  <robot name="magellan"><capability name="NAV_STATE"/><capability name="NAV_MOVE"/></robot>
+  <view xsize="120" ysize="80">
+    <viewport name="status" robot="magellan" xpos="0" ypos="0" xsize="120" ysize="2">
+      <visualizer function="visualizeStatus"/>
+      <widget handler="widgetSetSpeed"><event key="w" control="translate"/></widget>
+    </viewport>
+  </view>
+</rune>
+"""
+"""A picture that no robot sends would be waited for."""
+
+
 def test_a_picture_is_drawn_of_a_robot_behind_a_gateway(tmp_path: Path) -> None:
     keyring = Keyring(tmp_path / "keys")
     gateway = curve_gateway("tcp://127.0.0.1:0", keyring)
     central = Central([f"ipc://{tmp_path}/c"], gateways=[gateway])
     with closing(central):
-        picture = tmp_path / "shot.txt"
+        picture, layout = tmp_path / "shot.txt", tmp_path / "layout.xml"
+        layout.write_text(WITHOUT_PICTURES)
         where = ["--hub", central.endpoints[1], "--keys", str(keyring.make("one", Role.OBSERVE))]
-        assert main(["shot", "demo", *where, "--seconds", "1.5", "-o", str(picture)]) == ExitCode.OK
+        assert main(["shot", str(layout), *where, "--seconds", "1.5", "-o", str(picture)]) == 0
         assert "OBSERVER: this key may watch" in picture.read_text("utf-8")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,9 +45,15 @@ def classes() -> list[ClassFacts]:
         )
         for package in ("hub", "rune_tui")
         for path in (ROOT / package).rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text()))
-        if isinstance(node, ast.ClassDef)
+        for node in _classes_in(ast.parse(path.read_text()))
     ]
+
+
+def _classes_in(node: ast.Module | ast.ClassDef) -> Iterator[ast.ClassDef]:
+    for each in node.body:
+        if isinstance(each, ast.ClassDef):
+            yield each
+            yield from _classes_in(each)
 
 
 def _absent(node: ast.ClassDef) -> frozenset[str]:

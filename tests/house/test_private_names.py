@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import functools
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -26,11 +26,17 @@ USED = re.compile(
 )
 
 
-def _names(pattern: re.Pattern[str], *folders: str) -> Iterator[tuple[str, str]]:
+@functools.cache
+def _names(pattern: re.Pattern[str], *folders: str) -> tuple[tuple[str, str], ...]:
     """Files, and the private names in them that a pattern finds."""
-    for path in sorted(file for each in folders for file in (ROOT / each).rglob("*.py")):
-        for groups in pattern.findall(path.read_text()):
-            yield from ((str(path.relative_to(ROOT)), name) for name in groups if name)
+    return tuple(
+        (str(path.relative_to(ROOT)), name)
+        for folder in folders
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for groups in pattern.findall(path.read_text())
+        for name in groups
+        if name
+    )
 
 
 def test_tests_use_no_private_names_of_other_objects() -> None:
