@@ -1,1 +1,1 @@
-"""One visualizer a file: a kind of message to a picture."""
+"""Visualizers, one per file: each draws one kind of message."""

@@ -1,4 +1,4 @@
-"""Every visualizer by the name that layouts use."""
+"""All visualizers by their names in layouts."""
 
 from __future__ import annotations
 

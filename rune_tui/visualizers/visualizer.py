@@ -20,8 +20,7 @@ class Visualizer(Protocol):
         rule: Its element in layouts.
         whole_cells: Whether it writes characters and so needs a viewport of whole cells.
 
-    One that shows stops and alarms, the drive state or ranges says so by an `urgency`, which then
-    is that of its cells on a slow terminal.
+    An optional attribute `urgency` gives stops, drive state and ranges priority on a slow terminal.
     """
 
     rule: ClassVar[VisualizerRule]
@@ -37,7 +36,7 @@ class Visualizer(Protocol):
         ...
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """A token that changes when, and only when, `draw` would draw something else."""
+        """A token that changes if and only if `draw` would draw something else."""
         ...
 
 
@@ -62,7 +61,7 @@ class Locating(Protocol):
         robot: RobotState,
         state: ConsoleState,
     ) -> WorldPoint | None:
-        """The place on the ground that a pixel of the newest drawing shows.
+        """The place on the ground at a pixel of the newest drawing.
 
         Args:
             pixel: Distances from the left and upper edges of the viewport [pixels].
@@ -76,7 +75,7 @@ class Locating(Protocol):
 
 
 class Overlaying(Protocol):
-    """A visualizer with `draws_over` in its rule: ranges over it must not cover a part of it."""
+    """A visualizer with `draws_over` in its rule: ranges must not cover a part of it."""
 
     def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw that part again, on a clear canvas.

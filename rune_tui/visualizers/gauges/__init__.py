@@ -1,1 +1,1 @@
-"""Single values as gauges and curves."""
+"""Gauges and curves of single values."""

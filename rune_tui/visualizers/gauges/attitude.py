@@ -22,7 +22,7 @@ _FAR = 4.0
 
 @dataclass(frozen=True, slots=True)
 class _Tilt:
-    """Whole degrees; None where not known.
+    """Roll and pitch in whole degrees; None if unknown.
 
     Attributes:
         right: Right side down [deg].
@@ -34,7 +34,7 @@ class _Tilt:
 
 
 class Attitude(MessageGauge[flight.Attitude, _Tilt]):
-    """The ground below a horizon as the robot would see it, and the angles in words."""
+    """The ground below a horizon, as seen from the robot, and the angles in words."""
 
     rule: ClassVar = VisualizerRule(
         meaning="roll and pitch, as an artificial horizon and in words",
@@ -56,7 +56,7 @@ class Attitude(MessageGauge[flight.Attitude, _Tilt]):
         return _Tilt(_degrees(value.roll), _degrees(-value.pitch))
 
     def show(self, canvas: Canvas, reading: _Tilt, theme: Theme) -> None:
-        """The horizon above the words; in one row the words alone."""
+        """The horizon above the words; in one row only the words."""
         last = canvas.rows - 1
         if last and reading.right is not None and reading.up is not None:
             self._show_horizon(canvas, reading.right, reading.up, theme)
@@ -67,11 +67,11 @@ class Attitude(MessageGauge[flight.Attitude, _Tilt]):
         height = 2 * (canvas.rows - 1)
         scale = height / (self.option or _DEFAULT_SPAN_DEG)
         roll = math.radians(right)
-        # With the right side down, the horizon's right end is seen higher.
+        # With the right side down, the horizon's right end is higher.
         along = (math.cos(roll), -math.sin(roll))
         down = (math.sin(roll), math.cos(roll))
         x, y = canvas.width / 2.0, height / 2.0
-        # Beyond this the horizon is out of sight, however far.
+        # A farther horizon is outside the canvas.
         far = canvas.width + height
         shift = max(-far, min(far, up * scale))
         x, y = x + down[0] * shift, y + down[1] * shift
@@ -89,15 +89,15 @@ class Attitude(MessageGauge[flight.Attitude, _Tilt]):
 
 
 def _degrees(angle: float) -> int | None:
-    """An angle [rad] in whole degrees, -180 to 180; None where not known."""
+    """An angle [rad] in whole degrees, -180 to 180; None if unknown."""
     if not math.isfinite(angle):
         return None
     return round(math.degrees(math.remainder(angle, 2.0 * math.pi)))
 
 
 def _words(tilt: _Tilt, columns: int) -> str:
-    roll = _said(tilt.right, "right", "left")
-    pitch = _said(tilt.up, "up", "down")
+    roll = _side_words(tilt.right, "right", "left")
+    pitch = _side_words(tilt.up, "up", "down")
     return fitting_form(
         columns,
         f"roll {roll}, pitch {pitch}",
@@ -107,7 +107,7 @@ def _words(tilt: _Tilt, columns: int) -> str:
     )
 
 
-def _said(angle: int | None, positive: str, negative: str) -> str:
+def _side_words(angle: int | None, positive: str, negative: str) -> str:
     if angle is None:
         return "?"
     side = f" {positive if angle > 0 else negative}" if angle else ""

@@ -15,7 +15,7 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.parts.rows import fitting_form
 
 NAME_COLUMNS: Final = 8
-"""Room for a gauge's name, so that bars below each other begin in one column [cells]."""
+"""Width of a gauge's name, so that bars begin in one column [cells]."""
 
 _LEAST_BAR: Final = 6
 _LONGEST_BAR: Final = 60
@@ -43,7 +43,7 @@ class Bar:
 
     @classmethod
     def filled(cls, share: float) -> Bar:
-        """From the left end on."""
+        """A bar from the left end."""
         return cls(low=0.0, high=share)
 
     @classmethod
@@ -86,7 +86,7 @@ def write_gauge(
     fitting = [form for form in values if len(form) <= shortest]
     words = fitting[0] if fitting else fitting_form(width - left, values[-1])
     canvas.text(width - len(words), row, words, ink or theme.ink)
-    # In steps, so that the bar does not change its length with each digit.
+    # In steps, so that a new digit does not change the length of the bar.
     room = -(-len(words) // _VALUE_STEP) * _VALUE_STEP
     end = min(width - room - _GAP, left + _LONGEST_BAR)
     if bar is not None and end - left >= _LEAST_BAR:

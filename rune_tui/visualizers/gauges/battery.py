@@ -1,4 +1,4 @@
-"""visualizeBattery: how much charge is left, as a bar and in words."""
+"""visualizeBattery: the charge, as a bar and in words."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class _Charge:
 
 
 class Battery(MessageGauge[NavigationState, _Charge]):
-    """A bar as long as the charge, and words; low and critical are words too."""
+    """A bar of the charge, and words, also for low and critical."""
 
     rule: ClassVar = VisualizerRule(
         meaning="the battery's charge, as a bar and in words",
@@ -60,7 +60,7 @@ class Battery(MessageGauge[NavigationState, _Charge]):
     subject = "battery"
 
     def reading(self, value: NavigationState, _robot: RobotState) -> _Charge:
-        """Whole percents and tenths of a volt."""
+        """The charge in whole percents and the voltage in tenths of a volt."""
         volts = f"{value.battery_voltage:.1f} V" if math.isfinite(value.battery_voltage) else ""
         if not math.isfinite(value.battery_fraction):
             return _Charge(None, volts, Severity.PLAIN)

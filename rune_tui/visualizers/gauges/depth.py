@@ -1,4 +1,4 @@
-"""visualizeDepth: how deep or high the robot is, on an upright tape and in words."""
+"""visualizeDepth: depth or height of the robot, on an upright tape and in words."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _SIZES = (1.0, 2.0, 5.0)
 
 @dataclass(frozen=True, slots=True)
 class _Level:
-    """How deep or high.
+    """Depth or height.
 
     Attributes:
-        name: Which of `_NAMES` it is.
-        value: In tenths of a metre [m]; infinite when not measured.
-        climb: In tenths of a metre a second [m/s], positive up; infinite when not measured.
+        name: One of `_NAMES`.
+        value: In tenths of a metre [m]; infinite if not measured.
+        climb: In tenths of a metre a second [m/s], positive up; infinite if not measured.
     """
 
     name: str
@@ -37,7 +37,7 @@ class _Level:
 
 
 class Depth(MessageGauge[Altitude, _Level]):
-    """Metres up the left side, the robot's own in the middle, and where it moves."""
+    """Metres on the left side, the robot's value in the middle, and its climb."""
 
     rule: ClassVar = VisualizerRule(
         meaning="depth or height, on an upright tape and in words",
@@ -62,7 +62,7 @@ class Depth(MessageGauge[Altitude, _Level]):
     subject = "depth or height"
 
     def reading(self, value: Altitude, _robot: RobotState) -> _Level:
-        """The level that the layout asks for."""
+        """The level that the layout selects."""
         levels = dict(zip(_NAMES, (value.depth, value.above_ground, value.height), strict=True))
         wanted = self.options.word("shows")
         known = [name for name, level in levels.items() if math.isfinite(level)]
@@ -70,7 +70,7 @@ class Depth(MessageGauge[Altitude, _Level]):
         return _Level(name, _tenths(levels[name]), _tenths(value.climb))
 
     def show(self, canvas: Canvas, reading: _Level, theme: Theme) -> None:
-        """The tape with the value amid it; words at the bottom."""
+        """The tape with the value in its middle; words at the bottom."""
         last = canvas.rows - 1
         if last >= 2 and math.isfinite(reading.value):
             self._show_tape(canvas, reading, theme)
@@ -93,7 +93,7 @@ class Depth(MessageGauge[Altitude, _Level]):
 
 
 def _step(least: float) -> float:
-    """The least of 1, 2, 5, 10, 20, ... times a power of ten that is not below this."""
+    """The smallest of 1, 2, 5, 10, 20, ... that is not below this."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(
         (size * power for size in _SIZES if size * power >= least * (1 - 1e-9)), 10.0 * power

@@ -1,4 +1,4 @@
-"""visualizeHeading and visualizeCompass: where the robot heads, on a tape and on a round compass.
+"""visualizeHeading and visualizeCompass: the heading, on a tape and on a round compass.
 
 A bearing is in degrees clockwise from north.
 """
@@ -33,13 +33,13 @@ _STEPS_DEG = (5, 15, 45, 90, 180)
 _LABEL_COLUMNS = 6
 _DEFAULT_SPAN_DEG = 120.0
 _ROWS = 3
-"""Of the whole tape: the heading, signs, labels."""
+"""Rows of the whole tape: heading, signs, labels."""
 _SMOOTHING = 3
 _LEAST_RADIUS = 4.0
 
 
 class Bearing(MessageGauge[NavigationState, float]):
-    """Base of visualizers of the heading; infinite: not known."""
+    """Base of visualizers of the heading; infinite: unknown."""
 
     urgency: ClassVar[Urgency] = Urgency.DRIVE
     definition = ROBOT_STATE
@@ -53,7 +53,7 @@ class Bearing(MessageGauge[NavigationState, float]):
 
 
 class Heading(Bearing):
-    """Degrees and letters left and right of the heading, and the heading itself in the middle."""
+    """A tape of degrees and letters, with the heading in the middle."""
 
     rule: ClassVar = VisualizerRule(
         meaning="where the robot heads, on a compass tape",
@@ -65,7 +65,7 @@ class Heading(Bearing):
     )
 
     def show(self, canvas: Canvas, reading: float, theme: Theme) -> None:
-        """The heading over the tape; in one row, amid it."""
+        """The heading over the tape; in one row, in its middle."""
         if math.isfinite(reading):
             self._show_tape(canvas, reading, theme)
         words = bearing_words(reading)
@@ -73,7 +73,7 @@ class Heading(Bearing):
         canvas.text((canvas.width - len(shown)) // 2, 0, shown, theme.ink)
 
     def _show_tape(self, canvas: Canvas, bearing: float, theme: Theme) -> None:
-        """Labels in the last of at most three rows, and signs above them."""
+        """Labels in the last of three rows, and signs above them."""
         last = min(canvas.rows, _ROWS) - 1
         middle = (canvas.width - 1) // 2
         scale = canvas.width / (self.option or _DEFAULT_SPAN_DEG)
@@ -93,7 +93,7 @@ class Heading(Bearing):
 
 
 class Compass(Bearing):
-    """A rose with its letters, an arrow where the robot heads, and the heading in words below."""
+    """A rose with letters, an arrow along the heading, and the heading in words below."""
 
     rule: ClassVar = VisualizerRule(
         meaning="where the robot heads, on a round compass",
@@ -107,7 +107,7 @@ class Compass(Bearing):
     )
 
     def show(self, canvas: Canvas, reading: float, theme: Theme) -> None:
-        """The rose, where there is room, above the words."""
+        """The words, and the rose above them if there is room."""
         height = canvas.height - 2
         radius = min(canvas.width, height) / 2.0 - 0.5
         if radius >= _LEAST_RADIUS and math.isfinite(reading):
@@ -125,7 +125,7 @@ class Compass(Bearing):
         theme: Theme,
     ) -> None:
         robot_up = self.options.word("up") == "robot"
-        # Directions are counter-clockwise from up, bearings clockwise from north.
+        # A direction is counter-clockwise from up, a bearing clockwise from north.
         north = math.radians(bearing) if robot_up else 0.0
         ahead = 0.0 if robot_up else -math.radians(bearing)
         with drawing(canvas, smoothing=_SMOOTHING) as pen:
@@ -142,10 +142,10 @@ class Compass(Bearing):
 
 
 def letters_of(bearing: float) -> str:
-    """The nearest of eight winds."""
+    """The nearest of eight compass points."""
     return LETTERS[round(bearing / 45.0) % len(LETTERS)]
 
 
 def bearing_words(bearing: float) -> str:
-    """Such as "007° N"."""
+    """A bearing in words, such as "007° N"."""
     return f"{bearing:03.0f}° {letters_of(bearing)}" if math.isfinite(bearing) else "not known"

@@ -27,9 +27,9 @@ _LATE = 2.5
 
 
 class Plot:
-    """A line from the left, long ago, to the right, now; nothing where nothing was measured.
+    """A line over time, with the present at the right and gaps where no value came.
 
-    It begins when the viewport is first drawn, and remembers each robot that it has shown.
+    It starts at the first drawing, and keeps a history for each robot.
     """
 
     rule: ClassVar = VisualizerRule(
@@ -82,7 +82,7 @@ class Plot:
         return cls(spec)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with each value, and each time that the line moves on by a pixel."""
+        """Changes with each value, and with each pixel that the line moves."""
         history = self._note(robot)
         received = robot.newest(self._definition)
         if received is None:
@@ -113,7 +113,7 @@ class Plot:
             draw_age(canvas, received.age(state.now), state.theme, self._pause)
 
     def _note(self, robot: RobotState) -> History:
-        """Remember the newest message, if it is new."""
+        """Add the newest message to the history."""
         history = self._histories.setdefault(robot.name, History(self._seconds, self._gap))
         received = robot.newest(self._definition)
         if received is not None and self._seen.get(robot.name) != received.number:
@@ -123,7 +123,7 @@ class Plot:
         return history
 
     def _pixel(self, now: float) -> int:
-        """How many pixels the line has moved on since the clock began."""
+        """Number of pixels that the line has moved since the start of the clock."""
         return int(now * self._width / self._seconds)
 
     def _limits(self, slots: Sequence[Slot]) -> tuple[float, float]:
@@ -199,7 +199,7 @@ class _Stroke:
         last: The last one.
         low: The lowest.
         high: The highest.
-        joined: Whether nothing is missing between the stroke before and this one.
+        joined: Whether there is no gap before this stroke.
     """
 
     column: int

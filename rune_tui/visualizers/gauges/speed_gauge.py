@@ -1,4 +1,4 @@
-"""visualizeSpeed: how fast the robot moves and turns, and its commanded speed."""
+"""visualizeSpeed: measured and commanded speed and turn rate."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rune_tui.visualizers.words.status_words import signed, turn_words
 
 @dataclass(frozen=True, slots=True)
 class _Pair:
-    """A velocity as measured and as commanded, positive to the right of the gauge's middle."""
+    """A measured and a commanded velocity, positive to the right of the gauge's middle."""
 
     actual: float
     commanded: float
@@ -58,7 +58,7 @@ class Speed(MessageGauge[NavigationState, tuple[_Pair, _Pair]]):
         )
 
     def show(self, canvas: Canvas, reading: tuple[_Pair, _Pair], theme: Theme) -> None:
-        """A gauge each, or both values where there is one row."""
+        """Two gauges, or both values in one row."""
         linear, angular = reading
         if canvas.rows == 1:
             both = f"{signed(linear.actual, 2)} m/s  {turn_words(angular.actual)}°/s"

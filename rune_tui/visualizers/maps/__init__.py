@@ -1,1 +1,1 @@
-"""The map, what is marked on it, and the ranges around the robot."""
+"""The map with its marks, and the ranges around the robot."""

@@ -48,11 +48,11 @@ _DOTTED: Final = 0.3
 _GRAIN: Final = 320.0
 """Smaller steps of the robot are not visible, as a share of the shown width."""
 _TURN_GRAIN: Final = {True: math.radians(0.5), False: math.radians(2.0)}
-"""Turns that are not seen when the map turns with the robot, and when it does not [rad]."""
+"""Turns too small to see, on a map that turns with the robot and on one that does not [rad]."""
 
 
 class MapData:
-    """Draws a robot's map; remembers where it has been."""
+    """Draws a robot's map with its trail."""
 
     rule: ClassVar = VisualizerRule(
         locates=True,
@@ -200,7 +200,7 @@ class MapData:
         map_marks.write_scale(canvas, window, theme)
 
     def _follow(self, robot: RobotState) -> Pose | None:
-        """Where the robot is; noted for the trail."""
+        """The robot's pose, which extends the trail."""
         pose = _pose(robot)
         if pose is not None:
             self._trail.follow(robot.name, pose)
@@ -223,7 +223,7 @@ class MapData:
             return None
         x, y = (pose.x, pose.y) if pose is not None else known.mean(axis=0).tolist()
         if not self._turns:
-            # By whole pixels, so that walls do not flicker while it moves.
+            # In steps of whole pixels, so that walls do not flicker.
             x, y = round(x / scale) * scale, round(y / scale) * scale
         return MapWindow(x=x, y=y, metres_per_pixel=scale, width=size[0], height=size[1], up=up)
 
@@ -287,7 +287,7 @@ def _known_corners(grid: OccupancyMap) -> Floats:
 
 
 def _around(corners: Floats, size: tuple[int, int], up: float, zoom: float) -> MapWindow:
-    """The window that shows all corners, the middle of them in its middle."""
+    """The window that shows all corners, centred."""
     x, y = ((corners.min(axis=0) + corners.max(axis=0)) / 2.0).tolist()
     width, height = size
     metres = MapWindow(x=x, y=y, metres_per_pixel=1.0, width=width, height=height, up=up)

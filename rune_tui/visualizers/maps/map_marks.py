@@ -26,9 +26,9 @@ _CONE_STEPS: Final = 9
 _GLOW: Final = 90
 """Brightness of the ground in the camera's view, of 255."""
 _DART_BACK: Final = math.radians(150.0)
-"""From a dart's tip to its other corners, seen from its middle [rad]."""
+"""Angle at a dart's middle between its tip and its other corners [rad]."""
 _DART_NOTCH: Final = 0.8
-"""How far its notch is behind its middle, of its reach."""
+"""Distance of its notch behind its middle, as a share of its reach."""
 _SMOOTHING: Final = 4
 _LEAST_ROBOT: Final = 5.0
 """Least radius of a drawn robot, on a map of any scale [pixels]."""
@@ -38,7 +38,7 @@ _LEAST_COLUMNS, _LEAST_ROWS = 16, 4
 
 
 def draw_trail(pen: Pen, window: MapWindow, pieces: Sequence[Floats], theme: Theme) -> None:
-    """A thin line where the robot has been."""
+    """A thin line along the robot's trail."""
     for piece in pieces:
         if len(piece) > 1:
             pen.line(_points(window.pixels(piece)), theme.faint)
@@ -79,7 +79,7 @@ def draw_cone(
 def draw_robot(
     canvas: Canvas, window: MapWindow, pose: Pose, body: RobotBody | None, theme: Theme
 ) -> None:
-    """The ground that the robot covers with an arrow on it, or an arrow where that is small."""
+    """The robot's footprint with an arrow, or only an arrow if the footprint is small."""
     x, y = _point(window.pixels((pose.x, pose.y)))
     radius = largest_radius(body) / window.metres_per_pixel
     reach = max(radius, _LEAST_ROBOT)
@@ -88,7 +88,7 @@ def draw_robot(
     around = canvas.pixels[top:bottom, left:right]
     if not around.size:
         return
-    # Smooth, as its direction must be seen; only here, as that takes time.
+    # Smooth, so that the direction is clear; only here, because it takes time.
     patch = Canvas.blank(around.shape[1], around.shape[0])
     patch.pixels[...] = around
     centre = x - left, y - top
@@ -114,7 +114,7 @@ def _draw_dart(pen: Pen, centre: Point, reach: float, direction: float, theme: T
 
 
 def mark_word(mark: InterestPoint, theme: Theme) -> tuple[str, Colour]:
-    """V for a victim and L for a landmark, with its number; and the colour of that."""
+    """The letter of a mark (V: victim, L: landmark) with its number, and their colour."""
     victim = mark.kind is PointKind.VICTIM
     return f"{'V' if victim else 'L'}{mark.number}", theme.warning if victim else theme.good
 
@@ -122,14 +122,14 @@ def mark_word(mark: InterestPoint, theme: Theme) -> tuple[str, Colour]:
 def write_points(
     canvas: Canvas, window: MapWindow, points: Sequence[InterestPoint], theme: Theme
 ) -> None:
-    """Each mark's word where it is."""
+    """The word of each mark at its place."""
     for point in points:
         word, ink = mark_word(point, theme)
         write_at(canvas, _point(window.pixels((point.x, point.y))), word, ink, theme)
 
 
 def write_ghost(canvas: Canvas, window: MapWindow, ghost: Ghost, theme: Theme) -> None:
-    """A letter with a question mark where a mark would be."""
+    """A letter with a question mark at the place of an unconfirmed mark."""
     word = "V?" if ghost.kind is PointKind.VICTIM else "L?"
     spot = _point(window.pixels((ghost.place.x, ghost.place.y)))
     write_at(canvas, spot, word, theme.warning, theme)
@@ -161,7 +161,7 @@ def write_north(canvas: Canvas, window: MapWindow, theme: Theme) -> None:
 
 
 def write_scale(canvas: Canvas, window: MapWindow, theme: Theme) -> None:
-    """A bar of a round length and how long it is, in the lower left corner."""
+    """A bar of a round length, with the length, in the lower left corner."""
     if canvas.width < _LEAST_COLUMNS or canvas.rows < _LEAST_ROWS:
         return
     room = canvas.width / 4.0 * window.metres_per_pixel
@@ -175,7 +175,7 @@ def write_scale(canvas: Canvas, window: MapWindow, theme: Theme) -> None:
 
 
 def write_at(canvas: Canvas, point: Point, string: str, ink: Colour, theme: Theme) -> None:
-    """Words on a plate that begin at a point; nothing if that is outside."""
+    """Words on a plate that begin at a point, if the point is inside."""
     column, row = math.floor(point[0]), math.floor(point[1] / 2.0)
     if 0 <= column < canvas.width and 0 <= row < canvas.rows:
         column = max(0, min(column, canvas.width - len(string)))

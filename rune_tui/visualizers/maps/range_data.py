@@ -35,15 +35,15 @@ _SMOOTHING = 3
 _LEAST_ROOM: Final = 2.0
 """Least reach of the drawing [radii of the body]."""
 _POINT_M: Final = 1e-3
-"""A body that is smaller has no corners that could be drawn [m]."""
+"""Least size of a body with visible corners [m]."""
 _FREE_ALPHA, _UNBOUNDED_ALPHA, _NEAR_ALPHA = 190, 90, 235
 _PLATE_ALPHA, _RING_ALPHA = 150, 130
 _RING_STEPS: Final = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 _LEAST_RING: Final = 3.5
-"""From one ring to the next, at least [pixels]."""
+"""Least distance between rings [pixels]."""
 _MOST_RINGS: Final = 4
 _LEAST_RIM: Final = 8.0
-"""In smaller drawings there are no rings [pixels]."""
+"""Least rim of a drawing with rings [pixels]."""
 _RING_DIRECTION: Final = math.radians(-146.0)
 """Bearing of the distances at rings: between two sensors, behind on the right."""
 
@@ -67,7 +67,7 @@ class _Plan:
     body: float
 
     def length(self, range_m: float) -> float:
-        """A range from the robot's centre [m], no further than the rim, in pixels."""
+        """A range from the robot's centre [m] in pixels, at most to the rim."""
         return min(range_m, self.rim_m) / self.rim_m * self.rim
 
 
@@ -198,16 +198,16 @@ class RangeData:
         """The range of each direction that has a pie [m], shape (16,)."""
         if self.sensors not in {"infrared", "fused"}:
             return navigation.sonar
-        # Infrared does not see far: that it sees nothing does not mean that there is room.
+        # Infrared is short: no echo does not mean a free way.
         seen = np.where(np.isinf(navigation.infrared), np.float32(np.nan), navigation.infrared)
         return np.fmin(navigation.sonar, seen) if self.sensors == "fused" else seen
 
     def _arcs(self, navigation: NavigationState) -> npt.NDArray[np.float32]:
-        """The range of each direction that has an arc besides [m], shape (16,) or (0,)."""
+        """The range of each direction that also has an arc [m], shape (16,) or (0,)."""
         return navigation.infrared if self.sensors == "both" else np.empty(0, np.float32)
 
     def _plan(self, canvas: Canvas, body: RobotBody | None) -> _Plan:
-        # A robot that would fill the drawing gets a larger one.
+        # The drawing leaves room around a large robot.
         radius = largest_radius(body)
         rim_m = max(self.rim_m, _LEAST_ROOM * radius)
         rim = max(1.0, min(canvas.width, canvas.height) / 2.0 - 0.5)
@@ -281,7 +281,7 @@ def _rings(plan: _Plan) -> list[float]:
 
 
 def _write_metres(canvas: Canvas, plan: _Plan, rings: Sequence[float], theme: Theme) -> None:
-    """Each ring's distance, the unit behind the last."""
+    """The distance of each ring; the last has the unit."""
     for number, ring in enumerate(rings):
         x, y = toward(plan.centre, plan.length(ring), _RING_DIRECTION)
         words = f"{ring:g} m" if number == len(rings) - 1 else f"{ring:g}"
@@ -305,7 +305,7 @@ def nearness_of(room: float, near_m: float = NEAR_M, close_m: float = CLOSE_M) -
 
 
 def as_it_moves(nearness: Nearness, navigation: NavigationState) -> Nearness:
-    """How near something counts: a robot that is held off it passes it closely, and may."""
+    """The class that counts: a robot that navigation steers may pass near obstacles."""
     return min(nearness, Nearness.NEAR) if held_off(navigation) else nearness
 
 

@@ -1,1 +1,1 @@
-"""Parts of several visualizers: rows of words, bars, notices, the fading of stale values."""
+"""Parts that visualizers share: rows of words, notices, history, staleness."""

@@ -23,7 +23,7 @@ from rune_tui.visualizers.parts.severity import Part, Severity
 
 
 def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """The short form: for the status line, and where alarms are."""
+    """The short form, for the status line and for alarms."""
     control = control_of(robot)
     if control is None:
         return

@@ -1,4 +1,4 @@
-"""A number of a message, found by its path, and how it went over time, in bounded memory."""
+"""A number of a message by its path, and its history in bounded memory."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Slot:
         last: The last one.
         low: The lowest.
         high: The highest.
-        joined: Whether nothing is missing between the slot before and this one.
+        joined: Whether there is no gap before this slot.
     """
 
     begin: float
@@ -64,18 +64,18 @@ class History:
     """The newest seconds of a number."""
 
     def __init__(self, seconds: float, gap: float) -> None:
-        """Begin with nothing.
+        """Prepare.
 
         Args:
-            seconds: How long values are kept [s].
-            gap: Time between two values from which on something is missing between them [s].
+            seconds: Length of the history [s].
+            gap: Least time between two values that makes a gap [s].
         """
         self._seconds = seconds
         self._gap = gap
         self._slots: deque[Slot] = deque(maxlen=SLOTS)
         self._broken = False
         self.count = 0
-        """Number of values so far; it changes with each new value."""
+        """Number of values so far."""
 
     def add(self, when: float, value: float) -> None:
         """Add a value; one that is not finite leaves a gap."""

@@ -26,8 +26,8 @@ R = TypeVar("R", bound=Hashable)
 class MessageGauge(ABC, Generic[T, R]):
     """Draws a value of a message, and its age.
 
-    `reading` rounds the value to what is visible, and `show` gets only that. So the picture
-    changes when the reading changes, and only then.
+    `reading` rounds the value to the visible precision, and `show` draws only the reading. So the
+    picture changes only with the reading.
 
     Attributes:
         options: The options in the layout.
@@ -54,7 +54,7 @@ class MessageGauge(ABC, Generic[T, R]):
 
     @abstractmethod
     def show(self, canvas: Canvas, reading: R, theme: Theme) -> None:
-        """Draw it on a canvas that is filled with the theme's panel."""
+        """Draw a reading on a canvas that is filled with the theme's panel."""
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the newest message and its age."""

@@ -1,4 +1,4 @@
-"""Words in rows: shortened, put side by side in columns, or wrapped, as there is room."""
+"""Words in rows: cut, wrapped, or side by side in columns, as the room allows."""
 
 from __future__ import annotations
 
@@ -36,10 +36,7 @@ class TextRow:
 
 
 def cut(text: str, columns: int) -> str:
-    """The text, with an ellipsis instead of the words without room.
-
-    A word is cut only if it is alone and wider than the room.
-    """
+    """The text, with an ellipsis in place of words that do not fit; only a single word is cut."""
     shown = printable_text(text)
     if len(shown) <= columns:
         return shown
@@ -73,7 +70,7 @@ def fitting_form(columns: int, *forms: str) -> str:
 
 
 def wrapped(row: TextRow, columns: int, indent: str = "  ") -> Iterator[TextRow]:
-    """A row as several, those after the first indented."""
+    """A row wrapped to several; rows after the first are indented."""
     indent = indent if columns >= 4 * len(indent) else ""
     text = printable_text(row.text)
     lines = textwrap.wrap(text, max(1, columns), subsequent_indent=indent)
@@ -82,7 +79,7 @@ def wrapped(row: TextRow, columns: int, indent: str = "  ") -> Iterator[TextRow]
 
 
 def flowing(words: Iterable[TextRow], columns: int) -> Iterator[tuple[TextRow, ...]]:
-    """Short words, as many on each row as fit side by side."""
+    """Short words side by side, as many on each row as fit."""
     line: list[TextRow] = []
     used = 0
     for word in words:
@@ -97,14 +94,14 @@ def flowing(words: Iterable[TextRow], columns: int) -> Iterator[tuple[TextRow, .
 
 
 def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int) -> tuple[str, ...]:
-    """Rows of cells in columns of one width each.
+    """Rows of cells in aligned columns.
 
-    Where room is short the columns of least weight are left out, and the last is cut.
+    With little room the columns of least weight are left out, and the last one is cut.
 
     Args:
-        cells: Each row's cells.
-        weights: How much each column matters.
-        columns: The room there is.
+        cells: The cells of each row.
+        weights: The weight of each column.
+        columns: The room [cells].
     """
     widths = [max(len(printable_text(cell)) for cell in column) for column in zip(*cells)]  # noqa: B905
     last = len(widths) - 1
@@ -125,7 +122,7 @@ def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int)
 
 
 def entry_rows(entries: Sequence[Entry], weights: Sequence[int], columns: int) -> Iterator[TextRow]:
-    """A table of entries; `weights` as for `tabled`, that of the reason last."""
+    """A table of entries; `weights` as for `tabled`, with the reason last."""
     if columns >= NARROW:
         lines = tabled([(*entry.cells, entry.why) for entry in entries], weights, columns)
     else:

@@ -46,7 +46,7 @@ class Part:
 
 
 def ink_of(severity: Severity, theme: Theme) -> Colour:
-    """The colour of words that are meant so."""
+    """The colour of words of a severity."""
     return {
         Severity.PLAIN: theme.ink,
         Severity.FAINT: theme.faint,

@@ -42,21 +42,21 @@ class Staleness(enum.IntEnum):
 def pause_of(definition: MessageDefinition[Any]) -> float:
     """Normal delay of the next message [s].
 
-    It counts for messages of at most 1 Hz, which would always be old without it.
+    For messages of at most 1 Hz, which would always be old without it; else 0.
     """
     return 1.0 / definition.rate_hz if 0.0 < definition.rate_hz <= 1.0 / DIM_AFTER_S else 0.0
 
 
 def staleness(age: float, pause: float = 0.0) -> Staleness:
-    """How data of this age [s] is shown, where that long a pause [s] is usual."""
+    """The staleness of data of an age [s], with a usual pause between messages [s]."""
     if age > HATCH_AFTER_S + pause:
         return Staleness.STALE
     return Staleness.OLD if age > DIM_AFTER_S + pause else Staleness.FRESH
 
 
 def age_text(age: float) -> str:
-    """An age [s] in as much detail as helps: "4.2 s", "37 s", "3 min", "2 h"."""
-    # Rounded down, so that nothing is called older than it is.
+    """An age [s] in words: "4.2 s", "37 s", "3 min", "2 h"."""
+    # Rounded down: the text is never more than the age.
     if age < 10.0:
         return f"{int(age * 10.0) / 10.0:.1f} s"
     if age < 120.0:
@@ -87,13 +87,13 @@ def fade_by_age(canvas: Canvas, age: float, pause: float = 0.0) -> None:
 
 
 def draw_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> None:
-    """Fade a drawing by its age [s], and mark it with the age once it is stale."""
+    """Fade a drawing by its age [s], and write the age on it if stale."""
     fade_by_age(canvas, age, pause)
     mark_age(canvas, age, theme, pause)
 
 
 def mark_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> None:
-    """Write "STALE 4.2 s" over the middle of the first cell row, once data is that old [s]."""
+    """Write "STALE 4.2 s" in the middle of the first row, if data of this age [s] is stale."""
     if staleness(age, pause) is not Staleness.STALE:
         return
     full = f" STALE {age_text(age)} "

@@ -1,4 +1,4 @@
-"""The trails of robots, while they are drawn."""
+"""The trails of robots on maps."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rune_tui.model.pose import Pose
 from rune_tui.model.sightings import Floats
 
 STEP_M: Final = 0.1
-"""From one point of a trail to the next, at least [m]."""
+"""Least distance between points of a trail [m]."""
 
 _JUMP_M: Final = 1.0
 """A longer step is no motion [m]: the pose was corrected, or the robot was carried."""
@@ -32,7 +32,7 @@ class Trail:
         self._ways: dict[str, deque[tuple[float, float]]] = {}
 
     def follow(self, robot: str, pose: Pose) -> None:
-        """Note where a robot is, if it has moved."""
+        """Add a robot's pose to its trail, if it has moved."""
         if not self._most:
             return
         way = self._ways.setdefault(robot, deque(maxlen=self._most))

@@ -1,1 +1,1 @@
-"""The camera's picture and what is drawn into it."""
+"""The camera's picture and overlays on it."""

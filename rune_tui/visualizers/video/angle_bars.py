@@ -1,4 +1,4 @@
-"""visualizePanData, visualizeTiltData: where the camera looks, as a bar as long as its view."""
+"""visualizePanData, visualizeTiltData: the camera's direction, as a bar of its field of view."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Direction(enum.Enum):
 
 
 class AngleBar(PlainVisualizer, ABC):
-    """Draws one angle of the camera; empty until there is one."""
+    """Draws one angle of the camera; clear without one."""
 
     whole_cells: ClassVar[bool] = False
     urgency: ClassVar[Urgency] = Urgency.DRIVE

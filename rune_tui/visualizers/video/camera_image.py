@@ -1,4 +1,4 @@
-"""visualizeCameraImage: the newest camera picture, or in words why there is none."""
+"""visualizeCameraImage: the newest picture, or the reason for none in words."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _SAME_PLACE_M: Final = 0.05
 _SAME_HEADING: Final = math.radians(2.0)
 """Ranges belong to a picture within these differences of time, place and heading."""
 _CROSS: Final = (2, 4, 6)
-"""From the middle of the crosshair to where its colours begin and end [pixels]."""
+"""Distances from the middle of the crosshair at which its colours begin and end [pixels]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,7 +107,7 @@ class CameraImage:
             write_notice(canvas, trouble, state.theme)
 
     def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw the marks and the ghost again: an operator who confirms a mark must see it."""
+        """Draw the marks and the ghost again: the operator must see a mark to confirm it."""
         if robot.picture is not None and robot.picture.value.pixels.size:
             self._draw_marks(canvas, robot, robot.picture.value, state)
 
@@ -130,7 +130,7 @@ class CameraImage:
         robot: RobotState,
         state: ConsoleState,
     ) -> tuple[float, float] | None:
-        """Where in the camera's picture a pixel of the viewport is; None beside the picture."""
+        """Place in the camera's picture of a viewport's pixel; None beside the picture."""
         if robot.picture is None or not robot.picture.value.pixels.size:
             return None
         return self._frame(robot.picture.value, size, state).shares(pixel)
@@ -176,7 +176,7 @@ class CameraImage:
         if not words:
             return
         shown = words if len(words) <= canvas.width else words.removeprefix("camera is ")
-        # On the second row, because the first one may have the picture's age.
+        # On the second row: the first one may have the picture's age.
         row = min(1, canvas.rows - 1)
         column = max(0, (canvas.width - len(shown)) // 2)
         with drawing(canvas) as pen:
@@ -216,7 +216,7 @@ def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:
     x, y = frame.left + frame.width // 2, frame.top + frame.height // 2
     inks = (theme.ink, theme.ground)
     with drawing(canvas) as pen:
-        # In two colours, so that it is seen on dark and on bright.
+        # Two colours, visible on dark and on bright pictures.
         for (near, far), colour in zip(itertools.pairwise(_CROSS), inks, strict=True):
             for first, end in ((near, far), (1 - far, 1 - near)):
                 pen.rectangle(x + first, y, x + end, y + 1, colour)

@@ -1,4 +1,4 @@
-"""visualizeGroundPlane: lines on the ground over the video, and where the robot is going."""
+"""visualizeGroundPlane: lines on the ground over the video, and the path ahead."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class _Ground:
 
     @classmethod
     def of(cls, robot: RobotState) -> Self | None:
-        """As the picture shows it, or the camera's state where there is no picture."""
+        """The ground of the newest picture; without one, of the camera's state."""
         if robot.picture is not None and robot.picture.value.pixels.size:
             height, width = robot.picture.value.pixels.shape[:2]
             return cls._seen(robot.picture, robot.picture.value.camera, (width, height))
@@ -133,7 +133,7 @@ class GroundPlane:
         farthest = spec.options.number("farthest")
         wanted = spec.option if spec.option > 0.0 else _SPACING_M
         return cls(
-            # At most as many lines as are distinct.
+            # Limits the number of lines, so that they stay distinct.
             spacing=max(wanted, farthest / 40.0),
             farthest=farthest,
             rings=spec.options.word("lines") == "rings",
@@ -142,7 +142,7 @@ class GroundPlane:
         )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw the lines as the picture's camera saw them; nothing before there is one."""
+        """Draw the lines as seen by the picture's camera, once there is one."""
         ground = _Ground.of(robot)
         if ground is None:
             return
@@ -165,7 +165,7 @@ class GroundPlane:
                 stop = _draw_way(pen, geometry, way, covers, ink, state.theme.warning)
         _clear_beside(canvas, frame)
         self._write_distances(canvas, geometry, covers, state.theme)
-        # A part behind an obstacle is hidden, but not out of the picture.
+        # A part behind an obstacle is hidden, but inside the picture.
         if course is not None and way is not None and not (stop is None and covers):
             _write_way(canvas, course, way.stop_distance, stop, state.theme)
         draw_age(canvas, age, state.theme)
@@ -184,7 +184,7 @@ class GroundPlane:
         return np.linspace(self.spacing, count * self.spacing, count)
 
     def _lines(self) -> Floats:
-        """Corners of all lines in the robot's frame [m], a row of NaN between two of them."""
+        """Corners of all lines in the robot's frame [m], with a row of NaN between lines."""
         lines: list[Floats] = []
         if self.rings:
             around = np.arange(0.0, 2.0 * math.pi + _RING_STEP, _RING_STEP)
@@ -202,7 +202,7 @@ class GroundPlane:
     def _write_distances(
         self, canvas: Canvas, geometry: PictureGeometry, covers: tuple[float, ...], theme: Theme
     ) -> None:
-        """Write each line's distance where it enters the picture from the left."""
+        """Write each line's distance at the left edge of the picture."""
         left = max(0.0, geometry.left) + 1.0
         top, bottom = max(0.0, geometry.top), min(canvas.height, geometry.top + geometry.height)
         rows = np.arange(top, bottom) + 0.5
@@ -311,7 +311,7 @@ def _write_way(
 
 
 def _write_low(canvas: Canvas, string: str, ink: Colour, theme: Theme) -> None:
-    """Words near the lower edge, above the last row, where layouts like to have a status line."""
+    """Words above the last row, where layouts often have a status line."""
     column, row = max(0, (canvas.width - len(string)) // 2), max(0, canvas.rows - 2)
     _write(canvas, column, row, string, ink, theme)
 

@@ -1,4 +1,4 @@
-"""visualizeNightMode: whether the camera sees in the dark, as an icon and in words."""
+"""visualizeNightMode: the state of night mode, as an icon and in words."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ _MOON, _SUN = "☾", "☼"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NightMode:
-    """A moon and the word NIGHT while night mode is on, else a sun and the word day, or nothing.
+    """A moon and the word NIGHT in night mode, else a sun and the word day, or nothing.
 
     Attributes:
-        by_day: Whether there is anything to see by day.
+        by_day: Whether it shows anything by day.
     """
 
     by_day: bool = True
@@ -54,7 +54,7 @@ class NightMode:
         return cls(by_day=spec.options.word("day") == "shown")
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw the icon, and as many of the words as fit beside it."""
+        """Draw the icon, and the words that fit beside it."""
         words = _words(robot, state)
         night = _is_night(robot, state)
         if not night and not self.by_day:

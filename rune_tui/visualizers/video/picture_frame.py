@@ -51,7 +51,7 @@ class PictureFrame:
             width: Width of the picture [pixels].
             height: Height of the picture [pixels].
             room: Width and height of the viewport [pixels].
-            tall: Height of the viewport's pixels over their width; those of the picture are square.
+            tall: Height of the viewport's pixels over their width; the picture's are square.
         """
         if fit == STRETCH:
             size = room
@@ -66,7 +66,7 @@ class PictureFrame:
         )
 
     def shares(self, pixel: tuple[float, float]) -> tuple[float, float] | None:
-        """Where in the picture a pixel is, as shares of its width and height; None beside it."""
+        """A pixel's place as shares of the picture's width and height; None beside it."""
         across = (pixel[0] - self.left) / self.width
         down = (pixel[1] - self.top) / self.height
         return (across, down) if 0.0 <= across <= 1.0 and 0.0 <= down <= 1.0 else None

@@ -1,4 +1,4 @@
-"""Marks and the ghost of a mark, drawn where they are in the camera's picture."""
+"""Marks and the ghost of a mark at their places in the camera's picture."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rune_tui.visualizers.maps.map_marks import mark_word, write_at
 FARTHEST_M: Final = 15.0
 """Marks that are farther away are not drawn [m]."""
 _MOST: Final = 24
-"""More words than that hide the picture; the nearest marks in it are drawn."""
+"""Most marks in a picture; more words would hide it, so the nearest win."""
 AGAIN: Final = "click again to mark it"
 _REACH: Final = 3.0
 """Half the width of a ghost's cross [pixels]."""
@@ -90,7 +90,7 @@ def _in_picture(
 
 
 def _pixel(place: WorldPoint, geometry: PictureGeometry, pose: Pose) -> tuple[float, float] | None:
-    """Where a place is in the picture; None where it is not."""
+    """The pixel of a place in the picture; None if outside."""
     seen = geometry.pixels(pose.from_map((place.x, place.y)), place.height)
     x, y = seen.pixels.tolist()
     return (x, y) if seen.inside else None

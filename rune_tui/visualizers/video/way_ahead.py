@@ -1,4 +1,4 @@
-"""Where a robot is going at its present command, as lines on the ground."""
+"""The path of a robot at its present command, as lines on the ground."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ REACTION_S: Final = 0.3
 """Time for which navigation follows the last command [s]."""
 
 _SLOWEST: Final = 0.01
-"""Slower than this [m/s] it counts as turning on the spot, and turning [rad/s] as straight."""
+"""Least speed [m/s] that is not a turn on the spot, and least turn rate [rad/s] of an arc."""
 _MOST_ARROWS: Final = 8
 _TIP: Final = 0.6
-"""From an arrow's ends to its tip, and half its width, in radii of the body."""
+"""Length of an arrow, and half its width [radii of the body]."""
 _TURN: Final = 2.0 * math.pi
 _BREAK: Final = np.full((1, 2), np.nan)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class WayAhead:
-    """The ground that a robot passes over while it keeps its velocities.
+    """The ground that a robot covers at constant velocities.
 
     Attributes:
         edges: The left and the right edge of the swept ground [m], a row of NaN between them.
@@ -49,7 +49,7 @@ class Course:
     Attributes:
         linear: Speed forward [m/s].
         angular: Turn rate [rad/s], counter-clockwise.
-        radius: Of the circle around the whole robot [m].
+        radius: Radius of the circle around the whole robot [m].
         now: The robot's pose now; None: not needed.
         then: Its pose in the frame of the drawing; None: its own frame.
         old: Whether a newer command may exist.
@@ -84,7 +84,7 @@ class Course:
         return f"drives {'ahead' if self.linear > 0.0 else 'back'}, out of the picture"
 
     def way(self, *, reach: float, braking: float) -> WayAhead:
-        """The ground that it passes over.
+        """The ground that the robot covers.
 
         Args:
             reach: Distance to look ahead [m].
@@ -122,7 +122,7 @@ class Course:
         return self.then.from_map(self.now.to_map(points))
 
     def _arrows(self, seconds: float) -> Floats:
-        """A head for each of the next seconds, a row of NaN behind each."""
+        """An arrow head for each of the next seconds, with a row of NaN after each."""
         heads: list[Floats] = [_BREAK]
         for second in range(1, min(_MOST_ARROWS, math.floor(seconds)) + 1):
             left, right = (edge[-1] for edge in self._swept(second))

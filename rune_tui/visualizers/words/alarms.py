@@ -22,7 +22,7 @@ _SIGNS = {Severity.ALARM: "!! ", Severity.WARNING: "! "}
 
 
 class Alarms(PlainVisualizer):
-    """Alarms on the alarm's colour behind "!!", then warnings behind "!", in words."""
+    """Alarms after "!!" on the alarm's colour, then warnings after "!", in words."""
 
     rule: ClassVar = VisualizerRule(
         meaning="what is wrong now, except what the banner says, the worst first; all well if "
@@ -42,7 +42,7 @@ class Alarms(PlainVisualizer):
         """Write the alarms that fit, and the number of the others."""
         theme = state.theme
         canvas.fill(theme.panel)
-        parts = _unsaid(robot, state)
+        parts = _not_in_banner(robot, state)
         if not parts:
             whose = "" if len(state.robots) == 1 else f"{state.title(robot.name)}: "
             words = "nothing else" if _alarmed(state) else f"{whose}all well"
@@ -57,8 +57,13 @@ class Alarms(PlainVisualizer):
             _write(canvas, row, line, behind, state.theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with any word of it."""
-        return state.title(robot.name), _unsaid(robot, state), _alarmed(state), state.theme.name
+        """Changes with any word."""
+        return (
+            state.title(robot.name),
+            _not_in_banner(robot, state),
+            _alarmed(state),
+            state.theme.name,
+        )
 
 
 def _alarmed(state: ConsoleState) -> bool:
@@ -66,7 +71,7 @@ def _alarmed(state: ConsoleState) -> bool:
     return state.banner is not None and not state.banner.calm
 
 
-def _unsaid(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+def _not_in_banner(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     return tuple(part for part in troubles(robot, state) if not is_in_banner(part, robot, state))
 
 
@@ -76,7 +81,7 @@ def _block(part: Part, columns: int) -> list[TextRow]:
 
 
 def _fitting(blocks: list[list[TextRow]], rows: int) -> int:
-    """How many blocks fit, but one at least."""
+    """Number of blocks that fit, at least one."""
     used = 0
     for index, block in enumerate(blocks):
         used += len(block)

@@ -1,4 +1,4 @@
-"""visualizeButton: an area to click at, with a text and, where there is one, the state it turns."""
+"""visualizeButton: an area to click at, with a text and the state that it toggles, if any."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rune_tui.visualizers.parts.staleness import Staleness, fade_by_age, stalene
 
 _NOTHING: Final = "nothing"
 _LEAST_FRAME = (5, 6)
-"""Width and height of a button below which it has no frame [pixels]."""
+"""Least width and height of a button with a frame [pixels]."""
 
 
 def _assistance(robot: RobotState, state: ConsoleState) -> bool | None:
@@ -98,7 +98,7 @@ class Button:
         return cls(printable_text(spec.text), key, spec.options.word("shows"))
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw the plate and write on it."""
+        """Draw the plate with its text."""
         face, theme = self._face(robot, state), state.theme
         lit = face.on or face.pressed
         plate, ink = (theme.ink, theme.panel) if lit else (theme.panel, theme.ink)
@@ -123,7 +123,7 @@ class Button:
         return _Face(self.text, on, known, pressed, staleness(self._age(robot, state)))
 
     def _age(self, robot: RobotState, state: ConsoleState) -> float:
-        """How old the state is that it shows [s]; the console's own is of now."""
+        """Age of its state [s]; 0 for the console's own."""
         if robot.navigation is None or self.shows not in _SHOWN:
             return 0.0
         return robot.navigation.age(state.now)

@@ -20,7 +20,7 @@ from rune_tui.visualizers.visualizer import PlainVisualizer
 
 
 class Control(PlainVisualizer):
-    """A row each; a request that this console must answer has the alarm's colour."""
+    """Rows about control; a request that this console must answer has the alarm's colour."""
 
     rule: ClassVar = VisualizerRule(
         meaning="who has control of the robot, who asks for it and for how long, who moves it, "

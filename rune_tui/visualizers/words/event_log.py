@@ -19,16 +19,16 @@ from rune_tui.visualizers.parts.severity import Severity, ink_of
 _NARROW = 40
 _INDENT = " " * 4
 _MOST_ROWS = 2
-"""Rows that one notice may take."""
+"""Most rows of one notice."""
 
 
 @dataclass(frozen=True, slots=True)
 class EventLog:
-    """The newest notices that there is room for, each with its time; alarms begin with "!".
+    """The newest notices that fit, each with its time; alarms begin with "!".
 
     Attributes:
         newest_at_top: Whether the newest is the first row, not the last.
-        of_all: Whether notices of other robots are shown as well.
+        of_all: Whether it shows notices of other robots too.
     """
 
     newest_at_top: bool
@@ -65,11 +65,11 @@ class EventLog:
     def _chosen(
         self, notices: Sequence[Notice], columns: int, room: int, state: ConsoleState
     ) -> list[TextRow]:
-        """The rows of those notices that weigh most, in the order in which they happened."""
+        """The rows of the most important notices, in the order of time."""
         chosen: dict[int, list[TextRow]] = {}
         places = {id(notice): number for number, notice in enumerate(notices)}
         for notice in by_weight(notices, state.now):
-            rows = [*_rows(notice, _whose(notice, state), columns)][:room]
+            rows = [*_rows(notice, _robot_name(notice, state), columns)][:room]
             room -= len(rows)
             chosen[places[id(notice)]] = rows
             if room <= 0:
@@ -80,7 +80,7 @@ class EventLog:
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the notices."""
         notices = self._notices(robot, state)
-        titles = tuple(_whose(each, state) for each in notices)
+        titles = tuple(_robot_name(each, state) for each in notices)
         fresh = sum(state.now - each.when < KEPT_S for each in notices)
         return notices, titles, fresh, state.theme.name
 
@@ -90,8 +90,8 @@ class EventLog:
         return tuple(each for each in state.notices if each.robot in {"", robot.name})
 
 
-def _whose(notice: Notice, state: ConsoleState) -> str:
-    """The robot's name, where there are several."""
+def _robot_name(notice: Notice, state: ConsoleState) -> str:
+    """The robot's name, if there are several robots."""
     return "" if len(state.robots) == 1 else state.title(notice.robot)
 
 

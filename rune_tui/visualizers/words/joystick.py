@@ -1,4 +1,4 @@
-"""visualizeJoystick: which device a joystick is, and how far each of its controls is moved."""
+"""visualizeJoystick: the device of a joystick, and the position of each control."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rune_tui.visualizers.words.status_words import joystick_words
 
 _LONGEST_BAR = 20
 _VALUE = 6
-"""Room for a value such as " -0.25" [cells]."""
+"""Width of a value such as " -0.25" [cells]."""
 _AGE_STEP_S = 0.05
 
 
@@ -28,7 +28,7 @@ class Joystick:
     """A line on the device, then a row for each control: its name, a bar, its value.
 
     Attributes:
-        name: Which joystick; empty: the first of the layout.
+        name: Name of the joystick; empty: the first of the layout.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Joystick:
         write_rows(canvas, self._rows(state, canvas.width), state.theme)
 
     def source(self, _robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with any value that is shown."""
+        """Changes with any shown value."""
         joystick = self._joystick(state)
         if joystick is None:
             return None, state.theme.name
@@ -98,7 +98,7 @@ def _bars(joystick: JoystickState, columns: int) -> Iterator[TextRow]:
 
 
 def bar(value: float, length: int) -> str:
-    """How far something is moved, -1 to 1, as a row of signs with its rest in the middle."""
+    """A position of -1 to 1 as a row of signs, with the rest position in the middle."""
     half = (length - 1) // 2
     moved = min(half, round(abs(value) * half))
     rest = "·" * (half - moved)

@@ -20,7 +20,7 @@ _BETWEEN = " · "
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """Text from the upper left corner on, wrapped; everything else is clear.
+    """Wrapped text from the upper left corner; the rest is clear.
 
     Attributes:
         text: Its text.

@@ -23,11 +23,11 @@ _LONG_S = 120.0
 _TENS = 10
 """Step of the shown latency [ms]."""
 _COARSE = 5
-"""From this coarseness on it is seen."""
+"""Least visible coarseness."""
 
 
 class Link(PlainVisualizer):
-    """Words, as many on a row as fit: phase, ages of state and picture, losses, pictures, rates."""
+    """Words side by side: phase, ages of state and picture, losses, pictures, rates."""
 
     rule: ClassVar = VisualizerRule(
         meaning="the connection in words: phase, ages, losses, pictures, round trip, rates",
@@ -37,7 +37,7 @@ class Link(PlainVisualizer):
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the words that fit, from the start."""
         canvas.fill(state.theme.panel)
-        lines = [*flowing(_unsaid(robot, state), canvas.width)]
+        lines = [*flowing(_not_in_banner(robot, state), canvas.width)]
         if robot.link.detail:
             lines += [(row,) for row in wrapped(TextRow(robot.link.detail), canvas.width)]
         for index, line in enumerate(lines[: canvas.rows]):
@@ -48,8 +48,8 @@ class Link(PlainVisualizer):
                 column += len(text) + GAP
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with any word of it."""
-        return tuple(_unsaid(robot, state)), robot.link.detail, state.theme.name
+        """Changes with any word."""
+        return tuple(_not_in_banner(robot, state)), robot.link.detail, state.theme.name
 
 
 def _words(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
@@ -104,7 +104,7 @@ def _pictures(flow: PictureFlow) -> Iterator[TextRow]:
     yield TextRow(kind if flow.coding is ImageCoding.RAW else f"{kind} {flow.quality}")
 
 
-def _unsaid(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
+def _not_in_banner(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
     """All words that the banner does not show."""
     banner = state.banner
     said = banner.text if banner is not None and banner.robot == robot.name else ""

@@ -1,4 +1,4 @@
-"""visualizeMarks: the victims and landmarks that were found, as a list."""
+"""visualizeMarks: the list of victims and landmarks."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
         return _head(value), tuple(map(_cells, newest_first))
 
     def show(self, canvas: Canvas, reading: tuple[str, tuple[_Cells, ...]], theme: Theme) -> None:
-        """The head line where there are two rows, and the list."""
+        """The head line, if there are two rows, and the list."""
         head, marks = reading
         if canvas.width < NARROW:
             marks = tuple(
@@ -68,12 +68,12 @@ def _head(value: InterestPoints) -> str:
         for kind, count in sorted(counts.items())
     ]
     unkept = sum(not point.kept for point in value.points)
-    # First, as it stays where room is short.
+    # First, because the first words stay when room is short.
     return ", ".join([f"{unkept} {_UNKEPT}", *words] if unkept else words)
 
 
 def _short(head: str) -> str:
-    """Such as "1 NOT KEPT, 2 v, 1 l"."""
+    """A short form such as "1 NOT KEPT, 2 v, 1 l"."""
     parts = head.split(", ")
     return ", ".join(
         part if part.endswith(_UNKEPT) else part[: part.find(" ") + 2] for part in parts
@@ -96,7 +96,7 @@ def _cells(point: InterestPoint) -> _Cells:
 
 
 def _clock(stamp: float) -> str:
-    """A time [s since the epoch] as the time of day here; empty: there is none."""
+    """A time [s since the epoch] as the local time of day; empty: none."""
     if not (math.isfinite(stamp) and stamp > 0.0):
         return ""
     return time.strftime("%H:%M:%S", time.localtime(stamp))

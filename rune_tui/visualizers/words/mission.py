@@ -99,7 +99,7 @@ def _saved(mission: MissionState) -> Part:
 
 
 def _time(seconds: float) -> str:
-    """A time that is easy to read: "8 s", "12 min", "3:05 h"."""
+    """A time in words: "8 s", "12 min", "3:05 h"."""
     whole = int(seconds)
     if whole < 90:
         return f"{whole} s"

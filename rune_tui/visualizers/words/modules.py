@@ -34,11 +34,11 @@ class Modules(MessageGauge[ModuleReports, tuple[Entry, ...]]):
     subject = "module list"
 
     def reading(self, value: ModuleReports, _robot: RobotState) -> tuple[Entry, ...]:
-        """Whole percents and megabytes."""
+        """The modules, with whole percents and megabytes."""
         return tuple(map(_line, value.modules))
 
     def show(self, canvas: Canvas, reading: tuple[Entry, ...], theme: Theme) -> None:
-        """A head line, where there are two rows, and the modules."""
+        """A head line, if there are two rows, and the modules."""
         head = [_HEAD] if canvas.rows > 1 else []
         write_rows(canvas, [*entry_rows([*head, *reading], _WEIGHTS, canvas.width)], theme)
 

@@ -68,7 +68,7 @@ class Status:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the parts that fit into the first row."""
         canvas.fill(state.theme.bar)
-        parts = fitting(self._unsaid(robot, state), canvas.width)
+        parts = fitting(self._shown_parts(robot, state), canvas.width)
         column = 0 if _width(parts) + 2 > canvas.width else 1
         for part in parts:
             canvas.text(
@@ -78,12 +78,12 @@ class Status:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word of it."""
-        return self._unsaid(robot, state), state.theme.name
+        return self._shown_parts(robot, state), state.theme.name
 
-    def _unsaid(self, robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
+    def _shown_parts(self, robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         """The parts that neither the banner nor another pane shows.
 
-        Beside full screen and pages no gauges are visible.
+        Full screen and pages hide the gauges.
         """
         gauges = self.gauges and not (state.full or state.paged)
         return tuple(
@@ -98,9 +98,9 @@ class Status:
 
 
 def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:
-    """The parts that fit side by side; at least one stays.
+    """The parts that fit side by side, at least one.
 
-    Those of least weight are shortened, and then left out, before those of more weight are.
+    Parts of the least weight are shortened first, then left out.
     """
     kept: dict[int, Part] = dict(enumerate(parts))
     for weight in sorted({part.weight for part in parts}):

@@ -54,7 +54,7 @@ _ROLLING_ON = {
     MotionState.NO_DRIVER: "NO DRIVER, and it moves",
     MotionState.WAITING: "STOPPING, then waits for a neutral command",
 }
-"""The same while the robot still moves without a command."""
+"""The same while the robot still rolls without a command."""
 _FAULTS = frozenset({MotionState.SILENCE, MotionState.NO_DRIVER})
 """Unintended states of motion; a stop is intended."""
 _SHORT_MOTION = {
@@ -87,7 +87,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 
 def _stop_key(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """The key that stops the robot, while no line of keys is in sight."""
+    """The stop key, while no line of keys is visible."""
     key = state.input_of(Purpose.STOP, robot.name)
     if key and (state.full or state.paged):
         yield Part(f"{key[:1].upper()}{key[1:]} STOP", 10)
@@ -119,7 +119,7 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
     if linked and staleness(age) is not Staleness.FRESH:
         yield Part(f"STATE {age_text(age)} OLD", 9, Severity.ALARM)
     known = (
-        *_doing(robot, navigation, now),
+        *_moving(robot, navigation, now),
         *_battery(navigation),
         *_nearest(navigation, robot.body),
     )
@@ -135,7 +135,7 @@ def _past(part: Part) -> Part:
     return Part(f"was {part.text}", min(part.weight, 4), Severity.FAINT, short, part.gauge)
 
 
-def _doing(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
+def _moving(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
     """The robot's motion and its speed."""
     motion = navigation.motion
     if motion is MotionState.WAITING and not robot.link.may_command:
@@ -237,7 +237,7 @@ def _camera(robot: RobotState, now: float) -> Iterator[Part]:
 
 
 def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """How old the picture is when the operator sees it, if that matters."""
+    """The age of the picture on the screen, if it matters."""
     if robot.picture is None or robot.link.phase is not LinkPhase.CONNECTED:
         return
     age = robot.picture.age(state.now) + state.latency
@@ -248,7 +248,7 @@ def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 
 
 def _joysticks(state: ConsoleState) -> Iterator[Part]:
-    """Those that do not work, of several that are alike how many."""
+    """Joysticks that do not work; equal ones are counted."""
     alike: dict[tuple[str, Severity, bool], list[str]] = {}
     for joystick in state.joysticks.values():
         lacks = joystick.phase is JoystickPhase.CONNECTED and bool(joystick.why)
@@ -303,7 +303,7 @@ def _held(state: ConsoleState) -> Iterator[Part]:
 
 
 def _release(state: ConsoleState) -> Part:
-    """How long a key counts as held."""
+    """The duration of a hold."""
     if state.releases_reported:
         return Part("release: exact", 0, Severity.FAINT)
     return Part(f"release: timed {state.hold_s:.2f} s", 0, Severity.FAINT, short="release: timed")

@@ -1,4 +1,4 @@
-"""The title of a pane: its name in a thin rule, which also parts it from the pane above."""
+"""The title of a pane: its name in a thin rule between it and the pane above."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, printable_text
 
 _LEAST_ROWS = 3
-"""Panes of fewer rows give their title up [cells]."""
+"""Least height of a pane with a title [cells]."""
 _RULE = "─"
 _MARK = "▶ "
 _BEFORE = 1
@@ -15,7 +15,7 @@ _BEFORE = 1
 
 
 def with_title(area: Area, title: str) -> tuple[Area | None, Area]:
-    """Where the title of a pane is, if it has one and room for it, and where all else is."""
+    """The areas of a pane's title, if it has one and room for it, and of its content."""
     if not title or area.height < 2 * _LEAST_ROWS or area.y % 2:
         return None, area
     head = Area(x=area.x, y=area.y, width=area.width, height=2)
@@ -38,7 +38,7 @@ def titled(head: Area, title: str, theme: Theme, *, marked: bool = False) -> Can
     if _BEFORE + len(name) + 2 <= canvas.width:
         canvas.text(_BEFORE, 0, f" {name} ", theme.ink if marked else theme.soft)
     elif marked:
-        # The mark must be seen even where the name does not fit beside it.
+        # The mark must be visible even if the name does not fit.
         name = name if len(name) <= canvas.width else _MARK
         canvas.text(0, 0, name[: canvas.width], theme.ink)
     return canvas

@@ -17,13 +17,13 @@ from rune_tui.visualizers.parts.task_words import SILENT_S, task_parts
 from rune_tui.visualizers.words.status_words import side_of, status_parts
 
 START_S: Final = 10.0
-"""Modules that are not ready yet are no alarm for this time after a link began [s]."""
+"""Time after the start of a link in which a starting module is no alarm [s]."""
 REPORT_S: Final = 5.0
 """Time of a recent event on the banner [s]."""
 
 _SIGNED: Final = frozenset({Severity.ALARM, Severity.WARNING})
 _REPORT_WEIGHT: Final = 8.5
-"""A refusal passes, so it is shown before all but a lost link, an old state and a request."""
+"""Weight of a refusal: it is short, so only a lost link, an old state and a request win."""
 
 
 def troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
@@ -43,14 +43,14 @@ def banner_of(state: ConsoleState) -> Banner | None:
         alarms = [part for part in troubles(robot, state) if part.severity is Severity.ALARM]
         found += [(part.weight, robot.name, part.text) for part in alarms]
     newest = state.notices[-1] if state.notices else None
-    gravest = max(found, key=lambda each: each[0], default=None)
+    worst = max(found, key=lambda each: each[0], default=None)
     # An event is not shown beside its result, such as a lost link.
-    passing = gravest is None or gravest[0] < _REPORT_WEIGHT
-    if passing and newest is not None and newest.alarm and state.now - newest.when <= REPORT_S:
+    recent = worst is None or worst[0] < _REPORT_WEIGHT
+    if recent and newest is not None and newest.alarm and state.now - newest.when <= REPORT_S:
         return Banner(robot=newest.robot, text=newest.text, more=len(found))
-    if gravest is None:
+    if worst is None:
         return next(_by_themselves(state), None)
-    return Banner(robot=gravest[1], text=gravest[2], more=len(found) - 1)
+    return Banner(robot=worst[1], text=worst[2], more=len(found) - 1)
 
 
 def _by_themselves(state: ConsoleState) -> Iterator[Banner]:
