@@ -5,20 +5,20 @@
     ├── CodecError (ValueError)                values or bytes that do not fit their format
     │   └── RangeError                         a value outside what its message declares
     ├── FrameError (ValueError)                bytes from the wire that are no frame of Rune
-    ├── UndefinedMessageError (LookupError)    a message nobody has defined at this central
+    ├── UndefinedMessageError (LookupError)    a message that is not defined at this central
     ├── RedefinedMessageError (ValueError)     the same name defined with another format
     ├── UnknownModuleError (LookupError)       no module of this name is connected
-    ├── CentralUnreachableError (ConnectionError)  nobody answers at the endpoint
+    ├── CentralUnreachableError (ConnectionError)  no hub answers at the endpoint
     ├── NameTakenError (ConnectionError)       another live module has this name
     ├── EndpointError (OSError)                a port that is busy, an address that is not allowed
     ├── KeyFileError (ValueError)              a file of keys that is damaged, lost, or not private
     ├── KeyNameError (ValueError)              a name of a key that is taken, unknown or malformed
     ├── NotAllowedError (PermissionError)      what the role of a client's key does not allow
     ├── QueryError (RuntimeError)              a query that ended without an answer
-    │   ├── NoHandlerError                     nobody answers queries of this name
+    │   ├── NoHandlerError                     no module answers queries of this name
     │   ├── HandlerDiedError                   the module that was asked is gone
     │   ├── HandlerFailedError                 the module that was asked could not answer
-    │   ├── NoValueError                       nobody has published a value to ask for
+    │   ├── NoValueError                       no module has published a value to ask for
     │   └── QueryTimeoutError (TimeoutError)   the answer did not come in time
     ├── CameraError (OSError)                a camera that gives no pictures, and why
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
@@ -65,7 +65,7 @@ class FrameError(HubError, ValueError):
 
 
 class UndefinedMessageError(HubError, LookupError):
-    """A message that nobody has defined at this central."""
+    """A message that is not defined at this central."""
 
 
 class RedefinedMessageError(HubError, ValueError):
@@ -120,7 +120,7 @@ class HandlerFailedError(QueryError):
 
 
 class NoValueError(QueryError):
-    """Nobody has published a value that could be given."""
+    """No module has published a value to answer with."""
 
 
 class QueryTimeoutError(QueryError, TimeoutError):
@@ -160,7 +160,7 @@ class RobotFileError(_FileError):
 
 
 class UnknownKindError(HubError, LookupError):
-    """A kind of robot that nobody knows, or whose Python file cannot be used."""
+    """An unknown kind of robot, or one with an unusable Python file."""
 
 
 class MapFileError(HubError, ValueError):

@@ -19,7 +19,7 @@ def replace(path: Path, content: bytes, *, sync: bool = True, mode: int = 0o644)
         path: The file.
         content: Its new content.
         sync: Whether to wait until it is on the disk; else a stop of the machine may lose it.
-        mode: Who may read and write it; until it is in place, only its owner.
+        mode: Its permissions; until it is in place, only its owner has access.
 
     Raises:
         OSError: It cannot be written; the old file is as it was.

@@ -31,7 +31,8 @@ _LAST_WORDS_S = 0.5
 class Bound:
     """Bounds how often one place in the program logs.
 
-    So who asks for what is refused does not fill the disk, or take all older lines from a log file.
+    So a client with many refused requests does not fill the disk, or push older lines out of a log
+    file.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:

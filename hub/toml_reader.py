@@ -27,11 +27,11 @@ TOP = "top of the file"
 _HEADER = re.compile(r"\s*+\[++\s*+([^\[\]#]*[^\[\]#\s])\s*+\]++\s*+(?:#.*)?")
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*")
 _LINE = 1000
-"""Headers and keys are looked for in so much of a line [characters]."""
+"""Length of a line in which headers and keys are found [characters]."""
 _DEEPEST = 16
 _PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 _TOO_DEEP = re.compile(rf"(?<![\w-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST}}}")
-"""A dotted key of more parts than anybody writes; the parser takes minutes for very long ones."""
+"""Most parts of a dotted key; the parser takes minutes for very long ones."""
 _KEY = re.compile(r"""\s*(["']?)([\w-]+)\1\s*=""")
 
 Reader = Callable[[object], Any]

@@ -33,7 +33,7 @@ class OccupancyMap:
         """The map in a message.
 
         Raises:
-            CodecError: The message does not hold what it says.
+            CodecError: The message does not match its own sizes.
         """
         return cls(
             cells=map_coding.decode(message.data, message.height_cells, message.width_cells),

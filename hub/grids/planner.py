@@ -16,7 +16,7 @@ Way = tuple[tuple[float, float], ...]
 
 _BORDER = 1.0
 """Width of the unknown ground to add around start and goal [m]."""
-_DEARER = 1.02
+_LARGER_COST = 1.02
 """A straight line may cost this much more than the cells it replaces."""
 
 
@@ -119,7 +119,7 @@ def _farthest_straight(factors: Costs, costs: Costs, way: list[Cell], index: int
 
     def straight(other: int) -> bool:
         spent = costs[way[other]] - costs[way[index]]
-        return line_cost(factors, way[index], way[other]) <= _DEARER * float(spent)
+        return line_cost(factors, way[index], way[other]) <= _LARGER_COST * float(spent)
 
     good, step = index + 1, 2
     while index + step < len(way) and straight(index + step):

@@ -102,7 +102,7 @@ class ControlService:
         self._arbiter.heartbeat(reception.publisher, self._clock(), holds=holds)
 
     def announced(self, _info: ModuleInfo, reception: MessageInfo) -> None:
-        """Take who announces itself for a module, if it is one of this robot."""
+        """Note a sender of MODULE_INFO as a module, if it is one of this robot."""
         peer = self._peer_of(reception.publisher)
         if peer is None or peer.principal.role is not Role.MODULE:
             return  # an operator is no module, even with a module's INFO
@@ -150,7 +150,7 @@ class ControlService:
         self._client.publish(control.CONTROL_STATE, self.state())
 
     def state(self) -> control.ControlState:
-        """Who has control, and who asks for it."""
+        """The owner of control, and the requests for it."""
         now, arbiter = self._clock(), self._arbiter
         owner, requests = arbiter.owner, arbiter.requests
         asker = requests[0] if requests else None

@@ -6,7 +6,7 @@
 | LOST | a motion command, also of a task | LOST, and its time starts again |
 | LOST | a console takes control | OPERATED |
 
-It starts as OPERATED: a robot that nobody operated yet has lost nobody. While LOST, the action
+It starts as OPERATED: a robot without an operator yet has lost none. While LOST, the action
 is that of the robot file; SURFACE begins after `surface_after_s`, with STAND before.
 """
 

@@ -111,13 +111,13 @@ class JoystickSeat:
         self.phase, self.why, self.guide = JoystickPhase.MISSING, "", None
         return self.joystick.lost() if was_connected else ()
 
-    def explain(self, devices: Iterable[DeviceInfo], hindered: str) -> None:
+    def explain(self, devices: Iterable[DeviceInfo], mark_absent: str) -> None:
         """Set the reason why no connected device fits or can be read."""
         spec = self.joystick.spec
         meant = next((each for each in devices if is_meant(spec, each)), None)
         if meant is not None and not meant.joystick and is_particular(spec):
             self.mark_unsuitable(f"{meant.shown} is no joystick")
-        elif hindered and not (self.device and self.device.machine):
-            self.mark_unsuitable(hindered)
+        elif mark_absent and not (self.device and self.device.machine):
+            self.mark_unsuitable(mark_absent)
         else:
             self.phase, self.why = JoystickPhase.MISSING, ""

@@ -59,7 +59,7 @@ class Joysticks:
         self.unsaved = False
         self._mappings = Mappings()
         self._reader = reader
-        self._running, self._hindered = False, ""
+        self._running, self._absence_reasons = False, ""
         self._devices: tuple[DeviceInfo, ...] = ()
         self._faults: dict[str, int] = {}
         self._unfit: dict[str, str] = {}
@@ -88,8 +88,8 @@ class Joysticks:
         try:
             self._reader.start(self._notify)
         except HidMissingError as error:  # devices of other machines are read
-            self._hindered = str(error)
-            self._mark_hindered()
+            self._absence_reasons = str(error)
+            self._mark_absent()
 
     def close(self) -> None:
         """Leave all devices alone."""
@@ -107,7 +107,7 @@ class Joysticks:
             seat.joystick, seat.guide = LogicalJoystick(spec), None
             self._seats.append(seat)
         self._start()
-        self._mark_hindered()
+        self._mark_absent()
         kept = {seat.name: seat for seat in self._seats if seat.still_fits}
         for name, seat in before.items():
             if name not in kept and seat.device is not None:
@@ -314,7 +314,7 @@ class Joysticks:
                 self._reader.stop(seat.device.path)
                 events += seat.vacate()
             if device is None:
-                seat.explain(self._devices, self._hindered)
+                seat.explain(self._devices, self._absence_reasons)
                 continue
             if device != seat.device:
                 seat.absence = Absence.SILENT if device.machine else Absence.UNPLUGGED
@@ -331,8 +331,8 @@ class Joysticks:
         else:
             self._reader.read(device)
 
-    def _mark_hindered(self) -> None:
-        for seat in self._seats if self._hindered else ():
+    def _mark_absent(self) -> None:
+        for seat in self._seats if self._absence_reasons else ():
             if not seat.connected:
-                seat.mark_unsuitable(self._hindered)
+                seat.mark_unsuitable(self._absence_reasons)
         self._shown = None

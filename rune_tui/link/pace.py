@@ -1,6 +1,6 @@
 """How often a link can be asked for large data without a queue building up in it; pure.
 
-The robot and the link are taken for a single server: an answer takes the bare round trip, waits for
+The robot and the link count as a single server: an answer takes the bare round trip, waits for
 the one before it, and keeps the server busy for its own time, the service. With intervals of at
 least the service, requests never wait, and no answer grows old on its way.
 """

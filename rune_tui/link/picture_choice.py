@@ -1,8 +1,8 @@
 """The choice of pictures on a link of limited capacity; pure.
 
 Measured, not assumed: how long robot and link are busy with one picture decides. Where that is too
-long for 15 pictures a second, the quality drops first, then the rate to 5 a second, and last the
-size, to a useful least size.
+long for 15 pictures a second, the quality drops first, then the rate to 5 a second. The size
+drops last, to a useful least size.
 """
 
 from __future__ import annotations

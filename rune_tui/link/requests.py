@@ -134,5 +134,5 @@ class Requester(Generic[Q, A]):
         if isinstance(error, QueryTimeoutError) and not self._open:
             self.pace.timed_out()
         self._refused(asked, error)
-        nobody = isinstance(error, NoHandlerError)
-        self._fail("nobody answers" if nobody else str(error))
+        no_answer = isinstance(error, NoHandlerError)
+        self._fail("nobody answers" if no_answer else str(error))

@@ -1,7 +1,7 @@
 """The tunnel to a robot's hub through ssh, restarted when ssh ends, closed with the console.
 
-The hub's sockets appear as files in a folder that only this user may enter, so it needs no port,
-and no other user of this machine can drive the robot.
+The hub's sockets appear as files in a folder that only this user may enter, without a port. So no
+other user of this machine can drive the robot.
 """
 
 from __future__ import annotations

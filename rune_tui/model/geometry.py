@@ -15,10 +15,10 @@ The camera is a pinhole with square pixels and no roll, as in the simulator. The
 angle is proportional to the distance from the centre; pan and tilt turn rays in space.
 
 The report adds pan and tilt to the image angles instead, which is exact only in the middle column.
-At 20 degrees down and the edges of the wide picture (48.8 degrees), the error is 1.4 degrees
-sideways and 1.9 degrees up, or a tenth of the distance. The report gives no formulas: an angle
-proportional to the pixel would have an error of at most 0.6 degrees. It counts tilt from the
-downward vertical, and its camera frame has x right and y ahead.
+At 20 degrees down and the edges of the wide picture (48.8 degrees), its error is a tenth of the
+distance: 1.4 degrees sideways, 1.9 degrees up. The report gives no formulas: an angle proportional
+to the pixel would have an error of at most 0.6 degrees. It counts tilt from the downward vertical,
+and its camera frame has x right and y ahead.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ def visible_lines(
     """The visible pieces of lines on the ground.
 
     Segments are cut in space, before the division by the depth, so that ends behind the camera are
-    valid (Liang and Barsky 1984, on the four sides of the field of view).
+    valid (Liang and Barsky 1984).
 
     Args:
         geometry: The picture and its camera.

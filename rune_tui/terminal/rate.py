@@ -44,7 +44,7 @@ LADDER: Final = (
     Coarseness(tolerance=16, threshold=20, grain=2, longest=1 / 4),
     Coarseness(tolerance=16, threshold=20, grain=4, longest=math.inf),
 )
-"""Steps of coarseness, from exact to hardly recognisable."""
+"""Steps of coarseness, from exact to almost unrecognisable."""
 _FIRST: Final = 3
 """The first step, on an unknown line."""
 _STEP: Final = 2.2

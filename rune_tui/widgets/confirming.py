@@ -161,8 +161,8 @@ def _refused(waiting: _Waiting, robot: RobotState) -> bool:
     newest = robot.newest(POINT_REFUSAL)
     if newest is None or newest.measured < waiting.since:
         return False
-    ours = newest.value.sender == robot.link.number
-    return ours and newest.value.number == waiting.command.point.number
+    own = newest.value.sender == robot.link.number
+    return own and newest.value.number == waiting.command.point.number
 
 
 def _lateness(what: str, point: InterestPoint | None, robot: RobotState) -> str:

@@ -50,42 +50,22 @@ AVOIDED = (
 AVOIDED_IN_CODE = (
     *AVOIDED,
     r"so many|so long|somebody else|nobody else|whom|ours|goes by|gone by|tells? of|told of",
-    r"chores?|errands?|complaints?|weather|moods?|by whoever|is nobody's",
+    r"chores?|errands?|complaints?|weather|moods?|by whoever|nobody|anybody|everybody",
+    r"in vain|to and fro|far off|so far off|so near|so much|at hand|fit to be|for want of",
+    r"knows of|gets about|lets? in|let in|let go of|hears?|mends?|mended|speaks?|hardly|seldom",
+    r"dearer|dearly|what (?:becomes|is known) of|what there is|what (?:comes|came|goes)",
 )
 """The same in docstrings and comments, which have no page around them to explain a word."""
 NAMES_TO_AVOID = re.compile(
     r"anew|bur(?:y|ied)|chores?|complaints?|deeds?|errands?|heeds?|hind(?:er|rances?)|lest|minds?"
-    r"|moods?|strangers?|tell|told|weather"
+    r"|moods?|strangers?|tell|tells|telling|told|weather"
+    r"|apology|bearers?|beat|dearer|everybodys|forg(?:ive|iven)|gravest|homeward|makings|mend"
+    r"|neglect(?:ed)?|sayable|saying|sendings|strays|tidy|troubled|un(?:asked|hurried|noted|said)"
+    r"|un(?:settled|taken|told)|vain|veil|whence"
 )
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
-ROOMS = (
-    "hub",
-    "rune_tui/app.py",
-    "rune_tui/cli.py",
-    "rune_tui/commands",
-    "rune_tui/compositor",
-    "rune_tui/controls",
-    "rune_tui/dispatch.py",
-    "rune_tui/drawn_viewport.py",
-    "rune_tui/effect_runner.py",
-    "rune_tui/errors.py",
-    "rune_tui/export",
-    "rune_tui/files",
-    "rune_tui/layout",
-    "rune_tui/link",
-    "rune_tui/model",
-    "rune_tui/overlays",
-    "rune_tui/raster",
-    "rune_tui/startup",
-    "rune_tui/terminal",
-    "rune_tui/ui",
-    "rune_tui/view.py",
-    "rune_tui/visualizers",
-    "rune_tui/widgets",
-)
-"""Rooms, and files, whose names and docstrings are plain; a room that becomes plain is added."""
-SHORT_SENTENCES = ("hub",)
-"""Rooms whose docstrings have no long sentence."""
+ROOMS = ("hub", "rune_tui")
+"""Rooms whose names, docstrings and comments are plain."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
 _END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")
 
@@ -190,9 +170,9 @@ def comments_in(text: str) -> Iterator[tuple[int, str]]:
 
 
 def docstring_sentences(text: str) -> Iterator[str]:
-    """The sentences of a docstring without grammars and trees; each attribute starts a new one."""
+    """The sentences of a docstring without grammars and trees, code as a word, attributes apart."""
     headed = re.sub(r"^\s*\w+:(?=\s)|^.*(?::=|──).*$", "\n", text, flags=re.MULTILINE)
-    for sentence in sentences(headed):
+    for sentence in sentences(re.sub(r"`[^`]*`", "code", headed)):
         yield from re.split(r"(?<=[:;])\s", sentence)
 
 
@@ -217,7 +197,7 @@ def test_docstrings_and_comments_have_no_words_that_few_know(room: str) -> None:
     assert found == []
 
 
-@pytest.mark.parametrize("room", SHORT_SENTENCES)
+@pytest.mark.parametrize("room", ROOMS)
 def test_sentences_of_docstrings_are_short(room: str) -> None:
     found = [
         f"{path.relative_to(ROOT)}:{line}: {sentence}"

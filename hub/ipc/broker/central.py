@@ -1,7 +1,7 @@
 """Central: the broker that modules and consoles connect to.
 
 It owns the thread of control messages, which go to the registry. Broadcasts run through ZeroMQ's
-own proxy, a thread for each plane, and central only looks at copies of them. It never decodes the
+own proxy, a thread for each plane, and central only checks copies of them. It never decodes the
 payload of a message.
 """
 
@@ -219,7 +219,7 @@ class Central:
         loop.every(_CHECK_S, lambda: self._send(self.registry.expire()))
 
     def _watch(self, monitor: sockets.Socket, where: str) -> bool:
-        """Report connections that begin, that end, and that do not speak ZeroMQ."""
+        """Report connections that begin, that end, and that use another protocol."""
         floods = self._planes.floods.get(where)
         while True:
             try:

@@ -165,7 +165,7 @@ class AutonomyDriver:
             self._watch.forget()
 
     def see_other(self, why: str, now: float) -> None:
-        """Note a new owner of control, who gets a robot at rest."""
+        """Note a new owner of control: the robot stops for it."""
         if self._task is not None:
             self._yield(why, now)
 

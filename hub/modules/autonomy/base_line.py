@@ -1,6 +1,6 @@
 """The first path of an exploration: straight ahead, so that the first walls are exact; pure.
 
-At the start the heading is exact, because it defines `map`. Dead reckoning hardly loses the heading
+At the start the heading is exact, because it defines `map`. Dead reckoning keeps the heading well
 on a straight line, and loses degrees of it in a turn. The walls from before the first turn correct
 later turns. An early turn would turn the whole map.
 """

@@ -84,7 +84,7 @@ class Evidence:
     """Computes the evidence of scans of one ring of sensors; large arrays are allocated once.
 
     Cells are ordered by their distance from the robot's cell, so a short scan costs little. Each
-    cell belongs to the sensor with the nearest axis; cones hardly overlap.
+    cell belongs to the sensor with the nearest axis; cones overlap only a little.
 
     Attributes:
         reach_cells: Largest distance of a cell from the robot's, along rows or columns.

@@ -26,8 +26,8 @@ FARTHEST_SEEN = 20.0
 FARTHEST_PLACE = 1e4
 """Landmarks farther from the origin of `map` are refused [m]."""
 
-_MISFIT = 0.3
-_MISFIT_SHARE = 0.1
+_FIT_ERROR = 0.3
+_FIT_ERROR_SHARE = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,7 +100,7 @@ class PoseCorrection:
         known_x, known_y = sighting.place[0] - last.place[0], sighting.place[1] - last.place[1]
         seen_x, seen_y = sighting.seen[0] - last.seen[0], sighting.seen[1] - last.seen[1]
         known, seen = math.hypot(known_x, known_y), math.hypot(seen_x, seen_y)
-        if known < LEAST_APART or abs(known - seen) > _MISFIT + _MISFIT_SHARE * known:
+        if known < LEAST_APART or abs(known - seen) > _FIT_ERROR + _FIT_ERROR_SHARE * known:
             return None
         should_be = math.atan2(known_y, known_x)
         turn = wrapped(should_be - math.atan2(seen_y, seen_x) - self.odom.theta)

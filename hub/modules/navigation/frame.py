@@ -101,14 +101,14 @@ def _read(path: Path) -> MapFrame:
     with contextlib.suppress(OSError, ValueError, TypeError, OverflowError, RecursionError):
         file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
         try:
-            ours = os.fstat(file).st_uid == os.getuid()
+            own = os.fstat(file).st_uid == os.getuid()
             raw = os.read(file, _MAX_BYTES)
         finally:
             os.close(file)
         odometry, number, x, y, theta = json.loads(raw)
         numbers = all(type(each) is int and 0 < each <= _MOST for each in (odometry, number))
         places = all(math.isfinite(each) and abs(each) <= _FARTHEST for each in (x, y, theta))
-        if ours and numbers and places:
+        if own and numbers and places:
             odom = Pose(x=float(x), y=float(y), theta=float(theta))
             return MapFrame(odometry=odometry, number=number, odom=odom)
     return MapFrame()

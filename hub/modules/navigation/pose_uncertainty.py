@@ -2,8 +2,8 @@
 
 The errors of dead reckoning follow the odometry motion model (Thrun, Burgard and Fox 2005, table
 5.6). A turn and a distance each have a random error, drawn at each step, and a constant one, both
-proportional to it: wheels slip, and their diameter is not known exactly. A straight line hardly
-changes the heading, so a match may not turn it much there.
+proportional to it: wheels slip, and their diameter is not known exactly. A straight line almost
+never changes the heading, so a match may not turn it much there.
 """
 
 from __future__ import annotations

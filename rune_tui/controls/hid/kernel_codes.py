@@ -1,6 +1,6 @@
 """Turns a gamepad of Linux's input layer into a HID report descriptor and its reports; pure.
 
-Pads that speak no HID, such as Xbox pads over USB, are read by drivers of the kernel, which give
+Pads without HID, such as Xbox pads over USB, are read by drivers of the kernel, which give
 event codes. Written as HID, they go through all that HID joysticks go through: roles, calibration,
 and the way to another machine. The codes are those of the kernel's `input-event-codes.h`; what they
 mean on a gamepad says its `gamepad.rst`. The driver xpad gives 0x133 for X and 0x134 for Y, which

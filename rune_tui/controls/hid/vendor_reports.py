@@ -37,9 +37,9 @@ _SWITCH_HAT = (32, 4)
 """One bit each for down, up, right and left."""
 _HAT_OF_BITS = {2: 0, 6: 1, 4: 2, 5: 3, 1: 4, 9: 5, 8: 6, 10: 7}
 _STICKS: tuple[int | None, ...] = tuple(value << 4 for value in range(4096))
-"""12 bits widened to the 16 bits that the descriptor speaks of."""
+"""12 bits widened to the 16 bits of the descriptor."""
 _STICKS_UP = _STICKS[::-1]
-"""The same for what grows up, other than what the descriptor speaks of."""
+"""The same for a value that grows upward, unlike the descriptor's."""
 
 
 def read_vendor_reports(

@@ -300,8 +300,8 @@ class FarPads:
         while not self._ended.is_set():
             with self._lock:
                 left = self._expire()
-                untold = bool(self._news)
-            if untold:
+                unreported = bool(self._news)
+            if unreported:
                 self._notify()
             self._sooner.wait(None if left == math.inf else left + 1e-3)
             self._sooner.clear()

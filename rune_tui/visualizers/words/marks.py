@@ -25,8 +25,8 @@ _UNKEPT = "NOT KEPT"
 class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
     """The number of each kind, then a row for each mark.
 
-    That is: number, kind, whether it is not on the robot's disk, place, how far off it may be, from
-    how far away it was seen, when, who, note. The newest is at the top, so that it is seen where
+    That is: number, kind, whether it is not on the robot's disk, place, uncertainty, distance,
+    time, operator, note. The newest is at the top, so that it is seen where
     there is no room for all. Where room is short a kind is a letter, and what is not kept a sign.
     """
 
