@@ -15,6 +15,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.theme import DARK
 from tests.console.situations import ROOT, SITUATIONS, scene, shipped
+from tests.support.cases import for_each
 
 SNAPSHOTS = ROOT / "tests" / "golden" / "situations"
 SEARCH = shipped("search")
@@ -39,8 +40,8 @@ def words(cells) -> str:
     return "\n".join("".join(chr(p or 32) for p in row) for row in cells.glyphs.tolist())
 
 
-@pytest.mark.parametrize("size", [(120, 40), (80, 24)], ids=lambda size: f"{size[0]}")
-@pytest.mark.parametrize("name", SITUATIONS)
+@for_each("size", [(120, 40), (80, 24)])
+@for_each("name", SITUATIONS)
 def test_situation_looks_as_it_did(name: str, size: tuple[int, int]) -> None:
     text = plain_text(shown(name, size))
     path = SNAPSHOTS / f"{name}-{size[0]}x{size[1]}.txt"
@@ -50,8 +51,8 @@ def test_situation_looks_as_it_did(name: str, size: tuple[int, int]) -> None:
     assert text == path.read_text()
 
 
-@pytest.mark.parametrize("size", [(40, 12), (80, 24), (120, 40), (160, 48), (200, 60)])
-@pytest.mark.parametrize(("name", "told"), ALARMS.items())
+@for_each("size", [(40, 12), (80, 24), (120, 40), (160, 48), (200, 60)])
+@for_each(("name", "told"), ALARMS.items())
 def test_what_must_be_seen_first_is_the_banner_and_stands_there_only(
     name: str, told: str, size: tuple[int, int]
 ) -> None:
@@ -85,8 +86,8 @@ def test_a_pane_says_how_far_the_robot_is_by_itself_and_how_it_ended(size: tuple
     assert "took 41 s, ended 2 s ago" in words(shown("goal-blocked", size))
 
 
-@pytest.mark.parametrize("size", [(40, 12), (80, 24), (120, 40), (200, 60)])
-@pytest.mark.parametrize("name", SITUATIONS)
+@for_each("size", [(40, 12), (80, 24), (120, 40), (200, 60)])
+@for_each("name", SITUATIONS)
 def test_the_key_that_stops_is_always_in_sight(name: str, size: tuple[int, int]) -> None:
     assert "Space STOP" in words(shown(name, size))
 

@@ -6,11 +6,10 @@ import re
 import shlex
 from pathlib import Path
 
-import pytest
-
 import hub.cli
 import rune_tui.commands.arguments
 from rune_tui.startup.opening import open_layout
+from tests.support.cases import for_each
 
 ROOT = Path(__file__).parents[2]
 ROWS = [
@@ -27,7 +26,7 @@ def test_every_row_says_something_of_everyone_and_ends_with_a_command() -> None:
     assert all(re.fullmatch(r"`[^`]+`", row[-1]) for row in ROWS)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@for_each("command", COMMANDS)
 def test_a_command_is_one_that_there_is(command: str) -> None:
     program, *arguments = shlex.split(command)
     if program == "rune":

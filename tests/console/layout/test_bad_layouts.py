@@ -13,6 +13,7 @@ import pytest
 
 from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.startup.opening import open_layout
+from tests.support.cases import for_each
 
 FOLDER = Path(__file__).parents[2] / "bad_layouts"
 FILES = sorted(FOLDER.glob("*.xml"))
@@ -36,7 +37,7 @@ def test_there_are_bad_layouts_and_all_of_them_say_what_is_wrong():
     assert all(expected(path) for path in FILES)
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+@for_each("path", FILES)
 def test_a_bad_layout_causes_exactly_the_problems_it_announces(path: Path):
     with pytest.raises(LayoutError) as caught:
         open_layout(path)

@@ -50,8 +50,8 @@ def foot_of(
     return x, y, math.hypot(*found)
 
 
-@pytest.mark.parametrize("size", [(160, 120), (320, 240), (240, 240), (320, 120)])
-@pytest.mark.parametrize(
+@for_each("size", [(160, 120), (320, 240), (240, 240), (320, 120)])
+@for_each(
     ("heading", "distance", "zoom", "aside", "up"),
     [
         (0.0, 2.0, 0.0, 0.0, 0.0),

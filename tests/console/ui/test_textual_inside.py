@@ -6,7 +6,6 @@ import inspect
 import re
 from pathlib import Path
 
-import pytest
 import textual
 from textual import _ansi_sequences, _xterm_parser
 from textual.app import App
@@ -42,7 +41,7 @@ def test_textual_has_what_the_console_takes_from_its_inside(owner: object, name:
     assert hasattr(owner, name), f"Textual {textual.__version__}: {where} has no {name}; see {FILE}"
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("owner", "words"),
     [
         (App.__init__, "self._driver"),
@@ -59,7 +58,6 @@ def test_textual_has_what_the_console_takes_from_its_inside(owner: object, name:
         (LinuxDriver.start_application_mode, "\\x1b[>{KITTY_PROTOCOL_FLAG}u"),
         (LinuxDriver.stop_application_mode, "\\x1b[<u"),
     ],
-    ids=lambda part: getattr(part, "__qualname__", part),
 )
 def test_textual_still_does_it_so(owner: object, words: str) -> None:
     said = f"Textual {textual.__version__}: {owner} no longer says {words!r}; see {FILE}"

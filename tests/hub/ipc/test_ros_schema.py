@@ -106,7 +106,7 @@ def _agree(definition: MessageDefinition[Any], value: Any) -> None:
     assert b"".join(definition.encode(_read(definition, big))) == payload
 
 
-@pytest.mark.parametrize("definition", MESSAGES, ids=lambda definition: definition.name)
+@for_each("definition", MESSAGES)
 def test_message_of_the_vocabulary_has_the_bytes_that_ros_writers_make(
     definition: MessageDefinition[Any],
 ) -> None:

@@ -12,6 +12,7 @@ from hub.sim.arena import Arena, load_arena
 from hub.sim.ray_caster import RayCaster
 from hub.sim.view import BACKGROUND_DEPTH, View
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
+from tests.support.cases import for_each
 from tests.support.repetitions import repetitions
 
 WIDE = math.radians(48.8)
@@ -177,8 +178,8 @@ def ring_samples(facing: str, gap: str, fov: float, width: int = 160) -> dict[st
     return samples
 
 
-@pytest.mark.parametrize("gap", sorted(GAPS))
-@pytest.mark.parametrize("facing", ["east", "north", "west", "south"])
+@for_each("gap", sorted(GAPS))
+@for_each("facing", ["east", "north", "west", "south"])
 def test_the_gap_of_a_ring_shows_on_its_side_when_zoomed(facing: str, gap: str) -> None:
     samples = ring_samples(facing, gap, math.radians(4.3))
     bright = samples.pop(gap)

@@ -257,8 +257,8 @@ def test_the_token_changes_only_with_what_is_drawn(made) -> None:
     assert shown.source(other.with_(picture=made.received(turned)), STATE) != first
 
 
-@pytest.mark.parametrize("size", [(1, 1), (2, 2), (3, 9), (200, 4), (4, 200)])
-@pytest.mark.parametrize("fit", ["fit", "fill", "stretch"])
+@for_each("size", [(1, 1), (2, 2), (3, 9), (200, 4), (4, 200)])
+@for_each("fit", ["fit", "fill", "stretch"])
 def test_any_canvas_will_do(made, draw, size, fit) -> None:
     for motion in ({"commanded_linear": 0.5}, {"commanded_angular": 1.0}, {}):
         draw(NAME, robot_at(made, age=9.0, **motion), size, fit=fit, option=0.1, farthest=20.0)

@@ -237,7 +237,7 @@ def test_neighbour_that_never_reads_holds_up_nobody(make: Make) -> None:
         each.stands()
     free = threading.Event()
     stuck.client.post(lambda: free.wait(10.0))
-    for number in range(2500):
+    for number in range(5000):
         one.publish(v.LOG, Number(value=number))
         if number % 500 == 499:
             until(lambda n=number: len(received) == n + 1, 5.0)
@@ -246,6 +246,6 @@ def test_neighbour_that_never_reads_holds_up_nobody(make: Make) -> None:
     until(
         lambda: stuck_got,
         10.0,
-        meanwhile=lambda: one.publish(v.LOG, Number(value=2500)),
+        meanwhile=lambda: one.publish(v.LOG, Number(value=5000)),
     )
     assert all(how.missed == 0 for _, how in received)
