@@ -22,7 +22,7 @@ from hub.ipc.formats.wire_types import Counted
 
 
 class Behaviour(enum.IntEnum):
-    """A behaviour of the robot on its own.
+    """A behaviour of autonomy.
 
     Attributes:
         HOLD: Nothing; the operator drives.

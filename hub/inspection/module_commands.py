@@ -88,7 +88,7 @@ def order(client: Client, module: str, wanted: str) -> int:
 
 
 def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
-    """Want capabilities until Ctrl-C, or for some time (0: for ever), and report the result."""
+    """Want capabilities until Ctrl-C, or for some time (0: no limit), and report the result."""
     wants = supervision.CapabilityWants(holder=client.name, capabilities=" ".join(wanted))
     said: dict[str, str] = {}
 

@@ -87,7 +87,7 @@ class Daemon:
         self._table = table
         self._parent = parent
         self._as_json = as_json
-        # No Event: a second signal during its `set` would wait for the first for ever.
+        # No Event: a second signal during its `set` would wait for the first without end.
         self._stopping = False
         self._gateway = ""
         self._wake: Callable[[], None] = lambda: None
@@ -204,7 +204,7 @@ class Daemon:
             sys.stdout.write(text + "\n")
             sys.stdout.flush()
         except (OSError, ValueError, AttributeError) as error:
-            # The report has no reader; the hub runs all the same.
+            # The report has no reader; the hub still runs.
             _logger.warning("cannot say %r on standard output: %s", event, error)
 
 

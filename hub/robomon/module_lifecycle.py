@@ -34,7 +34,7 @@ class ModuleLifecycle:
     Attributes:
         spec: Its entry in the robot file.
         phase: Its phase.
-        why: The reason for this phase, for people, after its name: "was stopped by somebody";
+        why: The reason for this phase, for people, after its name: "was stopped by an operator";
             empty: it has run since its first start.
         pid: Process id; 0: it has no process.
         since: Time of its last start, or of the attempt.

@@ -1,1 +1,1 @@
-"""What the commands of rune do, besides the console."""
+"""The commands of rune, except the console."""

@@ -1,6 +1,6 @@
 """The report of `rune check` on arrangements: their sizes, and doubtful places.
 
-A note is no mistake: the console opens the layout all the same.
+A note is no mistake: the console still opens the layout.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ def _vital(layout: LayoutSpec) -> dict[str, str]:
     for viewport in layout.view.viewports:
         shown = viewport.visualizer
         if shown and layout.vocabulary.visualizers[shown.function].rule.vital:
-            found[viewport.name] = f"{shown.function} of {_whose(viewport)}"
+            found[viewport.name] = f"{shown.function} of {_owner_words(viewport)}"
     return found
 
 
-def _whose(viewport: ViewportSpec) -> str:
+def _owner_words(viewport: ViewportSpec) -> str:
     return "the chosen robot" if viewport.robot == CHOSEN else f"robot {quoted(viewport.robot)}"
 
 

@@ -16,12 +16,12 @@ from hub.gcm.vision import ImageCoding, ImageRequest
 from rune_tui.model.console_state import PictureWish
 
 LEAST_WIDTH_PX: Final = 64
-"""Pictures are made no narrower than this for the link's sake."""
+"""Least width of pictures that are reduced for a slow link."""
 _USE: Final = 0.8
 """How much of its time a link may be busy with pictures."""
 _FULL_RATE_S, _FAIR_RATE_S, _LEAST_RATE_S = _USE / 15.0, 0.125, 0.2
-"""Service at 15 pictures a second with room for all else; at 8; and at 5, the least that people
-explore with at walking speed [s]."""
+"""Time per picture at 15 pictures a second with room for other messages, at 8, and at 5. People
+explore at walking speed with at least 5 [s]."""
 _PROBE: Final = 3.0
 """A better step is tried if its estimated time is at most this multiple of the limit: a part of the
 robot's work, which does not grow with the bytes."""

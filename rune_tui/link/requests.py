@@ -98,7 +98,7 @@ class Requester(Generic[Q, A]):
         self._asked += 1
         number = self._asked
         self._open[number] = math.inf
-        # Counted on from when it was due, so that looking now and then does not lower the rate.
+        # Counted on from when it was due, so that irregular calls do not lower the rate.
         self._due = max(self._due, now - _LATE_S) + self.pace.spacing
         self._client.query_notify(
             self._request,

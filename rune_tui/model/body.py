@@ -49,7 +49,7 @@ def _rim(body: RobotBody | None, count: int) -> Floats:
 def _ray_lengths(around: Floats, count: int) -> Floats:
     """Distance from the origin to the farthest edge in each direction [m].
 
-    A ray `s d` meets the edge `p + t e` where `s = (p x e) / (d x e)` and `t = (p x d) / (d x e)`.
+    A ray `s d` meets the edge `p + t e` at `s=(p x e)/(d x e)` and `t=(p x d)/(d x e)`.
     """
     angles = np.arange(count) * (math.tau / count)
     ray_x, ray_y = np.cos(angles)[:, None], np.sin(angles)[:, None]

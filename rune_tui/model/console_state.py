@@ -197,7 +197,7 @@ class ConsoleState:
 
     @property
     def latency(self) -> float:
-        """Time from drawing to the operator's eyes [s]; 0: not known."""
+        """Time from drawing to the operator's screen [s]; 0: not known."""
         known = self.display is not None and math.isfinite(self.display.latency)
         return self.display.latency if self.display is not None and known else 0.0
 
@@ -215,11 +215,11 @@ class ConsoleState:
 
     def unconfirmed_marks(self, robot: str) -> int:
         """Number of marks that this robot has not confirmed."""
-        return sum(count for (_, whose), count in self.unconfirmed.items() if whose == robot)
+        return sum(count for (_, marked), count in self.unconfirmed.items() if marked == robot)
 
     def overdue_marks(self, robot: str) -> int:
         """Number of marks whose confirmation by this robot is late."""
-        return sum(count for (_, whose), count in self.overdue.items() if whose == robot)
+        return sum(count for (_, marked), count in self.overdue.items() if marked == robot)
 
     def input_of(self, purpose: Purpose, robot: str) -> str:
         """The input that does this for a robot, in words; empty if none does."""

@@ -50,7 +50,7 @@ def standing(robot: RobotState | None) -> Standing:
 
 
 def asks(robot: RobotState) -> bool:
-    """Whether this console asks for control, and its turn has come."""
+    """Whether this console's request for control is the present one."""
     control = control_of(robot)
     return control is not None and control.asker == robot.link.number != 0
 

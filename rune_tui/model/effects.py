@@ -21,7 +21,7 @@ SPEED_LIMITS = (0.1, 0.25, 0.5, 1.0)
 
 
 _SENDS_OFF = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
-"""Messages that send a robot somewhere on its own."""
+"""Messages that start a robot's own task."""
 
 
 class EffectFacts:
@@ -62,7 +62,7 @@ class EffectFacts:
 
     @property
     def sent_off(self) -> str:
-        """The robot that it sends somewhere on its own; empty: none."""
+        """The robot that gets its own task; empty: none."""
         return ""
 
     def addressed(self, chosen: str) -> Self | None:

@@ -60,8 +60,8 @@ def _unsaved(state: ConsoleState) -> Iterator[str]:
     for robot in state.robots.values():
         mission = mission_of(robot)
         if mission is not None and mission.unkept:
-            whose = state.title(robot.name)
-            yield f"nobody sees that {whose} does not keep its mission: {mission.fault}"
+            title = state.title(robot.name)
+            yield f"nobody sees that {title} does not keep its mission: {mission.fault}"
 
 
 _REASONS: tuple[Callable[[ConsoleState], Iterator[str]], ...] = (

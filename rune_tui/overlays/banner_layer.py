@@ -38,8 +38,8 @@ class BannerLayer:
         Returns:
             Whether they changed.
         """
-        whose = state.title(state.banner.robot) if state.banner else ""
-        seen = (columns, top, rows, state.theme.name, len(state.robots), state.banner, whose)
+        prefix = state.title(state.banner.robot) if state.banner else ""
+        seen = (columns, top, rows, state.theme.name, len(state.robots), state.banner, prefix)
         look: tuple[object, ...] = seen if state.banner is not None else ()
         if look == self._look:
             return False
@@ -59,10 +59,10 @@ def _draw(canvas: Canvas, banner: Banner, state: ConsoleState) -> None:
     theme = state.theme
     plate, ink = (theme.accent, theme.ground) if banner.calm else (theme.alarm, theme.on_alarm)
     canvas.fill(plate)
-    whose = f"{state.title(banner.robot)}: " if banner.robot and len(state.robots) > 1 else ""
+    prefix = f"{state.title(banner.robot)}: " if banner.robot and len(state.robots) > 1 else ""
     more = f"+{banner.more}" if banner.more else ""
     room = canvas.width - 2 - (len(more) + 2 if more else 0)
-    text = f"{whose}{banner.text}"
+    text = f"{prefix}{banner.text}"
     forms = (f"{text} {banner.advice}", text) if banner.calm else banner_forms(text)
     words = fitting_form(room, *forms)
     row = canvas.rows // 2

@@ -114,7 +114,7 @@ class Pen:
 
         Args:
             centre: Its tip.
-            radius: How far it reaches [pixels].
+            radius: Its radius [pixels].
             direction: Where its middle points [rad], counter-clockwise from up.
             opening: Its angle [rad].
             fill: Its colour.

@@ -122,7 +122,7 @@ class InputStream:
     def feed(self, text: str, now: float) -> Iterator[InputPart]:
         """Answers and other input, in order.
 
-        Call it without input now and then while it is `holding`.
+        Call it without input repeatedly while it is `holding`.
 
         Args:
             text: The input.

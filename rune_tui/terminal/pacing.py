@@ -66,8 +66,8 @@ class Acknowledgement:
 class FramePacer:
     """Tracks frames under way; every method gets the time [s].
 
-    A terminal that has never answered, or no longer does, is not waited for: `answers` is False
-    then, and the caller has to see by other means whether it keeps up. It is asked all the same.
+    The pacer does not wait for a terminal without answers. Then `answers` is False, and the caller
+    must find the terminal's speed by other means. The questions continue.
     """
 
     def __init__(self, *, heard: bool = False) -> None:

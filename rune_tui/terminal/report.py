@@ -34,7 +34,7 @@ def report(traits: Traits, answers: Answers, took: float, size: tuple[int, int])
     table = "".join(
         f"{name:<13} {value:<26} {reason}".rstrip() + "\n" for name, value, reason in lines
     )
-    # With fewer colours there is no choice, and thus nothing to compare.
+    # With fewer colours there is no choice to compare.
     return f"{table}\n{specimens()}" if traits.depth is ColourDepth.TRUECOLOUR else table
 
 

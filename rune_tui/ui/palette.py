@@ -75,7 +75,7 @@ def _begins_words(wanted: Sequence[str], text: str) -> bool:
 
 
 def choices(actions: Sequence[Action]) -> dict[str, Action]:
-    """What can be done in a moment by what the list says, in its order."""
+    """The actions of the list, in its order."""
     several = len({action.robot for action in actions if action.robot}) > 1
     at_once = sorted((action for action in actions if action.at_once), key=_rank)
     return {_title(action, several=several): action for action in at_once}
@@ -89,8 +89,8 @@ def _rank(action: Action) -> tuple[bool, bool, int, bool]:
 
 
 def _title(action: Action, *, several: bool) -> str:
-    whose = f"{robot_words(action.robot)}: " if several and action.robot else ""
-    return f"{whose}{action.words}"
+    prefix = f"{robot_words(action.robot)}: " if several and action.robot else ""
+    return f"{prefix}{action.words}"
 
 
 def _inputs(action: Action) -> str:

@@ -32,7 +32,7 @@ class ViewPane(Widget, can_focus=False):
     """Holds the newest cells for Textual's own drawing, and notes the rows that it draws.
 
     Textual draws at the start, at a new size, and when a list or a question opens or closes. The
-    painter draws all else.
+    painter draws the rest.
 
     Attributes:
         cells: The newest cells, in the terminal's colours; None before the first.

@@ -49,6 +49,8 @@ AVOIDED = (
 """Words that a reader looks up, or has to read twice."""
 AVOIDED_IN_CODE = (
     *AVOIDED,
+    r"somebody|hands? on|once more|for ever|all the same|lets? go|going on|thus|sake|all else",
+    r"amid|amiss|grave|thrown away|throws away|held up|what is known|has come|have come",
     r"so many|so long|somebody else|nobody else|whom|ours|goes by|gone by|tells? of|told of",
     r"chores?|errands?|complaints?|weather|moods?|by whoever|nobody|anybody|everybody",
     r"in vain|to and fro|far off|so far off|so near|so much|at hand|fit to be|for want of",
@@ -58,7 +60,7 @@ AVOIDED_IN_CODE = (
 """The same in docstrings and comments, which have no page around them to explain a word."""
 NAMES_TO_AVOID = re.compile(
     r"anew|bur(?:y|ied)|chores?|complaints?|deeds?|errands?|heeds?|hind(?:er|rances?)|lest|minds?"
-    r"|moods?|strangers?|tell|tells|telling|told|weather"
+    r"|moods?|somebody|strangers?|tell|tells|telling|told|weather|whose"
     r"|apology|bearers?|beat|dearer|everybodys|forg(?:ive|iven)|gravest|homeward|makings|mend"
     r"|neglect(?:ed)?|sayable|saying|sendings|strays|tidy|troubled|un(?:asked|hurried|noted|said)"
     r"|un(?:settled|taken|told)|vain|veil|whence"

@@ -1,1 +1,1 @@
-"""The gateway for other machines: the sockets of central once more, with keys (CURVE)."""
+"""The gateway for other machines: a copy of central's sockets, with keys (CURVE)."""

@@ -38,7 +38,7 @@ _SUBSCRIPTIONS = 256
 _LOG_STOP_S = 1.0
 
 Judge = Callable[[bytes, str], bytes | None]
-"""(frame, User-Id) -> the frame to hand on; None to drop it."""
+"""(frame, User-Id) -> the frame to forward; None to drop it."""
 
 
 class CommandFilter:
@@ -131,7 +131,7 @@ class CommandFilter:
         except FrameError:
             frame = None
         if frame is None or frame.kind != frames.INLINE:
-            # A receiver cannot read a bare name, and stops all the same.
+            # A receiver cannot read a bare name, and still stops.
             return frames.topic(frames.name_of(raw), frames.FAR)
         own = self._sender(frame.publisher, principal) is not None
         return frames.pack(

@@ -1,4 +1,4 @@
-"""The gateway for other machines: central's sockets once more, open to the holders of keys.
+"""The gateway for other machines: a copy of central's sockets, open to the holders of keys.
 
 | input | decided by |
 | --- | --- |

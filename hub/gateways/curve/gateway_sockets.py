@@ -1,4 +1,4 @@
-"""The sockets of the gateway: central's sockets once more, with CURVE.
+"""The sockets of the gateway: a copy of central's sockets, with CURVE.
 
 ZeroMQ's proxy relays broadcasts between these sockets and central's own ones, with a thread for
 each direction of a plane. Incoming commands are the exception: a Python thread checks each one.
@@ -282,7 +282,7 @@ class GatewaySockets:
     def _close_sockets(self) -> None:
         for socket in (*self._made, *self._steering):
             if not socket.closed:
-                # ZeroMQ's own thread would wait for ever with an event for a closed monitor, and a
+                # ZeroMQ's own thread would block at an event for a closed monitor, and a
                 # closed socket still has events until that thread has freed it.
                 socket.disable_monitor()
             socket.close(0)

@@ -90,7 +90,7 @@ def _faults(host: str, first: int) -> dict[int, int]:
     for port in range(first, first + _PORTS) if first else (0,):
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         with socket.socket(family, socket.SOCK_STREAM) as probe:
-            # As ZeroMQ does: a port that was left a moment ago can be taken again.
+            # As in ZeroMQ: a port that was just closed can be opened again.
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
                 probe.bind((host, port))

@@ -148,7 +148,7 @@ class FloodWatch:
 
 
 def _unread(descriptor: int) -> int:
-    """Bytes that have come in on a connection and wait to be read."""
+    """Received bytes of a connection that wait for a read."""
     count = array.array("i", [0])
     with contextlib.suppress(OSError):  # it has ended by itself
         fcntl.ioctl(descriptor, termios.FIONREAD, count)

@@ -6,7 +6,7 @@
 | PONG | note the hub's time |
 | UNKNOWN_PEER | report the loss, and send HELLO |
 | CLOSE of this client | report the loss, for good |
-| REFUSED before WELCOME | send HELLO once more, then report the refusal |
+| REFUSED before WELCOME | send HELLO again, then report the refusal |
 | any other | hand it to the session |
 """
 

@@ -113,7 +113,7 @@ class PendingQueries:
         answered: Callable[[frames.Frame], None],
         failed: Callable[[QueryError], None],
     ) -> None:
-        """Ask, and hand on the answer's frame."""
+        """Ask, and pass on the answer's frame."""
         pending = PendingQuery(
             name=name,
             read=lambda answer: answer,

@@ -112,10 +112,10 @@ class ReceiveQueue:
         self.reader.close()
 
     def turn(self) -> None:
-        """Hand on waiting messages."""
+        """Deliver waiting messages."""
         self._finish()
         if self._waits:
-            self._hand_on()
+            self._deliver_waiting()
 
     def accept(self, subscription: Subscription, frame: frames.Frame) -> None:
         """Handle a message from an answer, unless it or a later one has arrived already."""
@@ -129,7 +129,7 @@ class ReceiveQueue:
         self._deliver(subscription, source, frame.publisher, frame.sequence, frame.stamp_ns, value)
 
     def _finish(self) -> None:
-        """Hand on the rest after a handler that raised or listened itself."""
+        """Deliver the rest after a handler that raised or listened itself."""
         while self._opened:
             self._hand_out(self._opened[-1])
         while self._bundled:
@@ -239,8 +239,8 @@ class ReceiveQueue:
         source.arrived = sequence
         return True
 
-    def _hand_on(self) -> None:
-        """Hand on waiting messages, most urgent first; read the sockets every `SLICE_S`."""
+    def _deliver_waiting(self) -> None:
+        """Deliver waiting messages, most urgent first; read the sockets every `SLICE_S`."""
         end = self._clock() + SLICE_S
         for queue in self._queues.values():
             while queue:
@@ -256,7 +256,7 @@ class ReceiveQueue:
                     return
 
     def _hand_out(self, opened: _Opened) -> None:
-        """Hand messages to their handlers; after an exception, `_finish` hands on the rest."""
+        """Pass messages to their handlers; after an exception, `_finish` delivers the rest."""
         subscription, source, publisher = opened.subscription, opened.source, opened.publisher
         if subscription is None:
             return
@@ -266,7 +266,7 @@ class ReceiveQueue:
             value = self._accepted(opened, subscription, sequence, message)
             if value is not None:
                 self._deliver(subscription, source, publisher, sequence, stamp_ns, value)
-        if opened in self._opened:  # not if a handler listened, and thus handed on the rest
+        if opened in self._opened:  # not if a handler listened, and so delivered the rest
             self._opened.remove(opened)
 
     def _accepted(

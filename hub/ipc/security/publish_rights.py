@@ -59,7 +59,7 @@ COMMANDS: Mapping[str, Right] = {
     # The start and end of the robot's modules.
     "GCM_Common_Command": _SUPERVISOR,
     "GCM_Module_Command": _SUPERVISOR,
-    # Wheel commands. The driver checks the sender once more.
+    # Wheel commands. The driver checks the sender again.
     "GCM_Drive_Command": Right(role=Role.MODULE, module="navigation"),
 }
 """All messages of GCM on the command plane."""

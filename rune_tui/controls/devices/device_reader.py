@@ -155,7 +155,7 @@ class DeviceReader:
         return news
 
     def read(self, device: DeviceInfo) -> None:
-        """Begin to read a device, unless that is going on; `Opened` or `Refused` follows."""
+        """Begin to read a device, unless it is read already; `Opened` or `Refused` follows."""
         if device.path not in self._readings:
             reading = self._readings[device.path] = _Reading(
                 device, self._kind_of.get(device.path, self._kinds[0]), self._post, self._notify
@@ -250,7 +250,7 @@ class _Reading:
             device = self._opened()
             if device is not None:
                 self._read_on(device)
-        except Exception as error:  # noqa: BLE001 - of the library; what is held has to be let go
+        except Exception as error:  # noqa: BLE001 - of the library; held controls must be released
             if not self.ended.is_set():
                 self._post(Gone(self._info.path))
                 _logger.info("%s is not read any more: %s", self._info.path, error)

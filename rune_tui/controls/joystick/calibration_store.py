@@ -110,7 +110,7 @@ def _mapping(value: object, most: int = 16) -> Mapping[str, Any]:
     return value
 
 
-def _calibration(whose: str, stored: Mapping[str, Any]) -> Calibration:
+def _calibration(owner: str, stored: Mapping[str, Any]) -> Calibration:
     low, high, centre = (stored.get(name) for name in ("low", "high", "centre"))
     numbers = [low, high] if centre is None else [low, high, centre]
     whole = all(type(number) is int and abs(number) <= _LARGEST_RAW for number in numbers)
@@ -118,5 +118,5 @@ def _calibration(whose: str, stored: Mapping[str, Any]) -> Calibration:
         found = Calibration(low=low, high=high, centre=centre)
         if found.sound:
             return found
-    text = f"what it says of {whose} cannot be"
+    text = f"what it says of {owner} cannot be"
     raise ValueError(text)

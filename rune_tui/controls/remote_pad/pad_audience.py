@@ -19,7 +19,7 @@ class _Console:
 
     Attributes:
         operator: Its operator.
-        taken: Numbers of the senders whose gamepads it uses.
+        taken: Numbers of the senders of its gamepads.
         heard: Time of its newest announcement [s].
     """
 
@@ -35,7 +35,7 @@ class Audience:
         """Prepare.
 
         Args:
-            operator: The operator whose console may use the gamepad; empty: any.
+            operator: Operator of the console that may use the gamepad; empty: any.
         """
         self._operator = operator
         self._consoles: dict[int, _Console] = {}
@@ -66,9 +66,9 @@ class Audience:
             return f"used by the console of {_names(takers)}"
         if meant:
             return f"not used by the console of {_names(meant)}, which has no free joystick for it"
-        whose = f" of {self._operator}" if self._operator else ""
+        operator = f" of {self._operator}" if self._operator else ""
         others = _names(list(self._consoles.values()))
-        return f"waits for a console{whose}{f' (there: {others})' if others else ''}"
+        return f"waits for a console{operator}{f' (there: {others})' if others else ''}"
 
     def _forget(self, now: float) -> None:
         self._consoles = {

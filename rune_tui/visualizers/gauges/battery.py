@@ -23,9 +23,9 @@ class _Charge:
     """The state of the battery.
 
     Attributes:
-        percent: Charge left, 0 to 100; None when not known.
-        volts: Voltage as words; empty when not measured.
-        severity: How grave it is.
+        percent: Charge, 0 to 100; None if unknown.
+        volts: Voltage in words; empty if not measured.
+        severity: Severity of the charge.
     """
 
     percent: int | None

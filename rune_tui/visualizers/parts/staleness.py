@@ -26,7 +26,7 @@ _HATCH_WIDTH = 2
 
 
 class Staleness(enum.IntEnum):
-    """How far data can be trusted.
+    """The drawing of data by age.
 
     Attributes:
         FRESH: Shown as it is.

@@ -74,7 +74,7 @@ def ghost_words(ghost: Ghost) -> str:
 def _in_picture(
     robot: RobotState, geometry: PictureGeometry, pose: Pose
 ) -> Iterator[tuple[InterestPoint, tuple[float, float], float]]:
-    """The nearest marks in the picture, the farthest first: each, its pixel, how far it is [m]."""
+    """The nearest marks in the picture, farthest first, with pixel and distance [m]."""
     received = robot.newest(INTEREST_POINTS)
     marks = received.value.points if received is not None else ()
     if not marks:

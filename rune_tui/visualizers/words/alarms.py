@@ -44,8 +44,8 @@ class Alarms(PlainVisualizer):
         canvas.fill(theme.panel)
         parts = _not_in_banner(robot, state)
         if not parts:
-            whose = "" if len(state.robots) == 1 else f"{state.title(robot.name)}: "
-            words = "nothing else" if _alarmed(state) else f"{whose}all well"
+            prefix = "" if len(state.robots) == 1 else f"{state.title(robot.name)}: "
+            words = "nothing else" if _alarmed(state) else f"{prefix}all well"
             canvas.text(0, 0, cut(words, canvas.width), theme.faint)
             return
         blocks = [_block(part, canvas.width) for part in parts]

@@ -25,9 +25,9 @@ _UNKEPT = "NOT KEPT"
 class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
     """The number of each kind, then a row for each mark.
 
-    That is: number, kind, whether it is not on the robot's disk, place, uncertainty, distance,
-    time, operator, note. The newest is at the top, so that it is seen where
-    there is no room for all. Where room is short a kind is a letter, and what is not kept a sign.
+    A row has: number, kind, whether the robot's disk lacks it, place, error, distance at which it
+    was seen, time, operator, note. The newest is at the top. With little room, a letter stands for
+    the kind, and a sign for a mark that is not on the disk.
     """
 
     rule: ClassVar = VisualizerRule(

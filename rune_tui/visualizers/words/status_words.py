@@ -254,14 +254,14 @@ def _joysticks(state: ConsoleState) -> Iterator[Part]:
         lacks = joystick.phase is JoystickPhase.CONNECTED and bool(joystick.why)
         alike.setdefault((*joystick_words(joystick), lacks), []).append(joystick.name)
     for (text, severity, lacks), names in alike.items():
-        whose = names[0] if len(names) == 1 else f"{len(names)} joysticks"
+        name = names[0] if len(names) == 1 else f"{len(names)} joysticks"
         if lacks:
-            yield Part(f"{whose} {text}", 2, severity, short=f"{whose} LACKS CONTROLS")
+            yield Part(f"{name} {text}", 2, severity, short=f"{name} LACKS CONTROLS")
         elif severity is Severity.PLAIN:
             short = f"no {names[0] if len(names) == 1 else 'joysticks'}"
-            yield Part(f"{whose} {text}", 0, severity, short=short)
+            yield Part(f"{name} {text}", 0, severity, short=short)
         elif severity is not Severity.GOOD:
-            yield Part(f"{whose} {text}", 8, severity)
+            yield Part(f"{name} {text}", 8, severity)
 
 
 def joystick_words(joystick: JoystickState) -> tuple[str, Severity]:
