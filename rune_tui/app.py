@@ -25,7 +25,7 @@ from rune_tui.terminal.traits import Traits
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesReported
-from rune_tui.ui.ending import at_the_systems_end, end_anyway
+from rune_tui.ui.ending import force_end_later, run_on_termination
 from rune_tui.ui.frame_clock import FRAME_S, FrameClock
 from rune_tui.ui.input_events import InputEvents
 from rune_tui.ui.live_state import LiveState
@@ -135,7 +135,7 @@ class Console(CoveredApp, inherit_bindings=False):
     def on_mount(self) -> None:
         """Start the clocks, and handle the system's signals to end."""
         loop = asyncio.get_running_loop()
-        at_the_systems_end(loop, self._leave)
+        run_on_termination(loop, self._leave)
         self.app_resume_signal.subscribe(self, self._come_back)
         self.inputs.start(loop)
         self.set_interval(FRAME_S, self._frames.draw)
@@ -218,7 +218,7 @@ class Console(CoveredApp, inherit_bindings=False):
         """Ctrl-C: close open screens and ask to end, as the quit key does; the second time, end."""
         while self.covered:
             self.pop_screen()
-        self.effects.leave_if_sure()
+        self.effects.leave_or_ask()
 
     def _leave(self) -> None:
         """End in order, or by force if the terminal blocks."""
@@ -226,5 +226,5 @@ class Console(CoveredApp, inherit_bindings=False):
             return
         self.leaving = True
         self.inputs.release_all()
-        end_anyway()
+        force_end_later()
         self.exit()

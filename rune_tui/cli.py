@@ -205,7 +205,7 @@ def _shot(options: argparse.Namespace) -> int:
     if answered or options.offline:
         return ExitCode.OK
     where = " and ".join(hubs or [robot.hub for robot in layout.robots])
-    text = f"no hub answered at {where}, so {path} is not written; --offline draws it all the same"
+    text = f"no hub answered at {where}, so {path} is not written; --offline still draws it"
     _report(text)
     return ExitCode.NO_HUB
 
@@ -245,7 +245,7 @@ def _pad(options: argparse.Namespace) -> int:
     from hub.ipc.endpoints import endpoint_of
     from rune_tui.commands import pad
 
-    _refuse_two_ways(options)
+    _refuse_ssh_with_keys(options)
     if not (options.hub or options.ssh):
         text = "say where the robot's hub is: `rune pad HOST`, or `rune pad --ssh USER@ROBOT`"
         raise _UsageError(text)
@@ -321,14 +321,14 @@ def _tunnels(
 ) -> AbstractContextManager[list[Tunnel]]:
     from rune_tui.link.tunnel import open_tunnels
 
-    _refuse_two_ways(options)
+    _refuse_ssh_with_keys(options)
     if options.ssh and "demo" in options and options.demo:
         text = "--demo brings its own robot; leave out one of --ssh and --demo"
         raise _UsageError(text)
     return open_tunnels(options.ssh, layout, _endpoints(options.hub))
 
 
-def _refuse_two_ways(options: argparse.Namespace) -> None:
+def _refuse_ssh_with_keys(options: argparse.Namespace) -> None:
     if options.ssh and options.keys:
         text = "--keys is for a hub that is reached without ssh; leave out one of --ssh and --keys"
         raise _UsageError(text)

@@ -143,7 +143,7 @@ class EffectRunner:
         self.run(Notify(notice=notice) for notice in self._changes.look(state))
         self.run(self._current.dispatch.tick(state))
 
-    def leave_if_sure(self) -> None:
+    def leave_or_ask(self) -> None:
         """End, or ask once if a recording or a mission would be lost; the second call ends."""
         reasons = reasons_to_stay(self._state())
         if reasons and not self._current.console.leaving:
@@ -179,7 +179,7 @@ class EffectRunner:
             case ReleaseFirst(keys=keys):
                 self._inputs.keyboard.stop(keys, time.monotonic())
             case QuitEffect():
-                self.leave_if_sure()
+                self.leave_or_ask()
             case _:
                 self._current.console = ordered(self._current.console, effect, time.monotonic())
                 self._do_external(effect)

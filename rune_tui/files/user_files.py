@@ -113,7 +113,7 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
             Path(f"{base}.{suffix}").write_text(text, "utf-8", newline="")
     except OSError as error:
         return _not_written("marks", error)
-    text = f"what is marked ({len(points)}) is in {base}.csv, .geojson and .html"
+    text = f"the marks ({len(points)}) are in {base}.csv, .geojson and .html"
     return Outcome(text=text, robot=robot.name, routine=True)
 
 

@@ -73,7 +73,7 @@ def owner_words(robot: RobotState) -> str:
     return f"{who} control{since}"
 
 
-def to_take(robot: RobotState, state: ConsoleState) -> str:
+def take_key_words(robot: RobotState, state: ConsoleState) -> str:
     """The key that takes or requests control, in words; empty if there is none."""
     key = state.input_of(Purpose.TAKE_CONTROL, robot.name) if robot.link.may_command else ""
     does = "take it" if standing(robot) is Standing.FREE else "ask"
@@ -110,7 +110,7 @@ def refused(
 
 def refusal(robot: RobotState, state: ConsoleState) -> Notify:
     """A notice that names the reason for a refusal, and what to do."""
-    words = "; ".join(filter(None, (owner_words(robot), to_take(robot, state))))
+    words = "; ".join(filter(None, (owner_words(robot), take_key_words(robot, state))))
     return Notify.now(state, words, robot=robot.name)
 
 

@@ -40,7 +40,7 @@ def shortened(text: str) -> str:
     return _PATH.sub(r"…/\1", text)
 
 
-def by_weight(notices: Iterable[Notice], now: float) -> list[Notice]:
+def by_importance(notices: Iterable[Notice], now: float) -> list[Notice]:
     """The notices in order of importance, then newest first.
 
     Recent alarms come first, and recent confirmations of orders come last.

@@ -13,7 +13,7 @@ _LEAVE_S = 3.0
 """Longest time of an orderly end before the process is ended by force [s]."""
 
 
-def at_the_systems_end(loop: asyncio.AbstractEventLoop, work: Callable[[], None]) -> None:
+def run_on_termination(loop: asyncio.AbstractEventLoop, work: Callable[[], None]) -> None:
     """Run some work on SIGTERM and SIGHUP.
 
     Without signal handlers (Windows, tests in a thread) the process ends at once, and the robot
@@ -24,7 +24,7 @@ def at_the_systems_end(loop: asyncio.AbstractEventLoop, work: Callable[[], None]
             loop.add_signal_handler(getattr(signal, name), work)
 
 
-def end_anyway() -> None:
+def force_end_later() -> None:
     """End the process by force after a time limit.
 
     Textual waits until the terminal has read all output; a blocked terminal never does.

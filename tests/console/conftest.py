@@ -59,7 +59,7 @@ def play(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
 @pytest.fixture
 def ends(monkeypatch: pytest.MonkeyPatch) -> None:
     """Lets consoles end without the last resort, which ends the process that runs the test."""
-    monkeypatch.setattr("rune_tui.app.end_anyway", lambda: None)
+    monkeypatch.setattr("rune_tui.app.force_end_later", lambda: None)
 
 
 @pytest.fixture(scope="module")

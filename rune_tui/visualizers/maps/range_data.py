@@ -188,7 +188,7 @@ class RangeData:
             pies,
             arcs,
             navigation.bumpers,
-            held_off(navigation),
+            avoids_obstacles(navigation),
             robot.body,
             age_look(robot.navigation, state.now),
             state.theme.name,
@@ -219,7 +219,7 @@ class RangeData:
         return _Plan(centre=centre, rim=rim, rim_m=rim_m, outline=points, body=drawn)
 
     def _nearness(self, room: float, navigation: NavigationState) -> Nearness:
-        return as_it_moves(nearness_of(room, self.near_m, self.close_m), navigation)
+        return effective_nearness(nearness_of(room, self.near_m, self.close_m), navigation)
 
     def _draw_pies(
         self,
@@ -304,12 +304,12 @@ def nearness_of(room: float, near_m: float = NEAR_M, close_m: float = CLOSE_M) -
     return Nearness.NEAR if room < near_m else Nearness.FAR
 
 
-def as_it_moves(nearness: Nearness, navigation: NavigationState) -> Nearness:
+def effective_nearness(nearness: Nearness, navigation: NavigationState) -> Nearness:
     """The class that counts: a robot that navigation steers may pass near obstacles."""
-    return min(nearness, Nearness.NEAR) if held_off(navigation) else nearness
+    return min(nearness, Nearness.NEAR) if avoids_obstacles(navigation) else nearness
 
 
-def held_off(navigation: NavigationState) -> bool:
+def avoids_obstacles(navigation: NavigationState) -> bool:
     """Whether the robot moves by itself and navigation avoids near obstacles."""
     return navigation.motion is MotionState.GOING and navigation.assistance is Assistance.ON
 

@@ -16,7 +16,7 @@ from rune_tui.model.control import (
     owner_words,
     seconds_left,
     standing,
-    to_take,
+    take_key_words,
 )
 from rune_tui.model.robot_state import RobotState
 from rune_tui.visualizers.parts.severity import Part, Severity
@@ -85,6 +85,6 @@ def _silence(control: ControlState) -> Iterator[Part]:
 
 def _hint(robot: RobotState, state: ConsoleState) -> str:
     if standing(robot) is not Standing.MINE:
-        return "" if asks(robot) else to_take(robot, state)
+        return "" if asks(robot) else take_key_words(robot, state)
     key = state.input_of(Purpose.RELEASE_CONTROL, robot.name)
     return f"press {key} to give it up" if key else ""

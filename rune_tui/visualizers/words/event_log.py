@@ -10,7 +10,7 @@ from typing import ClassVar, Self
 from rune_tui.layout.rules import ChoiceOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState, Notice
-from rune_tui.model.notices import KEPT_S, by_weight, merged, shortened
+from rune_tui.model.notices import KEPT_S, by_importance, merged, shortened
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
@@ -68,7 +68,7 @@ class EventLog:
         """The rows of the most important notices, in the order of time."""
         chosen: dict[int, list[TextRow]] = {}
         places = {id(notice): number for number, notice in enumerate(notices)}
-        for notice in by_weight(notices, state.now):
+        for notice in by_importance(notices, state.now):
             rows = [*_rows(notice, _robot_name(notice, state), columns)][:room]
             room -= len(rows)
             chosen[places[id(notice)]] = rows

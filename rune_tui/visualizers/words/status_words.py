@@ -16,7 +16,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.robot_task import task_of
-from rune_tui.visualizers.maps.range_data import Nearness, as_it_moves, nearness_of
+from rune_tui.visualizers.maps.range_data import Nearness, effective_nearness, nearness_of
 from rune_tui.visualizers.parts.control_words import control_parts
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import (
@@ -195,7 +195,7 @@ def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Pa
     room = max(0.0, float(rooms[sensor]))
     if not math.isfinite(room):
         return
-    word, weight, severity = _NEAREST[as_it_moves(nearness_of(room), navigation)]
+    word, weight, severity = _NEAREST[effective_nearness(nearness_of(room), navigation)]
     origin = "" if body is not None else " of its centre"
     yield Part(f"{word} {room:.2f} m {side_of(sensor)}{origin}", weight, severity)
 

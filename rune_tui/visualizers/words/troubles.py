@@ -49,11 +49,11 @@ def banner_of(state: ConsoleState) -> Banner | None:
     if recent and newest is not None and newest.alarm and state.now - newest.when <= REPORT_S:
         return Banner(robot=newest.robot, text=newest.text, more=len(found))
     if worst is None:
-        return next(_by_themselves(state), None)
+        return next(_own_tasks(state), None)
     return Banner(robot=worst[1], text=worst[2], more=len(found) - 1)
 
 
-def _by_themselves(state: ConsoleState) -> Iterator[Banner]:
+def _own_tasks(state: ConsoleState) -> Iterator[Banner]:
     """Tasks of robots, which matter to a driver."""
     for robot in state.robots.values():
         task = task_of(robot)

@@ -44,7 +44,7 @@ def test_marks_are_a_table_geojson_and_a_page(home: Path):
     files = list((home / "documents" / "Rune").iterdir())
     assert sorted(path.suffix for path in files) == [".csv", ".geojson", ".html"]
     assert {path.stem for path in files} == {"a----b-20050318-015831"}
-    assert "is marked (1)" in outcome.text
+    assert "the marks (1) are in" in outcome.text
 
 
 def test_without_marks_no_file_is_written(home: Path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rune_tui.model.console_state import Notice
-from rune_tui.model.notices import KEPT_S, by_weight, merged, shortened
+from rune_tui.model.notices import KEPT_S, by_importance, merged, shortened
 from tests.support.cases import for_each
 
 
@@ -42,11 +42,11 @@ def test_of_a_path_the_name_of_the_file_is_left(text: str, short: str):
 def test_for_a_while_alarms_come_first_and_files_last():
     alarm = notice("refused", 1.0, alarm=True)
     said = [alarm, notice("marked", 2.0), notice("a file", 3.0, routine=True)]
-    assert [each.text for each in by_weight(said, 4.0)] == ["refused", "marked", "a file"]
+    assert [each.text for each in by_importance(said, 4.0)] == ["refused", "marked", "a file"]
     later = 1.0 + KEPT_S + 0.1
-    assert [each.text for each in by_weight(said, later)] == ["marked", "a file", "refused"]
+    assert [each.text for each in by_importance(said, later)] == ["marked", "a file", "refused"]
 
 
 def test_of_what_weighs_the_same_the_newest_comes_first():
     said = [notice(str(number), float(number)) for number in range(5)]
-    assert [each.text for each in by_weight(said, 5.0)] == ["4", "3", "2", "1", "0"]
+    assert [each.text for each in by_importance(said, 5.0)] == ["4", "3", "2", "1", "0"]
