@@ -34,7 +34,7 @@ class ModuleLifecycle:
     Attributes:
         spec: Its entry in the robot file.
         phase: Its phase.
-        why: The reason for this phase, for people, after its name: "was stopped by an operator";
+        why: The reason for this phase, for people, after its name: "was stopped by order";
             empty: it has run since its first start.
         pid: Process id; 0: it has no process.
         since: Time of its last start, or of the attempt.
@@ -158,11 +158,11 @@ class ModuleLifecycle:
         """Stop it by order; only an order starts it again."""
         self.held, self.pinned, self.replaced_by = True, False, ""
         if self.up:
-            self._stop("was stopped by somebody", now, deliberate=True)
+            self._stop("was stopped by order", now, deliberate=True)
         elif self.phase is ModulePhase.STOPPING:
             self._deliberate = True
         else:
-            self._enter(ModulePhase.STOPPED, "was stopped by somebody")
+            self._enter(ModulePhase.STOPPED, "was stopped by order")
 
     def start_by_order(self) -> None:
         """Start it by order, without earlier failures."""
@@ -172,13 +172,13 @@ class ModuleLifecycle:
         self._failure, self._early = "", 0
         self._start_at = -math.inf
         if not self.has_process:
-            self._enter(ModulePhase.STOPPED, "is started by somebody")
+            self._enter(ModulePhase.STOPPED, "is started by order")
 
     def restart_by_order(self, now: float) -> None:
         """Restart it by order."""
         self.start_by_order()
         if self.up:
-            self._stop("is started anew by somebody", now, deliberate=True)
+            self._stop("is restarted by order", now, deliberate=True)
 
     def ended(self, how: str, now: float) -> None:
         """Note the end of its process."""

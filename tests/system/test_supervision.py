@@ -298,7 +298,7 @@ def test_common_commands_are_obeyed(start: Start) -> None:
     robot.client.wait_subscribed(5.0)
     tell(CommonCommandKind.STOP)
     robot.until(lambda: robot.phase("one") is ModulePhase.STOPPED)
-    assert robot.modules["one"].why == "was stopped by somebody"
+    assert robot.modules["one"].why == "was stopped by order"
     tell(CommonCommandKind.START)
     robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)
 
