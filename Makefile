@@ -7,7 +7,7 @@ PIP := $(BIN)/pip --disable-pip-version-check --quiet
 COMPILE := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	--custom-compile-command "make lock" --quiet --upgrade
 ONLY ?= *
-TEST := $(BIN)/pytest --numprocesses 3 --dist worksteal
+TEST := $(BIN)/pytest --numprocesses 4 --dist worksteal
 
 # Tests start hundreds of processes, each of which would compile all files of ours anew.
 unexport PYTHONDONTWRITEBYTECODE
