@@ -46,7 +46,7 @@ _DRIVES = 20
 _BUSY_S = 10.0
 _READ_ON = """
 import json, os, select, sys, threading, types
-from rune_tui.controls.devices import hid_reader
+from rune_tui.controls.devices import device_reader, hid_reader
 from rune_tui.controls.devices.matching import DeviceInfo
 
 class Device:  # reads a pipe that keeps packets apart, as the kernel's queue of reports does
@@ -65,7 +65,7 @@ class Device:  # reads a pipe that keeps packets apart, as the kernel's queue of
 said = json.load(open(sys.argv[1]))
 hid_reader.hidapi = lambda: types.SimpleNamespace(device=Device, enumerate=list)
 moved = threading.Event()
-reader = hid_reader.HidReader()
+reader = device_reader.DeviceReader([hid_reader.HidKind()])
 reader.start(moved.set)
 vid, pid = int(said["vid"], 16), int(said["pid"], 16)
 reader.read(DeviceInfo(path="pad", vid=vid, pid=pid, bus=said["bus"]))
