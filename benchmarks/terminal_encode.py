@@ -94,7 +94,7 @@ class Ours:
 
 
 def without_pictures(frames: list[Cells]) -> list[Frame]:
-    """The same frames, of which all that is known are the cells."""
+    """The same frames, as cells without pictures."""
     return [(cells, ()) for cells in frames]
 
 

@@ -1,5 +1,7 @@
 """Draws the two ways through Rune as pictures of the architecture page: python -m docs.draw_ways.
 
+It needs the tools of the tests, which `make setup` installs.
+
 A way is a list of files. What joins one file to the next is found in the imports: one imports the
 other, a third puts both together, or two processes share the definition of a message. A file that
 is gone, or that nothing joins to the next, ends the script with an error.

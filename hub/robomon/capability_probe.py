@@ -46,12 +46,12 @@ class CapabilityProbe:
         """The present process; 0: none."""
         return self._process.pid if self._process else 0
 
-    def ask(self, lives: Iterable[ModuleLifecycle]) -> None:
+    def ask(self, lifecycles: Iterable[ModuleLifecycle]) -> None:
         """Ask each of these once."""
-        for life in lives:
-            if life.spec.name not in self._asked:
-                self._asked.add(life.spec.name)
-                self._waiting.append(life)
+        for lifecycle in lifecycles:
+            if lifecycle.spec.name not in self._asked:
+                self._asked.add(lifecycle.spec.name)
+                self._waiting.append(lifecycle)
 
     def poll(self, now: float) -> None:
         """Read the present module's answer, or ask the next; `now` is the time [s]."""
@@ -90,17 +90,17 @@ class CapabilityProbe:
         if self._life is not None and not self._life.asked:
             self._conclude(self._life, code)
 
-    def _conclude(self, life: ModuleLifecycle, code: int | None) -> None:
+    def _conclude(self, lifecycle: ModuleLifecycle, code: int | None) -> None:
         abilities = parse(self._output) if code == 0 else None
         if abilities is None:
             _logger.warning(
                 "module %s does not say what it can do when it is run with --describe%s; "
                 "what the robot file says is taken for it",
-                life.spec.name,
+                lifecycle.spec.name,
                 _last_words(self._output),
             )
         else:
-            life.learned(*abilities)
+            lifecycle.learned(*abilities)
 
 
 def _last_words(output: bytes) -> str:

@@ -92,7 +92,7 @@ class Daemon:
         self._gateway = ""
         self._wake: Callable[[], None] = lambda: None
         self._notifier = Notifier.from_environment(os.environ, os.getpid())
-        self._supervisor = ModulePolicy(table.modules)
+        self._policy = ModulePolicy(table.modules)
 
     def run(self, *, stop_with_stdin: bool) -> int:
         """Serve until SIGINT, SIGTERM, or, by request, the end of standard input.
@@ -124,10 +124,10 @@ class Daemon:
             self._report("listening", central.endpoints[0], {})
             client = stack.enter_context(contextlib.closing(Client(ROBOMON, local)))
             desk = ControlService(client, central.peer_of)
-            MissionWant(client, self._supervisor.wants, robot, controlled=lambda: desk.owned)
+            MissionWant(client, self._policy.wants, robot, controlled=lambda: desk.owned)
             self._serve(client, outputs, local, central.endpoints[0])
-        lives = self._supervisor.lifecycles.values()
-        return 1 if any(life.phase is ModulePhase.FAILED for life in lives) else 0
+        lifecycles = self._policy.lifecycles.values()
+        return 1 if any(lifecycle.phase is ModulePhase.FAILED for lifecycle in lifecycles) else 0
 
     def _serve(self, client: Client, outputs: ModuleLogs, local: str, endpoint: str) -> None:
         self._wake = lambda: client.post(lambda: None)
@@ -137,7 +137,7 @@ class Daemon:
         self._notifier.ready(f"{self._table.robot.name}: starting modules")
         robot = self._table.robot
         processes = ProcessSupervisor(
-            self._supervisor,
+            self._policy,
             client,
             outputs,
             arguments=hub_arguments(local, robot),
@@ -162,8 +162,10 @@ class Daemon:
     def _changed(self, reporting: Reporting) -> None:
         """Report the modules' state on the bus and to systemd."""
         reporting.publish()
-        lives = self._supervisor.lifecycles.values()
-        words = (f"{life.spec.name} {life.phase.name.lower()}" for life in lives)
+        lifecycles = self._policy.lifecycles.values()
+        words = (
+            f"{lifecycle.spec.name} {lifecycle.phase.name.lower()}" for lifecycle in lifecycles
+        )
         self._notifier.status(", ".join(words))
 
     @staticmethod
@@ -174,8 +176,12 @@ class Daemon:
             _logger.exception("the daemon goes on after a fault")
 
     def _all_run(self) -> bool:
-        lives = self._supervisor.lifecycles.values()
-        return all(life.phase is ModulePhase.RUNNING for life in lives if life.spec.always)
+        lifecycles = self._policy.lifecycles.values()
+        return all(
+            lifecycle.phase is ModulePhase.RUNNING
+            for lifecycle in lifecycles
+            if lifecycle.spec.always
+        )
 
     def _end(self) -> None:
         self._stopping = True

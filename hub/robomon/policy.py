@@ -75,43 +75,43 @@ class ModulePolicy:
     ) -> None:
         """Note a module's announcement and its capabilities."""
         can, lacks = _usable(provides), _usable(needs)
-        life = self.lifecycles.get(name)
+        lifecycle = self.lifecycles.get(name)
         shown = "".join(name.split())[:MAX_NAME]
-        if life is not None and life.has_process:
-            if life.announced(pid, now):
-                life.learned(can, lacks)
-        elif life is None and (shown in self.externals or len(self.externals) < MAX_EXTERNALS):
+        if lifecycle is not None and lifecycle.has_process:
+            if lifecycle.announced(pid, now):
+                lifecycle.learned(can, lacks)
+        elif lifecycle is None and (shown in self.externals or len(self.externals) < MAX_EXTERNALS):
             self.externals[shown] = ExternalModule(
                 pid=pid, provides=can, needs=lacks, last_heard=now
             )
 
     def used(self, name: str, memory_mb: float, now: float) -> None:
         """Note a sample of a module's memory."""
-        life = self.lifecycles[name]
-        limit = life.spec.memory_limit_mb
+        lifecycle = self.lifecycles[name]
+        limit = lifecycle.spec.memory_limit_mb
         over = self._over.get(name, 0) + 1 if 0.0 < limit < memory_mb else 0
         self._over[name] = over
         if over >= _OVER_LIMIT_SAMPLES:
             self._over[name] = 0
-            life.over_limit(f"took {memory_mb:.0f} MB and may take {limit:g}", now)
+            lifecycle.over_limit(f"took {memory_mb:.0f} MB and may take {limit:g}", now)
 
     def ordered(self, name: str, order: ModuleOrder, now: float) -> tuple[bool, str]:
         """Carry out an order about a module; whether it is done, and the result or the reason."""
-        life = self.lifecycles.get(name)
-        if life is None:
+        lifecycle = self.lifecycles.get(name)
+        if lifecycle is None:
             return False, self.unknown(name)
         if order is ModuleOrder.STOP:
-            life.stop_by_order(now)
-            return True, f"{name} is stopped, and stays so until somebody starts it"
+            lifecycle.stop_by_order(now)
+            return True, f"{name} is stopped; only an order starts it again"
         if order is ModuleOrder.RESTART:
-            life.restart_by_order(now)
-            return True, f"{name} is started anew"
-        running = life.up
-        life.start_by_order()
+            lifecycle.restart_by_order(now)
+            return True, f"{name} is restarted"
+        running = lifecycle.up
+        lifecycle.start_by_order()
         if running:
             return True, f"{name} runs already"
         self._survey()
-        lacks = sorted(life.needs - self._outside)
+        lacks = sorted(lifecycle.needs - self._outside)
         missing = [need for need in lacks if self._provider(need) is None]
         if missing:
             return True, f"{name} starts as soon as a module for {' and '.join(missing)} may start"
@@ -126,34 +126,36 @@ class ModulePolicy:
     def step(self, now: float) -> list[tuple[ModuleLifecycle, ProcessAction]]:
         """The next actions, in order."""
         if self._pauses.look(now):
-            for life in self.lifecycles.values():
-                life.skip_pause(now)
+            for lifecycle in self.lifecycles.values():
+                lifecycle.skip_pause(now)
         self.externals = {
             name: one
             for name, one in self.externals.items()
             if now - one.last_heard < EXTERNAL_SILENCE_S
         }
-        for life in self.lifecycles.values():
-            life.check_silence(now)
+        for lifecycle in self.lifecycles.values():
+            lifecycle.check_silence(now)
         self._survey()
         wanted = self._plan(now)
         self._providers.clear()
         actions = []
-        for name, life in self.lifecycles.items():
-            lacking = self._lacking(life, wanted) if name in wanted and not life.up else ()
-            action = life.step(now, wanted=name in wanted, ready=not lacking)
+        for name, lifecycle in self.lifecycles.items():
+            lacking = (
+                self._lacking(lifecycle, wanted) if name in wanted and not lifecycle.up else ()
+            )
+            action = lifecycle.step(now, wanted=name in wanted, ready=not lacking)
             if action is not None:
-                actions.append((life, action))
-            elif lacking and life.phase is ModulePhase.STOPPED and not life.held:
-                life.why = f"waits for {' and '.join(lacking)}"
+                actions.append((lifecycle, action))
+            elif lacking and lifecycle.phase is ModulePhase.STOPPED and not lifecycle.held:
+                lifecycle.why = f"waits for {' and '.join(lacking)}"
         return actions
 
     def undescribed(self) -> list[ModuleLifecycle]:
         """Modules without a report of their capabilities, because they were never started."""
         return [
-            life
-            for life in self.lifecycles.values()
-            if not life.asked and not life.starts and life.keep_alive_s > 0.0
+            lifecycle
+            for lifecycle in self.lifecycles.values()
+            if not lifecycle.asked and not lifecycle.starts and lifecycle.keep_alive_s > 0.0
         ]
 
     def capabilities(self, now: float) -> dict[str, CapabilityReport]:
@@ -170,23 +172,25 @@ class ModulePolicy:
     @property
     def undeclared(self) -> int:
         """Number of modules without a report of their capabilities, or a hint of them."""
-        return sum(not (life.asked or life.provides) for life in self.lifecycles.values())
+        return sum(
+            not (lifecycle.asked or lifecycle.provides) for lifecycle in self.lifecycles.values()
+        )
 
     def _view(self, capability: str, wanted_by: Iterable[str]) -> CapabilityReport:
         others = [n for n, one in self.externals.items() if capability in one.provides]
-        owners = [n for n, life in self.lifecycles.items() if capability in life.provides]
-        life = self._provider(capability)
-        if others and not (life and life.phase is ModulePhase.RUNNING):
+        owners = [n for n, lifecycle in self.lifecycles.items() if capability in lifecycle.provides]
+        lifecycle = self._provider(capability)
+        if others and not (lifecycle and lifecycle.phase is ModulePhase.RUNNING):
             phase, module = CapabilityPhase.RUNNING, others[0]
-        elif life is None:
+        elif lifecycle is None:
             phase, module = CapabilityPhase.UNAVAILABLE, ""
         else:
-            module = life.spec.name
+            module = lifecycle.spec.name
             phase = {
                 ModulePhase.RUNNING: CapabilityPhase.RUNNING,
                 ModulePhase.STARTING: CapabilityPhase.STARTING,
                 ModulePhase.WAITING: CapabilityPhase.STARTING,
-            }.get(life.phase, CapabilityPhase.AVAILABLE)
+            }.get(lifecycle.phase, CapabilityPhase.AVAILABLE)
         return CapabilityReport(
             name=capability,
             phase=phase,
@@ -198,66 +202,68 @@ class ModulePolicy:
     def _plan(self, now: float) -> set[str]:
         """The modules that should run."""
         plan: set[str] = set()
-        for name, life in self.lifecycles.items():
-            stands_back = life.spec.always and self._is_replaced_by_spare(name, life)
+        for name, lifecycle in self.lifecycles.items():
+            stands_back = lifecycle.spec.always and self._is_replaced_by_spare(name, lifecycle)
             if stands_back:
-                self._include(self.lifecycles[life.replaced_by], plan)
-            elif life.pinned or life.spec.always:
-                self._include(life, plan)
+                self._include(self.lifecycles[lifecycle.replaced_by], plan)
+            elif lifecycle.pinned or lifecycle.spec.always:
+                self._include(lifecycle, plan)
         for capability in self.wants.current(now):
             if capability in self._known and capability not in self._outside:
                 self._include(self._provider(capability), plan)
         return plan
 
-    def _include(self, life: ModuleLifecycle | None, plan: set[str]) -> None:
+    def _include(self, lifecycle: ModuleLifecycle | None, plan: set[str]) -> None:
         """Add a module with all its needs."""
-        if life is None or life.spec.name in plan:
+        if lifecycle is None or lifecycle.spec.name in plan:
             return
-        plan.add(life.spec.name)
-        if not life.usable or not self._possible(life):
+        plan.add(lifecycle.spec.name)
+        if not lifecycle.usable or not self._possible(lifecycle):
             return  # then no other module runs for it
-        for need in life.needs:
+        for need in lifecycle.needs:
             if need not in self._outside:
                 self._include(self._provider(need), plan)
 
-    def _is_replaced_by_spare(self, name: str, life: ModuleLifecycle) -> bool:
+    def _is_replaced_by_spare(self, name: str, lifecycle: ModuleLifecycle) -> bool:
         """Whether a spare replaces this failed always-on module."""
-        if life.replaced_by and self._can_replace(self.lifecycles[life.replaced_by], life):
+        if lifecycle.replaced_by and self._can_replace(
+            self.lifecycles[lifecycle.replaced_by], lifecycle
+        ):
             return True
-        life.replaced_by = ""
-        if life.held or life.sound:
+        lifecycle.replaced_by = ""
+        if lifecycle.held or lifecycle.sound:
             return False
         for other, spare in self.lifecycles.items():
-            if other != name and self._can_replace(spare, life):
-                life.replace_by(other)
+            if other != name and self._can_replace(spare, lifecycle):
+                lifecycle.replace_by(other)
                 return True
         return False
 
-    def _can_replace(self, spare: ModuleLifecycle, life: ModuleLifecycle) -> bool:
+    def _can_replace(self, spare: ModuleLifecycle, lifecycle: ModuleLifecycle) -> bool:
         """Whether a module can do all the work of another now."""
-        able = bool(life.provides) and spare.provides >= life.provides
+        able = bool(lifecycle.provides) and spare.provides >= lifecycle.provides
         return able and spare.sound and self._possible(spare)
 
     def _provider(self, capability: str) -> ModuleLifecycle | None:
         """The module for a capability: the present provider, if it still can."""
         able = [
-            life
-            for life in self.lifecycles.values()
-            if capability in life.provides and life.usable and not life.replaced_by
+            lifecycle
+            for lifecycle in self.lifecycles.values()
+            if capability in lifecycle.provides and lifecycle.usable and not lifecycle.replaced_by
         ]
-        possible = [life for life in able if self._possible(life)] or able
-        sound = [life for life in possible if life.sound] or possible
+        possible = [lifecycle for lifecycle in able if self._possible(lifecycle)] or able
+        sound = [lifecycle for lifecycle in possible if lifecycle.sound] or possible
         if not sound:
             return None
         chosen = self.lifecycles.get(self._chosen.get(capability, ""))
         if chosen not in sound:
-            chosen = next((life for life in sound if life.up), sound[0])
+            chosen = next((lifecycle for lifecycle in sound if lifecycle.up), sound[0])
             self._chosen[capability] = chosen.spec.name
         return chosen
 
-    def _possible(self, life: ModuleLifecycle) -> bool:
+    def _possible(self, lifecycle: ModuleLifecycle) -> bool:
         """Whether all needs of a module, direct and indirect, have modules."""
-        return life.needs <= self._offered
+        return lifecycle.needs <= self._offered
 
     def _survey(self) -> None:
         """Note the capabilities from outside, and those that are possible at all.
@@ -266,33 +272,39 @@ class ModulePolicy:
         because their members start together.
         """
         self._outside = frozenset().union(*(one.provides for one in self.externals.values()))
-        self._known = frozenset().union(*(life.provides for life in self.lifecycles.values()))
-        able = [life for life in self.lifecycles.values() if life.usable]
+        self._known = frozenset().union(
+            *(lifecycle.provides for lifecycle in self.lifecycles.values())
+        )
+        able = [lifecycle for lifecycle in self.lifecycles.values() if lifecycle.usable]
         while True:
-            self._offered = self._outside.union(*(life.provides for life in able))
-            left = [life for life in able if self._possible(life)]
+            self._offered = self._outside.union(*(lifecycle.provides for lifecycle in able))
+            left = [lifecycle for lifecycle in able if self._possible(lifecycle)]
             if len(left) == len(able):
                 return
             able = left
 
-    def _lacking(self, life: ModuleLifecycle, plan: set[str]) -> tuple[str, ...]:
+    def _lacking(self, lifecycle: ModuleLifecycle, plan: set[str]) -> tuple[str, ...]:
         """The missing capabilities of a module, without those of modules that need it in turn."""
         return tuple(
             need
-            for need in sorted(life.needs)
+            for need in sorted(lifecycle.needs)
             if need not in self._outside
             and not self._provided(self._provider(need), plan)
-            and not self._depends(self._provider(need), life)
+            and not self._depends(self._provider(need), lifecycle)
         )
 
     @staticmethod
-    def _provided(life: ModuleLifecycle | None, plan: set[str]) -> bool:
-        return life is not None and life.phase is ModulePhase.RUNNING and life.spec.name in plan
+    def _provided(lifecycle: ModuleLifecycle | None, plan: set[str]) -> bool:
+        return (
+            lifecycle is not None
+            and lifecycle.phase is ModulePhase.RUNNING
+            and lifecycle.spec.name in plan
+        )
 
-    def _depends(self, life: ModuleLifecycle | None, on: ModuleLifecycle) -> bool:
+    def _depends(self, lifecycle: ModuleLifecycle | None, on: ModuleLifecycle) -> bool:
         """Whether a module needs another, directly or indirectly."""
         seen: set[str] = set()
-        ahead = [life] if life else []
+        ahead = [lifecycle] if lifecycle else []
         while ahead:
             each = ahead.pop()
             if each is on:
@@ -302,11 +314,13 @@ class ModulePolicy:
                 ahead += self._needed(each)
         return False
 
-    def _needed(self, life: ModuleLifecycle) -> list[ModuleLifecycle]:
+    def _needed(self, lifecycle: ModuleLifecycle) -> list[ModuleLifecycle]:
         """The providers of a module's needs, in the present step."""
-        name = life.spec.name
+        name = lifecycle.spec.name
         if name not in self._providers:
-            found = {each.spec.name: each for need in life.needs if (each := self._provider(need))}
+            found = {
+                each.spec.name: each for need in lifecycle.needs if (each := self._provider(need))
+            }
             self._providers[name] = list(found.values())
         return self._providers[name]
 

@@ -47,12 +47,12 @@ class ProcessSupervisor:
     """The modules' processes.
 
     Attributes:
-        supervisor: Decides.
+        policy: Decides.
     """
 
     def __init__(
         self,
-        supervisor: ModulePolicy,
+        policy: ModulePolicy,
         client: Client,
         outputs: ModuleLogs,
         *,
@@ -64,7 +64,7 @@ class ProcessSupervisor:
         """Start without processes; the first start comes with the loop.
 
         Args:
-            supervisor: Decides.
+            policy: Decides.
             client: The daemon's connection; its loop calls this.
             outputs: Keeps the modules' output.
             arguments: Added to each module's command.
@@ -72,7 +72,7 @@ class ProcessSupervisor:
             parent: Forks Python modules; None: all are spawned.
             changed: Called after a change of a module's phase, reason or number of starts.
         """
-        self.supervisor = supervisor
+        self.policy = policy
         self._client = client
         self._outputs = outputs
         self._arguments = arguments
@@ -108,8 +108,8 @@ class ProcessSupervisor:
             code = running.process.exit_code()
             if code is not None:
                 self._end_of(name, code)
-        for life, action in self.supervisor.step(self._clock()):
-            self._do(life, action)
+        for lifecycle, action in self.policy.step(self._clock()):
+            self._do(lifecycle, action)
         self._ask()
         self._report_changes()
 
@@ -134,10 +134,10 @@ class ProcessSupervisor:
         kill_leftovers({self._reaper.pid})
         self._reaper.close()
 
-    def _do(self, life: ModuleLifecycle, action: ProcessAction) -> None:
-        name = life.spec.name
+    def _do(self, lifecycle: ModuleLifecycle, action: ProcessAction) -> None:
+        name = lifecycle.spec.name
         if action is ProcessAction.START:
-            self._start(life)
+            self._start(lifecycle)
             return
         running = self._running.get(name)
         if running is None:
@@ -152,16 +152,16 @@ class ProcessSupervisor:
         else:
             running.process.kill()
 
-    def _start(self, life: ModuleLifecycle) -> None:
-        name, now = life.spec.name, self._clock()
+    def _start(self, lifecycle: ModuleLifecycle) -> None:
+        name, now = lifecycle.spec.name, self._clock()
         try:
-            process = ModuleProcess(life.spec, self._arguments, self._parent)
+            process = ModuleProcess(lifecycle.spec, self._arguments, self._parent)
         except ModuleStartError as error:
-            life.not_started(str(error), now)
-            _log_end(life)
+            lifecycle.not_started(str(error), now)
+            _log_end(lifecycle)
             return
         self._running[name] = _Running(process=process, watched=self._watch(process.pid))
-        life.started(process.pid, now)
+        lifecycle.started(process.pid, now)
         self._reaper.watch(process.pid)
         self._outputs.add(name, process.output)
         _logger.info("%s started (pid %d)", name, process.pid)
@@ -183,16 +183,20 @@ class ProcessSupervisor:
         running.process.end()
         self._reaper.forget(running.process.pid)
         how = f"was ended by signal {-code}" if code < 0 else f"ended with exit code {code}"
-        life = self.supervisor.lifecycles[name]
-        life.ended(how, self._clock())
-        _log_end(life)
+        lifecycle = self.policy.lifecycles[name]
+        lifecycle.ended(how, self._clock())
+        _log_end(lifecycle)
 
     def _ask(self) -> None:
         """Ask modules for their capabilities after the start of always-on modules."""
-        lives = self.supervisor.lifecycles.values()
-        settled = not any(life.phase is ModulePhase.STARTING for life in lives if life.spec.always)
+        lifecycles = self.policy.lifecycles.values()
+        settled = not any(
+            lifecycle.phase is ModulePhase.STARTING
+            for lifecycle in lifecycles
+            if lifecycle.spec.always
+        )
         if settled or self._clock() - self._began > _SETTLED_S:
-            self._probe.ask(self.supervisor.undescribed())
+            self._probe.ask(self.policy.undescribed())
         self._probe.poll(self._clock())
 
     def _sample(self) -> None:
@@ -209,15 +213,18 @@ class ProcessSupervisor:
                 spent = usage.processor_s - running.usage.processor_s
                 running.processor = spent / (now - running.sampled)
             running.usage, running.sampled = usage, now
-            self.supervisor.used(name, usage.memory_mb, now)
+            self.policy.used(name, usage.memory_mb, now)
         own = {self._reaper.pid, self._probe.pid, self._parent.pid if self._parent else 0}
         leftovers = kill_leftovers({*own, *self.pids.values()})
         if leftovers:
             _logger.warning("%d processes that modules had left behind were killed", leftovers)
 
     def _report_changes(self) -> None:
-        lives = self.supervisor.lifecycles
-        now = {name: (life.phase, life.why, life.starts) for name, life in lives.items()}
+        lifecycles = self.policy.lifecycles
+        now = {
+            name: (lifecycle.phase, lifecycle.why, lifecycle.starts)
+            for name, lifecycle in lifecycles.items()
+        }
         if now == self._reported:
             return
         for name, (phase, why, _) in now.items():
@@ -227,10 +234,10 @@ class ProcessSupervisor:
         self._changed()
 
 
-def _log_end(life: ModuleLifecycle) -> None:
-    if life.phase is ModulePhase.FAILED:
-        _logger.error("%s %s", life.spec.name, life.why)
-    elif life.phase is ModulePhase.WAITING:
-        _logger.warning("%s %s", life.spec.name, life.why)
+def _log_end(lifecycle: ModuleLifecycle) -> None:
+    if lifecycle.phase is ModulePhase.FAILED:
+        _logger.error("%s %s", lifecycle.spec.name, lifecycle.why)
+    elif lifecycle.phase is ModulePhase.WAITING:
+        _logger.warning("%s %s", lifecycle.spec.name, lifecycle.why)
     else:
-        _logger.info("%s ended", life.spec.name)
+        _logger.info("%s ended", lifecycle.spec.name)

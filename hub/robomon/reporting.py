@@ -31,11 +31,11 @@ class Reporting:
     """Connects the policy with the bus."""
 
     def __init__(
-        self, client: Client, keeper: ProcessSupervisor, outputs: ModuleLogs, body: RobotBody
+        self, client: Client, supervisor: ProcessSupervisor, outputs: ModuleLogs, body: RobotBody
     ) -> None:
         self._client = client
-        self._keeper = keeper
-        self._supervisor = keeper.supervisor
+        self._supervisor = supervisor
+        self._policy = supervisor.policy
         self._outputs = outputs
         self._robot = body.name
         self._clock = time.monotonic
@@ -57,39 +57,39 @@ class Reporting:
         self._publish_capabilities()
 
     def _announced(self, info: supervision.ModuleInfo, _reception: MessageInfo) -> None:
-        self._supervisor.announced(
+        self._policy.announced(
             info.name, info.pid, info.capabilities.split(), info.needs.split(), self._clock()
         )
-        self._keeper.step()
+        self._supervisor.step()
 
     def _wanted(self, wants: supervision.CapabilityWants, reception: MessageInfo) -> None:
         capabilities = wants.capabilities.split()
         now = self._clock()
-        self._supervisor.wants.renew(
+        self._policy.wants.renew(
             reception.publisher, wants.holder, capabilities, now, lease_s=wants.lease_s
         )
-        self._keeper.step()
+        self._supervisor.step()
 
     def _commanded(self, command: CommonCommand, _reception: MessageInfo) -> None:
         """Note a direct order to modules; their ends and starts are then intended."""
         if command.argument == BY_ROBOMON:
             return
-        for name, life in self._supervisor.lifecycles.items():
+        for name, lifecycle in self._policy.lifecycles.items():
             if command.module in ("", name):
                 if command.command is CommonCommandKind.STOP:
-                    life.stop_by_order(self._clock())
+                    lifecycle.stop_by_order(self._clock())
                 elif command.command is CommonCommandKind.START:
-                    life.start_by_order()
-        self._keeper.step()
+                    lifecycle.start_by_order()
+        self._supervisor.step()
 
     def _ordered(self, command: supervision.ModuleCommand) -> CommonResult:
-        done, text = self._supervisor.ordered(command.module, command.order, self._clock())
-        self._keeper.step()
+        done, text = self._policy.ordered(command.module, command.order, self._clock())
+        self._supervisor.step()
         return CommonResult(done=int(done), text=text)
 
     def _lines(self, request: supervision.LogRequest) -> supervision.LogLines:
-        if request.module not in self._supervisor.lifecycles:
-            raise HandlerFailedError(self._supervisor.unknown(request.module))
+        if request.module not in self._policy.lifecycles:
+            raise HandlerFailedError(self._policy.unknown(request.module))
         most = max(0, min(request.most, REMEMBERED_LINES))
         first, lines = self._outputs.recent(request.module, request.first, most)
         room, taken = _MOST_TEXT, 0
@@ -103,12 +103,12 @@ class Reporting:
 
     def _presence(self, presence: Presence) -> None:
         if presence.change is Change.DISCONNECTED:
-            self._supervisor.wants.disconnected(presence.module)
+            self._policy.wants.disconnected(presence.module)
 
     def _publish_modules(self) -> None:
-        lives = self._supervisor.lifecycles
+        lifecycles = self._policy.lifecycles
         now = self._clock()
-        reports = [self._report(name, life, now) for name, life in lives.items()]
+        reports = [self._report(name, lifecycle, now) for name, lifecycle in lifecycles.items()]
         reports += [
             supervision.ModuleReport(
                 name=name,
@@ -122,39 +122,41 @@ class Reporting:
                 processor=float("nan"),
                 memory_mb=float("nan"),
                 age_s=0.0,
-                why="was started by somebody else",
+                why="was started by another program",
             )
-            for name, external in self._supervisor.externals.items()
-            if name not in lives
+            for name, external in self._policy.externals.items()
+            if name not in lifecycles
         ]
         self._client.publish(
             supervision.MODULE_REPORTS,
             supervision.ModuleReports(robot=self._robot, modules=tuple(reports)),
         )
 
-    def _report(self, name: str, life: ModuleLifecycle, now: float) -> supervision.ModuleReport:
+    def _report(
+        self, name: str, lifecycle: ModuleLifecycle, now: float
+    ) -> supervision.ModuleReport:
         return supervision.ModuleReport(
             name=name,
-            phase=life.phase,
-            pid=life.pid,
-            capabilities=" ".join(sorted(life.provides)),
-            needs=" ".join(sorted(life.needs)),
-            asked=int(life.asked),
-            always=int(life.spec.always),
-            starts=life.starts,
-            processor=self._keeper.processor(name),
-            memory_mb=self._keeper.memory_mb(name),
-            age_s=now - life.since if life.has_process else 0.0,
-            why="; it ".join(filter(None, (life.why, self._outputs.fault(name)))),
+            phase=lifecycle.phase,
+            pid=lifecycle.pid,
+            capabilities=" ".join(sorted(lifecycle.provides)),
+            needs=" ".join(sorted(lifecycle.needs)),
+            asked=int(lifecycle.asked),
+            always=int(lifecycle.spec.always),
+            starts=lifecycle.starts,
+            processor=self._supervisor.processor(name),
+            memory_mb=self._supervisor.memory_mb(name),
+            age_s=now - lifecycle.since if lifecycle.has_process else 0.0,
+            why="; it ".join(filter(None, (lifecycle.why, self._outputs.fault(name)))),
         )
 
     def _publish_capabilities(self) -> None:
-        reports = tuple(self._supervisor.capabilities(self._clock()).values())
+        reports = tuple(self._policy.capabilities(self._clock()).values())
         self._client.publish(
             supervision.CAPABILITY_REPORTS,
             supervision.CapabilityReports(
                 robot=self._robot,
                 capabilities=reports,
-                undeclared=self._supervisor.undeclared,
+                undeclared=self._policy.undeclared,
             ),
         )

@@ -65,13 +65,8 @@ class EffectFacts:
         """The robot that gets its own task; empty: none."""
         return ""
 
-    def addressed(self, chosen: str) -> Self | None:
-        """The effect with the chosen robot's name, if it is for that one; None: there is none.
-
-        Args:
-            chosen: The chosen robot; empty: none.
-        """
-        del chosen
+    def addressed(self, _chosen: str) -> Self | None:
+        """The effect with the chosen robot's name, if it is for that one; None: there is none."""
         return self
 
 

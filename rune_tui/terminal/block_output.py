@@ -62,14 +62,7 @@ class BlockOutput(TerminalOutput):
         urgencies: Urgencies,
         covered: Flags | None = None,
     ) -> Frame:
-        """The next frame.
-
-        Args:
-            cells: The view, in the terminal's colours.
-            pictures: Those in it that have more pixels than the cells, from back to front.
-            urgencies: Urgency of each cell, shape (rows, columns).
-            covered: Cells that something else covers.
-        """
+        """The next frame; see `TerminalOutput.draw`."""
         looks, video = looks_of(cells, pictures), urgencies == Urgency.VIDEO
         self._newest = looks, video
         before = self._encoder.remembered

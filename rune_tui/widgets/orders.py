@@ -98,7 +98,7 @@ class Autonomy(OrderWidget):
         order = self.spec.options.word("order")
         command = AutonomyCommand(behaviour=_ORDERS[order])
         send = SendEffect(robot=robot.name, definition=AUTONOMY_COMMAND, value=command)
-        return (send, Notify.now(state, f"told to {order}", robot=robot.name))
+        return (send, Notify.now(state, f"the order is: {order}", robot=robot.name))
 
 
 class Safety(OrderWidget):

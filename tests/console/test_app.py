@@ -165,9 +165,11 @@ def test_keys_of_a_layout_that_the_terminal_does_not_tell_are_named_once(
         assert not [text for text in desk.notices if "does not tell" in text]
         path = tmp_path / "layout.xml"
         path.write_text(path.read_text().replace('"w" control', '"kp_8" control'))
-        for told in (True, False, False):
-            desk.console.post_message(ReleasesReported(reported=told))
-            await desk.until(lambda told=told: desk.console.state.releases_reported is told)
+        for reported in (True, False, False):
+            desk.console.post_message(ReleasesReported(reported=reported))
+            await desk.until(
+                lambda reported=reported: desk.console.state.releases_reported is reported
+            )
             await desk.console.effects.open_layout(
                 load_layout(path, desk.console.current.layout.vocabulary)
             )

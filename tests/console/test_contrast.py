@@ -75,8 +75,8 @@ def test_every_text_stands_out_before_any_picture(theme: Theme) -> None:
             cells = screen.render(state)
             assert cells is not None
             for depth in ColourDepth:
-                told = f"{function} at {depth.name}"
-                assert least_contrast(at_depth(cells, depth)) >= LEAST_CONTRAST - 0.01, told
+                case = f"{function} at {depth.name}"
+                assert least_contrast(at_depth(cells, depth)) >= LEAST_CONTRAST - 0.01, case
 
 
 @pytest.mark.parametrize("theme", THEMES.values(), ids=lambda theme: theme.name)

@@ -135,9 +135,9 @@ def test_what_else_may_have_been_typed_while_the_console_was_away_is_told_once(
     two_robots: LayoutSpec, key: str
 ):
     dispatch = Dispatch(two_robots)
-    (told,) = dispatch.handle(old(key), at(0.0))
-    assert isinstance(told, Notify)
-    assert told.notice.text.endswith("was blocked: press it again")
+    (effect,) = dispatch.handle(old(key), at(0.0))
+    assert isinstance(effect, Notify)
+    assert effect.notice.text.endswith("was blocked: press it again")
     assert dispatch.handle(old(key, repeat=True), at(0.0)) == ()
 
 

@@ -52,20 +52,20 @@ def test_situation_looks_as_it_did(name: str, size: tuple[int, int]) -> None:
 
 
 @for_each("size", [(40, 12), (80, 24), (120, 40), (160, 48), (200, 60)])
-@for_each(("name", "told"), ALARMS.items())
+@for_each(("name", "alarm"), ALARMS.items())
 def test_what_must_be_seen_first_is_the_banner_and_stands_there_only(
-    name: str, told: str, size: tuple[int, int]
+    name: str, alarm: str, size: tuple[int, int]
 ) -> None:
     cells = shown(name, size)
     keys = 0 if size == (40, 12) else 1  # there the line of keys is a lower one
     row = keys + (1 if size[1] >= 30 else 0)
     assert (cells.pixels[2 * row, :, :3] == DARK.alarm[:3]).all()
     banner = words(cells).splitlines()[row]
-    if len(told) <= size[0] - 2:
-        assert told in banner
+    if len(alarm) <= size[0] - 2:
+        assert alarm in banner
     # The list of events is a record of what happened; all else says it once.
     recorded = "events" in words(cells) and name in {"goal-blocked", "mark-refused"}
-    assert recorded or words(cells).count(told) <= 1
+    assert recorded or words(cells).count(alarm) <= 1
 
 
 @pytest.mark.parametrize("name", ["driving", "exploring"])

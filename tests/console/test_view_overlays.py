@@ -44,13 +44,13 @@ def test_the_help_lies_over_everything_and_takes_the_mouse() -> None:
 
 
 @pytest.mark.parametrize(
-    "told",
+    "changed",
     [
         {"trouble": "1 problem: layout.xml:3:5: no such thing"},
         {"joysticks": {"pad": JoystickState(name="pad", prompt="move lefty to its maximum")}},
     ],
 )
-def test_what_somebody_has_to_do_is_drawn_over_the_upper_edge_until_it_is_done(told):
+def test_what_somebody_has_to_do_is_drawn_over_the_upper_edge_until_it_is_done(changed):
     over = View(
         layout_of(
             view(viewport("visualizeCameraImage", (0, 0, 80, 48), zpos=1000), xsize=80, ysize=48)
@@ -59,7 +59,7 @@ def test_what_somebody_has_to_do_is_drawn_over_the_upper_edge_until_it_is_done(t
     over.resize(80, 24)
     robots = {"magellan": robot()}
     before = rendered(over, robots, STATE)
-    troubled = dataclasses.replace(STATE, **told)
+    troubled = dataclasses.replace(STATE, **changed)
     cells = rendered(over, robots, troubled)
     assert before is not None
     assert cells is not None
@@ -80,10 +80,10 @@ def test_a_notice_is_shown_for_a_while_where_no_log_tells_of_it(function: str) -
     shown = rendered(screen, {"magellan": robot()}, state)
     assert shown is not None
     above = words(shown).splitlines()[:4]
-    told = any("magellan: no ground is known there" in line for line in above)
-    assert told == (function == "visualizeStatus")
+    shown_here = any("magellan: no ground is known there" in line for line in above)
+    assert shown_here == (function == "visualizeStatus")
     later = rendered(screen, {"magellan": robot()}, ConsoleState(now=107.0, notices=(notice,)))
-    if told:
+    if shown_here:
         assert later is not None
         assert "no ground" not in words(later)
     quiet = dataclasses.replace(notice, quiet=True, when=107.0)

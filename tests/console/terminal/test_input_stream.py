@@ -123,8 +123,8 @@ def test_a_terminal_that_tells_releases_of_some_keys_is_as_one_that_tells_of_non
 
 @for_each("flags", [10, 11, 15, 27, 31])
 def test_a_terminal_that_tells_releases_of_all_keys_is_believed(flags: int) -> None:
-    (told,) = InputStream(lambda _: True).feed(f"\x1b[?{flags}u", 0.0)
-    assert told == KeyboardReport(reports_releases=True)
+    (report,) = InputStream(lambda _: True).feed(f"\x1b[?{flags}u", 0.0)
+    assert report == KeyboardReport(reports_releases=True)
 
 
 def test_text_of_an_input_method_is_no_key_that_goes_up() -> None:
@@ -185,9 +185,9 @@ def test_however_it_is_cut_the_same_comes_out(pieces: list[str], data: st.DataOb
 @given(st.lists(st.text(alphabet="\x1b[]PX_^?;0123456789Rcumt$y\\\x07 wM<", max_size=40)))
 def test_nothing_that_comes_is_too_odd(pieces: list[str]) -> None:
     stream = InputStream(KEYS.__contains__)
-    told = [part for piece in pieces for part in stream.feed(piece, 0.0)]
-    told += stream.feed("", HOLD_S)
-    assert len(joined(told)) <= len("".join(pieces))
+    parts = [part for piece in pieces for part in stream.feed(piece, 0.0)]
+    parts += stream.feed("", HOLD_S)
+    assert len(joined(parts)) <= len("".join(pieces))
 
 
 def joined(parts: list[str | CursorReport]) -> str:

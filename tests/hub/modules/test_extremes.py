@@ -41,10 +41,9 @@ def control_desk(bus: Any, _: Any) -> None:
 
 
 def reporting(bus: Any, robot: Any) -> None:
-    supervisor = ModulePolicy(())
-    keeper = SimpleNamespace(supervisor=supervisor, step=lambda: None)
+    supervisor = SimpleNamespace(policy=ModulePolicy(()), step=lambda: None)
     outputs = SimpleNamespace(lines=lambda *_: None, remembered=dict)
-    Reporting(bus, keeper, outputs, robot.body)  # type: ignore[arg-type]
+    Reporting(bus, supervisor, outputs, robot.body)  # type: ignore[arg-type]
 
 
 MODULES: dict[str, Callable[[Any, Any], Any]] = {

@@ -77,20 +77,18 @@ def test_random_histories(seed: int) -> None:
     for process in world.processes.values():
         process.deaf_to = frozenset()
     world.run(40.0, wants="A")
-    view = world.supervisor.capabilities(world.now).get("A")
-    able = [name for name, life in world.supervisor.lifecycles.items() if "A" in life.provides]
+    view = world.policy.capabilities(world.now).get("A")
+    able = [name for name, life in world.policy.lifecycles.items() if "A" in life.provides]
     reachable = any(world[name].usable and not _lacks_for_ever(world, name, set()) for name in able)
     assert view is not None
     assert (view.phase is CapabilityPhase.RUNNING) or not reachable
     world.run(40.0)
-    for name, life in world.supervisor.lifecycles.items():
+    for name, life in world.policy.lifecycles.items():
         needed = any(
             other.phase is ModulePhase.RUNNING and life.provides & other.needs
-            for other in world.supervisor.lifecycles.values()
+            for other in world.policy.lifecycles.values()
         )
-        replaces = any(
-            f"{name} does its work" in o.why for o in world.supervisor.lifecycles.values()
-        )
+        replaces = any(f"{name} does its work" in o.why for o in world.policy.lifecycles.values())
         if life.up and not needed and not replaces:
             assert life.spec.always or life.pinned, f"{name} runs and nobody wants it"
 
@@ -103,7 +101,7 @@ def _lacks_for_ever(world: World, name: str, seen: set[str]) -> bool:
     return any(
         not any(
             need in life.provides and life.usable and not _lacks_for_ever(world, other, seen)
-            for other, life in world.supervisor.lifecycles.items()
+            for other, life in world.policy.lifecycles.items()
         )
         for need in world[name].needs
     )

@@ -41,14 +41,14 @@ def test_wanted_capability_starts_what_it_needs_first_and_stops_when_nobody_want
     assert not world.log
     world.run(5.0, wants="AUT")
     assert [who for _, who, _ in world.log] == ["driver", "map", "autonomy"]
-    views = world.supervisor.capabilities(world.now)
+    views = world.policy.capabilities(world.now)
     assert views["AUT"].phase is CapabilityPhase.RUNNING
     assert views["AUT"].wanted_by == "console"
     world.run(LEASE_S + 2.0)
     assert len(world.processes) == 3, "lingers"
     world.run(10.0)
     assert not world.processes
-    assert all(life.phase is ModulePhase.STOPPED for life in world.supervisor.lifecycles.values())
+    assert all(life.phase is ModulePhase.STOPPED for life in world.policy.lifecycles.values())
 
 
 def test_console_that_leaves_gives_up_its_wants_at_once() -> None:
@@ -183,7 +183,7 @@ def test_program_that_announces_nothing_is_asked_for_nothing() -> None:
     world.behave = ways(announce_at=1e9)
     world.run(100.0)
     assert world["plain"].phase is ModulePhase.RUNNING
-    assert world.supervisor.undescribed() == []
+    assert world.policy.undescribed() == []
 
 
 def test_stop_goes_from_command_to_kill() -> None:
@@ -206,12 +206,12 @@ def test_memory_beyond_the_limit_starts_it_anew() -> None:
     world = World(spec("leaky", memory_limit_mb=100.0))
     world.run(1.0)
     for _ in range(2):
-        world.supervisor.used("leaky", 150.0, world.now)
-    world.supervisor.used("leaky", 90.0, world.now)
+        world.policy.used("leaky", 150.0, world.now)
+    world.policy.used("leaky", 90.0, world.now)
     for _ in range(2):
-        world.supervisor.used("leaky", 150.0, world.now)
+        world.policy.used("leaky", 150.0, world.now)
     assert world["leaky"].phase is ModulePhase.RUNNING, "not for a moment's need"
-    world.supervisor.used("leaky", 150.0, world.now)
+    world.policy.used("leaky", 150.0, world.now)
     assert world["leaky"].why == "took 150 MB and may take 100"
     world.run(2.0)
     assert len(world.starts("leaky")) == 2
@@ -230,7 +230,7 @@ def test_module_that_fails_again_is_replaced_by_one_that_can_do_the_same() -> No
     assert not world.starts("poor")
     assert len(world.starts("vision")) == 2, "stands back while its spare works"
     assert "spare does its work" in world["vision"].why
-    views = world.supervisor.capabilities(world.now)
+    views = world.policy.capabilities(world.now)
     assert views["PTZ"].module == "spare"
     world.processes["spare"].crash_at = world.now
     world.run(3.0)
@@ -262,7 +262,7 @@ def test_what_nobody_has_is_waited_for_and_said() -> None:
     world["lonely"].learned(frozenset({"A"}), frozenset({"NONE"}))
     world.run(3.0)
     assert world["lonely"].why == "waits for NONE"
-    world.supervisor.announced("guest", 5, ["NONE"], [], world.now)
+    world.policy.announced("guest", 5, ["NONE"], [], world.now)
     world.run(1.0)
     assert "lonely" in world.processes
 
@@ -270,11 +270,11 @@ def test_what_nobody_has_is_waited_for_and_said() -> None:
 def test_module_that_somebody_else_started_counts_and_is_forgotten() -> None:
     world = World(demand("mine", "VID"))
     for number in range(2 * MAX_EXTERNALS):
-        world.supervisor.announced(f"guest{number}", 5, ["VID"], [], world.now)
-    assert len(world.supervisor.externals) == MAX_EXTERNALS
+        world.policy.announced(f"guest{number}", 5, ["VID"], [], world.now)
+    assert len(world.policy.externals) == MAX_EXTERNALS
     world.run(2.0, wants="VID")
     assert not world.starts("mine")
-    assert world.supervisor.capabilities(world.now)["VID"].phase is CapabilityPhase.RUNNING
+    assert world.policy.capabilities(world.now)["VID"].phase is CapabilityPhase.RUNNING
     world.run(EXTERNAL_SILENCE_S, wants="VID")
     assert world.starts("mine")
 
@@ -283,7 +283,7 @@ def test_pause_of_the_daemon_itself_is_not_held_against_the_modules() -> None:
     world = World(spec("fine", keep_alive_s=2.0))
     world.run(5.0)
     world.now += 60.0
-    world.supervisor.step(world.now)
+    world.policy.step(world.now)
     assert world["fine"].phase is ModulePhase.RUNNING
 
 
@@ -294,7 +294,7 @@ def test_last_words_of_an_earlier_process_are_not_taken_for_the_new_one() -> Non
     world.processes["phoenix"].crash_at = world.now
     world.run(2 * STEP_S)
     assert world["phoenix"].phase is ModulePhase.STARTING
-    world.supervisor.announced("phoenix", earlier, ["A"], [], world.now)
+    world.policy.announced("phoenix", earlier, ["A"], [], world.now)
     assert world["phoenix"].phase is ModulePhase.STARTING
 
 
@@ -326,31 +326,31 @@ def test_modules_that_all_need_each_other_start() -> None:
     for name in names:
         world[name.lower()].learned(frozenset({name}), frozenset({*names} - {name}))
     world.run(1.0)
-    assert all(life.phase is ModulePhase.RUNNING for life in world.supervisor.lifecycles.values())
+    assert all(life.phase is ModulePhase.RUNNING for life in world.policy.lifecycles.values())
 
 
 def test_names_that_modules_announce_are_bounded() -> None:
     world = World(spec("one", "VID"))
     rubbish = ["GOOD", "two words", "line\nend", "A" * 65, ""]
-    world.supervisor.announced(" long\nname " * 100, 5, rubbish, rubbish, world.now)
-    (name,) = world.supervisor.externals
+    world.policy.announced(" long\nname " * 100, 5, rubbish, rubbish, world.now)
+    (name,) = world.policy.externals
     assert (len(name), name.isidentifier()) == (64, True)
     many = [f"X_{number}" for number in range(10_000)]
     world.run(0.1)
-    world.supervisor.announced("one", world["one"].pid, many, rubbish, world.now)
+    world.policy.announced("one", world["one"].pid, many, rubbish, world.now)
     assert len(world["one"].provides) <= 64
     assert world["one"].needs == {"GOOD"}
-    assert set(world.supervisor.capabilities(world.now)) == world["one"].provides | {"GOOD"}
+    assert set(world.policy.capabilities(world.now)) == world["one"].provides | {"GOOD"}
 
 
 def test_wants_of_what_nobody_has_do_not_crowd_out_the_others() -> None:
     world = World(demand("one", "VID"))
-    wants = world.supervisor.wants
+    wants = world.policy.wants
     for holder in range(MAX_HOLDERS):
         rubbish = [f"A_{holder}_{number}" for number in range(63)]
         wants.renew(holder, f"holder{holder}", [*rubbish, "VID"], world.now)
     world.run(1.0)
-    views = world.supervisor.capabilities(world.now)
+    views = world.policy.capabilities(world.now)
     assert views["VID"].phase is CapabilityPhase.RUNNING
     assert len(views["VID"].wanted_by.split()) == MAX_SHOWN
     assert len(views) == 1 + MAX_UNKNOWN
@@ -401,7 +401,7 @@ def test_others_do_not_speak_for_a_module_that_hangs() -> None:
     for _ in range(100):
         world.run(STEP_S)
         if world.now - world["one"].since > 0.5:  # it was heard itself by then
-            world.supervisor.announced("one", 5, ["LIE"], [], world.now)
+            world.policy.announced("one", 5, ["LIE"], [], world.now)
         assert world["one"].provides == {"VID"}
     assert len(world.starts("one")) == 2
 
@@ -412,7 +412,7 @@ def test_module_started_by_a_script_is_heard() -> None:
     world.behave = ways(announce_at=1000.0)
     for step in range(100):
         world.run(STEP_S)
-        world.supervisor.announced("one", 5 + step // 50, ["VID"], [], world.now)
+        world.policy.announced("one", 5 + step // 50, ["VID"], [], world.now)
     assert world["one"].phase is ModulePhase.RUNNING
     assert len(world.starts("one")) == 1
 

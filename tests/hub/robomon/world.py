@@ -41,7 +41,7 @@ class World:
     """
 
     def __init__(self, *specs: ModuleSpec, needs: dict[str, str] | None = None) -> None:
-        self.supervisor = ModulePolicy(specs)
+        self.policy = ModulePolicy(specs)
         self.now = 100.0
         self.behave: Callable[[str], dict[str, Any]] = ways()
         self.processes: dict[str, Process] = {}
@@ -54,7 +54,7 @@ class World:
         }
 
     def __getitem__(self, name: str) -> ModuleLifecycle:
-        return self.supervisor.lifecycles[name]
+        return self.policy.lifecycles[name]
 
     def run(self, seconds: float, *, wants: str = "") -> None:
         """Let time pass; somebody wants these capabilities all the while."""
@@ -62,16 +62,16 @@ class World:
         while self.now < end:
             self.now += STEP_S
             if wants:
-                self.supervisor.wants.renew(7, "console", wants.split(), self.now)
+                self.policy.wants.renew(7, "console", wants.split(), self.now)
             self._live()
-            for life, action in self.supervisor.step(self.now):
+            for life, action in self.policy.step(self.now):
                 self._do(life, action)
 
     def order(self, name: str, order: ModuleOrder) -> tuple[bool, str]:
         """A person has something done with a module; to start it forgives its earlier failures."""
         if order is not ModuleOrder.STOP:
             self._waits.pop(name, None)
-        return self.supervisor.ordered(name, order, self.now)
+        return self.policy.ordered(name, order, self.now)
 
     def starts(self, name: str) -> list[float]:
         return [time for time, who, what in self.log if (who, what) == (name, "start")]
@@ -85,7 +85,7 @@ class World:
                 self[name].ended("ended with exit code 1", self.now)
                 self._see_whether_it_waits(self[name])
             elif process.announce_at <= self.now < process.hang_at:
-                self.supervisor.announced(name, process.pid, *self._can[name], self.now)
+                self.policy.announced(name, process.pid, *self._can[name], self.now)
 
     def _see_whether_it_waits(self, life: ModuleLifecycle) -> None:
         """Count the ends after which a module is to start again: too many would be a storm."""
@@ -130,7 +130,7 @@ class World:
     def _runs(self, capability: str) -> bool:
         return any(
             capability in self._can[name][0] and life.phase is ModulePhase.RUNNING
-            for name, life in self.supervisor.lifecycles.items()
+            for name, life in self.policy.lifecycles.items()
         )
 
     def _circular(self, need: str, name: str, seen: set[str]) -> bool:
@@ -149,7 +149,7 @@ class World:
     def _could_run(self, capability: str) -> bool:
         return any(
             capability in self._can[name][0] and life.usable
-            for name, life in self.supervisor.lifecycles.items()
+            for name, life in self.policy.lifecycles.items()
         )
 
 
