@@ -15,19 +15,12 @@ import pytest
 
 import hub.cli
 import rune_tui.cli
+from tests.support import warm_start
 
 
 def run(module: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     """`python -m module ...` with nothing on its standard input, until it ends by itself."""
-    command = [sys.executable, "-m", module, *arguments]
-    done = subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        timeout=30.0,
-        stdin=subprocess.DEVNULL,
-        check=False,
-    )
+    done = warm_start.run([sys.executable, "-m", module, *arguments])
     assert "Traceback" not in done.stderr
     return done
 

@@ -4,9 +4,10 @@ Such a process has its own session, terminal, descriptors, environment and exit 
 one has. It only saves the start of an interpreter and the imports, most of what a test of real
 processes costs. Tests of the start itself spawn.
 
-The server has one thread and is nobody's child. A request is one packet: its text in JSON, and the
-descriptors 0, 1 and 2. Answers are packets too: `{"pid"}` to a request, `{"ended", "status"}` at
-the end of a process.
+A server has one thread and is nobody's child. There is one for each set of variables that count
+when an interpreter starts, such as a preloaded library. A request is one packet: its text in JSON,
+and the descriptors 0, 1 and 2. Answers are packets too: `{"pid"}` to a request,
+`{"ended", "status"}` at the end of a process.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from __future__ import annotations
 import atexit
 import contextlib
 import fcntl
-import functools
 import gc
 import importlib
 import json
@@ -25,6 +25,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import termios
 import threading
 import time
@@ -48,7 +49,10 @@ _IMPORTS: Final = (
     "hub.robots.registry",
 )
 _PACKET_BYTES: Final = 1 << 18
-_AT_START: Final = ("PYTHON", "LD_", "LC_", "LANG", "MALLOC_", "OPENBLAS_", "TEXTUAL")
+_AT_START: Final = (
+    *("PYTHON", "LD_", "LC_", "LANG", "MALLOC_", "OPENBLAS_", "TEXTUAL"),
+    "RUNE_WALL_CLOCK",  # a preloaded library reads it
+)
 """Variables with these beginnings count when an interpreter starts, and not after a fork."""
 _ANSWER_S: Final = 60.0
 _PROGRAMS: Final = ("hub", "rune_tui")
@@ -113,10 +117,13 @@ class WarmProcess:
         self.send_signal(signal.SIGKILL)
 
 
-class _Server:
-    """The server of this process's tests, as they see it."""
+Process = WarmProcess | subprocess.Popen[bytes]
 
-    def __init__(self) -> None:
+
+class _Server:
+    """A server of this process's tests, as they see it."""
+
+    def __init__(self, at_start: frozenset[tuple[str, str]]) -> None:
         self._link, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._lock = threading.RLock()
         self._answers: list[int] = []
@@ -124,7 +131,8 @@ class _Server:
         self.ended: dict[int, int] = {}
         # `ps` shows at most as many letters of a forked process's command.
         command = [sys.executable, "-m", __name__, str(theirs.fileno()), "-" * 200]
-        subprocess.run(command, pass_fds=(theirs.fileno(),), check=True)
+        own = {name: value for name, value in os.environ.items() if not _counts_at_start(name)}
+        subprocess.run(command, pass_fds=(theirs.fileno(),), env=own | dict(at_start), check=True)
         theirs.close()
         atexit.register(self._link.close)
 
@@ -154,52 +162,58 @@ class _Server:
             return said
 
 
-@functools.cache
-def _server() -> _Server:
-    return _Server()
+_servers: dict[frozenset[tuple[str, str]], _Server] = {}
+
+
+def _server_for(environment: Mapping[str, str]) -> _Server:
+    at_start = frozenset(each for each in environment.items() if _counts_at_start(each[0]))
+    if at_start not in _servers:
+        _servers[at_start] = _Server(at_start)
+    return _servers[at_start]
+
+
+def _counts_at_start(name: str) -> bool:
+    return name.startswith(_AT_START)
 
 
 def use() -> None:
     """Fork from now on what can be forked."""
-    global _used  # noqa: PLW0603 - a process of tests has one server
+    global _used  # noqa: PLW0603 - once for a process of tests
     _used = True
 
 
 def running() -> set[int]:
     """Process ids of what was started and has not ended."""
-    if not _server.cache_info().currsize:
-        return set()
-    _server().listen(0.0)
-    return set(_server().started)
+    for server in _servers.values():
+        server.listen(0.0)
+    return {pid for server in _servers.values() for pid in server.started}
 
 
 def start(
     command: Sequence[str],
     *,
     environment: Mapping[str, str],
-    stdin: int,
-    stdout: int,
-    stderr: int,
+    stdin: int = subprocess.DEVNULL,
+    stdout: int = subprocess.DEVNULL,
+    stderr: int = subprocess.DEVNULL,
     folder: Path | None = None,
     terminal: bool = False,
-) -> WarmProcess | subprocess.Popen[bytes]:
+) -> Process:
     """Start a command: forked if that is the same as spawned and `use` was called.
 
     Args:
         command: With its arguments.
         environment: All of its environment.
-        stdin: Descriptor, or `subprocess.PIPE`.
+        stdin: Descriptor, `subprocess.PIPE` or `subprocess.DEVNULL`.
         stdout: Likewise.
-        stderr: Descriptor.
+        stderr: Descriptor or `subprocess.DEVNULL`.
         folder: Where it runs; None: here.
         terminal: Whether it leads a session, with its standard input as the terminal.
     """
     if _used and tuple(command[:2]) == (sys.executable, "-m") and command[2] in _PROGRAMS:
-        names = {name for name in {*environment, *os.environ} if name.startswith(_AT_START)}
-        if all(environment.get(name) == os.environ.get(name) for name in names):
-            files = (stdin, stdout, stderr)
-            place = folder or Path.cwd()
-            return _forked(command, environment, files, folder=place, terminal=terminal)
+        files = (stdin, stdout, stderr)
+        place = folder or Path.cwd()
+        return _forked(command, environment, files, folder=place, terminal=terminal)
     return subprocess.Popen(
         command,
         stdin=stdin,
@@ -211,6 +225,40 @@ def start(
         # The terminal has to be its own, so that closing it hangs up.
         preexec_fn=_take_terminal if terminal else None,  # noqa: PLW1509
     )
+
+
+def run(
+    command: Sequence[str],
+    *,
+    environment: Mapping[str, str] | None = None,
+    folder: Path | None = None,
+    timeout: float = 30.0,
+) -> subprocess.CompletedProcess[str]:
+    """Start a command with nothing on its standard input, and wait for its end.
+
+    Args:
+        command: With its arguments.
+        environment: All of its environment; None: that of this process.
+        folder: Where it runs; None: here.
+        timeout: It ends within this time [s].
+    """
+    with tempfile.TemporaryFile("w+") as said, tempfile.TemporaryFile("w+") as complained:
+        process = start(
+            command,
+            environment=os.environ if environment is None else environment,
+            stdout=said.fileno(),
+            stderr=complained.fileno(),
+            folder=folder,
+        )
+        try:
+            code = process.wait(timeout)
+        except BaseException:
+            process.kill()
+            process.wait()
+            raise
+        said.seek(0)
+        complained.seek(0)
+        return subprocess.CompletedProcess(command, code, said.read(), complained.read())
 
 
 def _take_terminal() -> None:
@@ -233,14 +281,18 @@ def _forked(
             theirs[number], kept = (reading, writing) if number == 0 else (writing, reading)
             pipes[number] = os.fdopen(kept, mode)
             closing.append(theirs[number])
+    for number, file in enumerate(theirs):
+        if file == subprocess.DEVNULL:
+            theirs[number] = os.open(os.devnull, os.O_RDWR)
+            closing.append(theirs[number])
     request = {
         "command": list(command),
         "environment": dict(environment),
         "folder": str(folder),
         "terminal": terminal,
     }
-    server = _server()
     try:
+        server = _server_for(environment)
         pid = server.fork(request, theirs)
     finally:
         for file in closing:

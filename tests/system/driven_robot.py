@@ -7,7 +7,6 @@ import itertools
 import math
 import os
 import random
-import subprocess
 import sys
 import threading
 import time
@@ -15,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from tests.support import warm_start
 from tests.support.fake_hid import VirtualBed, VirtualDevice
 from tests.support.ports import free_port
 from tests.support.waiting import until
@@ -150,13 +150,19 @@ class DrivenRobot:
         self.rival: ConsoleProcess | None = None
         self.pad: VirtualDevice | None = None
         self.finger = Finger()
-        self.agent: subprocess.Popen[bytes] | None = None
+        self.agent: warm_start.Process | None = None
         self._nothing_plugged = VirtualBed()
         self._folder = folder
         self._bed = bed
         self._way: tuple[str, ...] = ()
         self._programs = programs
-        self._clock = clock or {}
+        preloaded = filter(None, ((clock or {}).get(_PRELOAD), bed.environment[_PRELOAD]))
+        # The same for all, so that all are forked from one process; only some get a bed.
+        self._common = {
+            **(clock or {}),
+            **self.wheels.environment,
+            _PRELOAD: ":".join(preloaded),
+        }
         self._port = free_port()
         self._stick = (0.0, 0.0)
         self._guarded = False
@@ -170,9 +176,12 @@ class DrivenRobot:
 
     def _started_hub(self) -> HubProcess:
         modules = ("driver", "navigation")
-        own = self.wheels.environment | self._clock
         return HubProcess(
-            self._folder, environment=own, port=self._port, modules=modules, kind=Wheels.kind
+            self._folder,
+            environment=self._common,
+            port=self._port,
+            modules=modules,
+            kind=Wheels.kind,
         )
 
     def start_hub(self) -> None:
@@ -193,12 +202,10 @@ class DrivenRobot:
         """Where a console and `rune pad` keep their files and find programs, and their clock."""
         own = {"XDG_CONFIG_HOME": str(self._folder), "XDG_STATE_HOME": str(self._folder)}
         own |= {"PATH": f"{self._programs}:{os.environ['PATH']}"} if self._programs else {}
-        return own | self._clock
+        return own | self._common
 
     def _operator(self, bed: VirtualBed) -> dict[str, str]:
-        own = self._files()
-        preloaded = filter(None, (own.get(_PRELOAD), bed.environment[_PRELOAD]))
-        return own | bed.environment | {"LOGNAME": "alice", _PRELOAD: ":".join(preloaded)}
+        return bed.environment | self._files() | {"LOGNAME": "alice"}
 
     def start_console(self) -> None:
         """Another console in place of the last, in the same way."""
@@ -210,10 +217,7 @@ class DrivenRobot:
         self._end_agent()
         command = [sys.executable, "-m", "rune_tui", "pad", self.hub.endpoint, *self._way]
         environment = os.environ | self._operator(self._bed)
-        quiet = subprocess.DEVNULL
-        self.agent = subprocess.Popen(
-            command, env=environment, stdin=quiet, stdout=quiet, stderr=quiet
-        )
+        self.agent = warm_start.start(command, environment=environment)
 
     def _end_agent(self) -> None:
         if self.agent is not None:

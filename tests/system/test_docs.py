@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shlex
@@ -23,6 +24,7 @@ from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring, default_folder
 from rune_tui.commands.arguments import parser
 from rune_tui.startup.opening import open_layout
+from tests.support import warm_start
 from tests.support.command_line import rune, rune_hub
 from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, HubProcess
@@ -155,11 +157,12 @@ def _starts_and_ends(words: list[str], folder: Path) -> None:
     arguments = [*words[1:], "--port", "0"]
     log = folder / "log"
     with log.open("wb") as file:
-        hub = subprocess.Popen(
+        hub = warm_start.start(
             [sys.executable, "-m", "hub", *arguments],
-            cwd=ROOT,
-            stdout=file,
-            stderr=subprocess.STDOUT,
+            environment=os.environ,
+            stdout=file.fileno(),
+            stderr=file.fileno(),
+            folder=ROOT,
         )
     until(lambda: "ready; Ctrl-C ends it" in log.read_text(), 20.0, log.read_text)
     hub.send_signal(signal.SIGINT)
@@ -230,7 +233,7 @@ def _asks(words: list[str], hub: HubProcess, folder: Path, monkeypatch: pytest.M
     """It says something of the hub, until Ctrl-C if it repeats."""
     words += ["--hub", hub.endpoint]
     if "-r" in words:
-        _succeeds(words, folder, interrupted=True)
+        _repeats_until_ended(words, folder)
         return
     monkeypatch.chdir(folder)
     if "order=LOAD" in words:
@@ -239,18 +242,23 @@ def _asks(words: list[str], hub: HubProcess, folder: Path, monkeypatch: pytest.M
     assert done.returncode == 0, done.stderr
 
 
-def _succeeds(words: list[str], folder: Path, *, interrupted: bool = False) -> None:
-    process = subprocess.Popen(
-        [sys.executable, "-m", MODULES[words[0]], *_arguments(words)],
-        cwd=folder,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        _, said = process.communicate(timeout=1.5 if interrupted else 30.0)
-    except subprocess.TimeoutExpired:
-        assert interrupted, "it does not end"
-        process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=10.0)
-    assert process.returncode == 0, said
+def _command(words: list[str]) -> list[str]:
+    return [sys.executable, "-m", MODULES[words[0]], *_arguments(words)]
+
+
+def _succeeds(words: list[str], folder: Path) -> None:
+    done = warm_start.run(_command(words), folder=folder)
+    assert done.returncode == 0, done.stderr
+
+
+def _repeats_until_ended(words: list[str], folder: Path) -> None:
+    """It does it again and again, until Ctrl-C."""
+    complaints = folder / "complaints"
+    with complaints.open("wb") as file:
+        process = warm_start.start(
+            _command(words), environment=os.environ, stderr=file.fileno(), folder=folder
+        )
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        process.wait(1.5)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(10.0) == 0, complaints.read_text()

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from rune_tui.controls.joystick.user_files import user_file
+from tests.support import warm_start
 from tests.support.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
 from tests.system.harness import ConsoleProcess
 
@@ -40,10 +41,7 @@ def pad(bed: VirtualBed) -> Iterator[VirtualDevice]:
 
 def joytest(bed: VirtualBed, *options: str) -> str:
     command = [sys.executable, "-m", "rune_tui", "joytest", *options]
-    surroundings = {**os.environ, **bed.environment}
-    done = subprocess.run(
-        command, env=surroundings, capture_output=True, text=True, timeout=30.0, check=False
-    )
+    done = warm_start.run(command, environment=os.environ | bed.environment)
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout
 
@@ -128,22 +126,21 @@ def test_a_layout_without_a_joystick_is_refused_by_name(bed: VirtualBed, tmp_pat
 
 
 def test_what_is_moved_is_written_as_a_layout_has_it(bed: VirtualBed, pad: VirtualDevice) -> None:
-    with subprocess.Popen(
+    learning = warm_start.start(
         [sys.executable, "-m", "rune_tui", "joytest", "--learn"],
-        env={**os.environ, **bed.environment},
+        environment=os.environ | bed.environment,
         stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    ) as learning:
-        assert learning.stdout is not None
+    )
+    assert learning.stdout is not None
+    with learning.stdout as said:
         pad.send(REST)
         pad.send(bytes([*REST[:4], 0x28, *REST[5:]]))
-        lines = [learning.stdout.readline() for _ in range(2)]
+        lines = [said.readline() for _ in range(2)]
         learning.send_signal(signal.SIGINT)
-        lines += learning.stdout.readlines()
+        lines += said.readlines()
         assert learning.wait(15.0) == 0
     assert lines == [
-        '<joystick name="pad" vid="046d" pid="c216">\n',
-        '  <control name="a" type="button" role="a"/>\n',
-        "</joystick>\n",
+        b'<joystick name="pad" vid="046d" pid="c216">\n',
+        b'  <control name="a" type="button" role="a"/>\n',
+        b"</joystick>\n",
     ]

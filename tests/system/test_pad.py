@@ -7,7 +7,6 @@ import math
 import os
 import re
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -18,6 +17,7 @@ import pytest
 
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
+from tests.support import warm_start
 from tests.support.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
 from tests.support.ports import free_port
 from tests.system.gamepads import NAME, PAD, console_at, drive, expect_no_driving, forward, report
@@ -54,7 +54,7 @@ class Desk:
     def __init__(self, hub: HubProcess, bed: VirtualBed, folder: Path) -> None:
         self._hub, self._bed, self._folder = hub, bed, folder
         self._plugged: VirtualDevice | None = None
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: warm_start.Process | None = None
 
     @property
     def pad(self) -> VirtualDevice:
@@ -75,15 +75,11 @@ class Desk:
 
     def start(self, *options: str) -> None:
         with (self._folder / "said.txt").open("w") as said:
-            self._process = subprocess.Popen(
+            own = self._bed.environment | {"XDG_STATE_HOME": str(self._folder)}
+            self._process = warm_start.start(
                 [sys.executable, "-m", "rune_tui", "pad", self._hub.endpoint, *options],
-                env={
-                    **os.environ,
-                    **self._bed.environment,
-                    "XDG_STATE_HOME": str(self._folder),
-                },
-                stdin=subprocess.DEVNULL,
-                stderr=said,
+                environment=os.environ | own,
+                stderr=said.fileno(),
             )
 
     def notify(self, number: int) -> None:

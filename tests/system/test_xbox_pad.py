@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 import time
 from pathlib import Path
 
+from tests.support import warm_start
 from tests.support.fake_evdev import ABS, NAME, VirtualXboxPad, needs_virtual_pads
 from tests.support.fake_hid import VirtualBed
 from tests.system.gamepads import console_at, forward
@@ -23,14 +23,8 @@ def test_an_xbox_pad_is_listed_drives_and_its_end_stops_the_robot(
     hub: HubProcess, observer: Observer, bed: VirtualBed, tmp_path: Path
 ) -> None:
     pad = VirtualXboxPad(bed)
-    listing = subprocess.run(
-        [sys.executable, "-m", "rune_tui", "joytest", "--list", "--json"],
-        env=os.environ | bed.environment,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=30,
-    )
+    command = [sys.executable, "-m", "rune_tui", "joytest", "--list", "--json"]
+    listing = warm_start.run(command, environment=os.environ | bed.environment)
     (told,) = [each for each in json.loads(listing.stdout) if each["name"] == NAME]
     assert not told["trouble"]
     assert {"leftx", "righttrigger", "dpad", "start"} <= {each["role"] for each in told["controls"]}
