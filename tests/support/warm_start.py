@@ -1,8 +1,8 @@
 """Starts `rune` and `rune-hub` for tests as forks of a process that has imported both.
 
 Such a process has its own session, terminal, descriptors, environment and exit code, as a spawned
-one has. It only saves the start of an interpreter and the imports, most of what a test of real
-processes costs. Tests of the start itself spawn.
+one has. It only saves the start of an interpreter, the imports, and to take the interpreter apart,
+most of what a test of real processes costs. Tests of the start and the end themselves spawn.
 
 A server has one thread and is nobody's child. There is one for each set of variables that count
 when an interpreter starts, such as a preloaded library. A request is one packet: its text in JSON,
@@ -15,8 +15,6 @@ from __future__ import annotations
 import atexit
 import contextlib
 import fcntl
-import gc
-import importlib
 import json
 import os
 import runpy
@@ -33,8 +31,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any, Final, NoReturn
 
-from hub.robomon.fork_server import show_command
+from hub.robomon.fork_server import preload, show_command
 
+_MODULES: Final = ("driver", "navigation", "vision", "mapping", "autonomy")
 _IMPORTS: Final = (
     "rune_tui.app",
     "rune_tui.commands.demo",
@@ -45,8 +44,12 @@ _IMPORTS: Final = (
     "hub.robomon.daemon",
     "hub.inspection.message_commands",
     "hub.inspection.module_commands",
-    "hub.modules.driver.navigator",
-    "hub.robots.registry",
+    *(f"hub.modules.{name}.__main__" for name in _MODULES),
+    "hub.robots.magellan",
+    "rune_tui.cli",
+    "rune_tui.ui.sturdy_driver",
+    "textual.layouts.horizontal",
+    "textual.scrollbar",
 )
 _PACKET_BYTES: Final = 1 << 18
 _AT_START: Final = (
@@ -364,12 +367,29 @@ def _be_program(request: Mapping[str, Any], files: Sequence[int]) -> NoReturn:
     _, _, module, *arguments = request["command"]
     sys.argv = ["-m", *arguments]
     show_command(request["command"])
+    code: object = 0
     try:
         runpy.run_module(module, run_name="__main__", alter_sys=True)
-    except (Exception, KeyboardInterrupt):  # noqa: BLE001 - as a new interpreter does
+    except SystemExit as end:
+        code = end.code
+    except BaseException:  # noqa: BLE001 - as a new interpreter does
         sys.excepthook(*sys.exc_info())
-        sys.exit(1)
-    sys.exit(0)
+        code = 1
+    _end(code)
+
+
+def _end(code: object) -> NoReturn:
+    """Do what an interpreter does at its end, but do not take it apart: that costs most."""
+    if code is not None and not isinstance(code, int):
+        sys.stderr.write(f"{code}\n")
+        code = 1
+    # As forks of multiprocessing do.
+    threading._shutdown()  # type: ignore[attr-defined]  # noqa: SLF001
+    atexit._run_exitfuncs()  # noqa: SLF001
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # closed, or none
+            stream.flush()
+    os._exit(code or 0)
 
 
 def _main() -> None:
@@ -377,10 +397,7 @@ def _main() -> None:
     if os.fork():
         os._exit(0)
     link.set_inheritable(False)
-    for name in _IMPORTS:
-        importlib.import_module(name)
-    gc.collect()
-    gc.freeze()
+    preload(_IMPORTS)
     _serve(link)
 
 

@@ -182,8 +182,9 @@ def _can_be_opened(words: list[str]) -> None:
 
 
 def _shows_a_picture(words: list[str]) -> None:
+    """Started by another program, the console is an interpreter of its own from start to end."""
     arguments = _arguments(words)
-    with closing(ConsoleProcess(arguments)) as console:
+    with closing(ConsoleProcess(arguments, within=["env"])) as console:
         console.wait_for_picture()
         assert console.quit() == 0
 
