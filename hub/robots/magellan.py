@@ -78,7 +78,8 @@ class SimulatedMagellan:
         self._steps = 0
         self._time_left = 0.0
         # Compute the contacts of the body at the start.
-        self._pose = self._body.move(arena.start, arena.start)
+        start = moved(arena.start, 0.0, 0.0)  # its heading is in (-pi, pi]
+        self._pose = self._body.move(start, start)
         # Its world restarts with it, and it always starts at the same place of its arena.
         self._origin = zlib.crc32(repr((arena.name, arena.start)).encode()) | 1
         self._scan()
@@ -137,17 +138,23 @@ class SimulatedMagellan:
     def _step(self) -> None:
         linear = approach(self._linear, self._commanded[0], LINEAR, STEP)
         angular = approach(self._angular, self._commanded[1], ANGULAR, STEP)
+        if linear or angular:
+            linear = self._move(linear, angular)
+        self._linear, self._angular = linear, angular
+        self._battery = self._battery.after(STEP, linear, angular)
+        self._steps += 1
+        if self._steps % STEPS_PER_SCAN == 0:
+            self._scan()
+
+    def _move(self, linear: float, angular: float) -> float:
+        """Move for a step at these velocities; returns the forward velocity that contact allows."""
         before = self._pose
         wanted = moved(before, linear * STEP, angular * STEP)
         self._pose = self._body.move(before, wanted)
         if self._body.touched:
             linear = self._held_back(linear, before.x, before.y, before.theta + angular * STEP / 2)
-        self._linear, self._angular = linear, angular
         self._odometry.moved(linear * STEP, angular * STEP, STEP)
-        self._battery = self._battery.after(STEP, linear, angular)
-        self._steps += 1
-        if self._steps % STEPS_PER_SCAN == 0:
-            self._scan()
+        return linear
 
     def _held_back(self, linear: float, x: float, y: float, heading: float) -> float:
         """Forward velocity against an obstacle: wheels grip the floor, motors stall."""

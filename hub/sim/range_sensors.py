@@ -61,6 +61,10 @@ class RangeSensors:
         self._axes = axes
         self._cone: Floats = (axes[:, None] + within).ravel()
         self._edges = _upright_edges(obstacles)
+        # Without noise; a robot that stands casts no rays again.
+        self._seen_at: Pose | None = None
+        self._echoes: Floats = np.empty(0)
+        self._reflections: tuple[Floats, Floats] = (np.empty(0), np.empty(0))
 
     def sonar(self, pose: Pose) -> npt.NDArray[np.float32]:
         """Range of every sonar from the centre [m], shape (16,); inf where no echo returns.
@@ -69,6 +73,19 @@ class RangeSensors:
         that is nearer still.
         """
         noise = self._sonar_noise.standard_normal(SENSOR_COUNT)
+        self._look(pose)
+        ranges = (self._echoes + SONAR_RING) * (1.0 + SONAR_NOISE * noise)
+        return np.where(ranges <= SONAR_FARTHEST, ranges, np.inf).astype(np.float32)
+
+    def _look(self, pose: Pose) -> None:
+        """Cast the rays of all sensors, unless they were cast from this pose last time."""
+        if pose != self._seen_at:
+            self._seen_at = pose
+            self._echoes = self._nearest_echoes(pose)
+            self._reflections = self._infrared_hits(pose)
+
+    def _nearest_echoes(self, pose: Pose) -> Floats:
+        """Distance of the nearest echo of each sonar [m], inf for none, shape (16,)."""
         directions = _unit(self._cone + pose.theta)
         mounts = _unit(self._axes + pose.theta) * SONAR_RING + (pose.x, pose.y)
         origins = mounts.repeat(_RAYS_PER_CONE, axis=0)
@@ -77,9 +94,8 @@ class RangeSensors:
         distance, squareness, _ = first_hits(obstacles, origins, directions)
         echoes = (squareness >= math.cos(SONAR_INCIDENCE)) & (distance <= reach)
         distance = np.where(echoes, distance, np.inf).reshape(SENSOR_COUNT, -1).min(axis=1)
-        distance = np.minimum(distance, self._nearest_edges(obstacles, pose))
-        ranges = (distance + SONAR_RING) * (1.0 + SONAR_NOISE * noise)
-        return np.where(ranges <= SONAR_FARTHEST, ranges, np.inf).astype(np.float32)
+        nearest: Floats = np.minimum(distance, self._nearest_edges(obstacles, pose))
+        return nearest
 
     def _nearest_edges(self, obstacles: Footprints, pose: Pose) -> Floats:
         """Distance of the nearest edge that each sonar detects [m], inf for none, shape (16,)."""
@@ -105,16 +121,22 @@ class RangeSensors:
         Dark surfaces send little light back: they are seen less far and less exactly.
         """
         noise = self._infrared_noise.standard_normal(SENSOR_COUNT)
+        self._look(pose)
+        distance, strength = self._reflections
+        seen = distance <= INFRARED_FARTHEST * strength
+        measured = np.where(seen, distance, 0.0) * (1.0 + INFRARED_NOISE / strength * noise)
+        measured = np.clip(measured, INFRARED_NEAREST, INFRARED_FARTHEST)
+        return np.where(seen, measured + BODY_RADIUS, np.inf).astype(np.float32)
+
+    def _infrared_hits(self, pose: Pose) -> tuple[Floats, Floats]:
+        """Distance of the surface before each infrared sensor [m], and how well it reflects."""
         directions = _unit(self._axes + pose.theta)
         origins = directions * BODY_RADIUS + (pose.x, pose.y)
         obstacles = _within(self._obstacles, pose, BODY_RADIUS + INFRARED_FARTHEST)
         distance, _, number = first_hits(obstacles, origins, directions)
         brightness = np.append(obstacles.brightness, 1.0)[number]
         strength = np.sqrt(np.clip(brightness, _DARKEST, _FULL_BRIGHTNESS) / _FULL_BRIGHTNESS)
-        seen = distance <= INFRARED_FARTHEST * strength
-        measured = np.where(seen, distance, 0.0) * (1.0 + INFRARED_NOISE / strength * noise)
-        measured = np.clip(measured, INFRARED_NEAREST, INFRARED_FARTHEST)
-        return np.where(seen, measured + BODY_RADIUS, np.inf).astype(np.float32)
+        return distance, strength
 
 
 def first_hits(

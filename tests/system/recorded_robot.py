@@ -25,7 +25,7 @@ STILL = 1e-3
 """A robot that is slower stands [m/s, rad/s]."""
 _VARIABLE = "RUNE_TEST_WHEELS"
 _ROW = struct.Struct("<5d")
-_PERIOD_S = 0.01
+_PERIOD_S = 0.02
 """How often a driver looks at its hardware [s]."""
 _LONGEST_ROLL = round(1.0 / STEP)
 

@@ -212,6 +212,10 @@ class BaseClient:
         """Call `work` every `period` [s]; see `Loop` for all timers and files."""
         return self.loop.every(period, work)
 
+    def alarm(self, work: Callable[[], None]) -> Timer:
+        """Call `work` once at each time that the caller sets as the timer's `due` [s]."""
+        return self.loop.alarm(work)
+
     def post(self, work: Callable[[], None]) -> None:
         """Let the loop call `work`; the only method that any thread may call."""
         self.loop.post(work)

@@ -27,7 +27,7 @@ from hub.ipc.wire import control, frames
 _HOLD_S = 2.0
 """Longest wait for a subscription that central announced [s]."""
 _BURST_S = 200e-6
-"""Longest time between two messages of a burst [s]."""
+"""Longest time between two messages of a burst, on average [s]."""
 _BATCH_ITEMS = 48
 _BATCH_DESCRIPTORS = 16
 _MAX_ITEM = 2048
@@ -68,7 +68,7 @@ class Publisher:
         self._reported, self._reported_at, self._bytes = 0, transport.clock(), 0
         self._published = -math.inf
         # Commands never join a burst; of pictures only descriptors do.
-        self._burst = _BURST_S if definition.plane is Plane.STATE else 0.0
+        self._burst = 2 * _BURST_S if definition.plane is Plane.STATE else 0.0
         self._limit = _BATCH_ITEMS if definition.plane is Plane.STATE else _BATCH_DESCRIPTORS
         self._last: bytes | tuple[int, int, bytes | shared_ring.Place] | None = None
         self._last_is_item = False
@@ -117,7 +117,7 @@ class Publisher:
         sequence = self.sequence + 1
         try:
             values = self._take_apart(value)
-            burst = now - queue.previous < self._burst
+            burst = now - queue.second_last < self._burst
             item = burst and queue.latest is self
             if item:
                 frame = flat.pack_item(stamp, values)
@@ -127,7 +127,8 @@ class Publisher:
             self.publish_payload(self.definition.encode(value), measured)
             return
         self.sequence = sequence
-        self._published = queue.previous = now
+        queue.second_last, queue.last = queue.last, now
+        self._published = now
         self._bytes += self._flat_length
         self._last, self._last_is_item = frame, item
         queue.latest = self
@@ -145,16 +146,17 @@ class Publisher:
         self._published = now
         length = frames.size(payload)
         self._bytes += length
-        burst = now - self._queue.previous < self._burst and length <= _MAX_ITEM
+        queue = self._queue
+        burst = now - queue.second_last < self._burst and length <= _MAX_ITEM
         if self._open and burst:
             item = frames.pack_item(stamp, payload)
             self._last, self._last_is_item = item, True
-            self._queue.add(self._combine, self.sequence, item, now, self._limit)
+            queue.add(self._combine, self.sequence, item, now, self._limit)
         elif (held := self.held) is not None:
             self._hold(held, stamp, payload)
         else:
             self._emit(self.sequence, stamp, payload)
-        self._queue.previous = now
+        queue.second_last, queue.last = queue.last, now
 
     def advertised(self, *, subscribed: bool, now: float) -> None:
         """Handle the answer to ADVERTISE; wait for an announced subscription."""

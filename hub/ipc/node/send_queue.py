@@ -2,7 +2,7 @@
 
 | a message | leaves |
 | --- | --- |
-| alone | at once |
+| alone, or one of two | at once |
 | in a burst | with the next ones, when enough wait or the module listens |
 | in a burst, while the module is busy | after `WAIT_S`, by a thread of the queue |
 
@@ -39,7 +39,9 @@ class SendQueue:
     Attributes:
         lock: Guards the queue and the sockets.
         topics: Topics with subscribers at central.
-        previous: Time of the last message, waiting or sent [s].
+        last: Time of the last message, waiting or sent [s].
+        second_last: The time of the message before it [s]. A burst begins with its third message:
+            for two, a batch costs more than it saves.
         latest: Its publisher. The next message of another publisher has a frame of its own: that
             is cheaper than a batch of one.
     """
@@ -55,7 +57,8 @@ class SendQueue:
         """
         self.lock = threading.Lock()
         self.topics: set[bytes] = set()
-        self.previous = 0.0
+        self.last = 0.0
+        self.second_last = 0.0
         self.latest: object = None
         self._send_to_central = send_to_central
         self._faults = faults

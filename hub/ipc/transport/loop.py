@@ -141,6 +141,10 @@ class Loop:
         """Call `work` once, in `delay` [s]."""
         return self._timers.add(self.clock(), delay, work, count=1)
 
+    def alarm(self, work: Callable[[], None]) -> Timer:
+        """Call `work` once at each time that the caller sets as the timer's `due` [s]."""
+        return self._timers.alarm(work)
+
     def post(self, work: Callable[[], None]) -> None:
         """Let the loop call `work`; the only method that any thread may call."""
         self._posted.add(work)

@@ -14,10 +14,10 @@ _logger = logging.getLogger(__name__)
 
 
 class Timer:
-    """Work that is due once or repeatedly.
+    """Work that is due once, repeatedly, or whenever its owner says.
 
     Attributes:
-        due: Next time [s].
+        due: Next time [s]; its owner may change it.
     """
 
     __slots__ = ("_work", "due", "left", "period")
@@ -52,6 +52,12 @@ class Timers:
     ) -> Timer:
         """Call `work` `count` times, first one `period` [s] after `now` [s]."""
         timer = Timer(now + period, period, count, work)
+        self._timers.append(timer)
+        return timer
+
+    def alarm(self, work: Callable[[], None]) -> Timer:
+        """Call `work` once at each time that the owner sets as `due` [s]; none is set yet."""
+        timer = Timer(math.inf, math.inf, math.inf, work)
         self._timers.append(timer)
         return timer
 

@@ -21,9 +21,8 @@ from hub.robots.description import RobotDescription
 from hub.robots.registry import kind_of
 from hub.runtime import run_module
 
-_PERIOD = 0.01
-"""Time between two steps of the hardware [s]."""
-_STEPS_PER_REPORT = round(1.0 / navigation.DRIVE_STATE.rate_hz / _PERIOD)
+_PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
+"""Time between two reports of the hardware [s]."""
 _LONGEST_STEP = 0.25
 """Longest time that the hardware advances in one step; the rest of a pause is left out [s]."""
 
@@ -38,19 +37,21 @@ class Driver:
         self._watchdog = CommandWatchdog()
         self._navigator = Navigator()
         self._stepped = time.monotonic()
-        self._steps = 0
+        self._silence = client.alarm(self._watch)
         # Each process has its own number: after a crash the dead reckoning starts elsewhere.
         self._odometry = secrets.randbelow(2**32 - 1) + 1
         client.directory.follow(self._navigator.name, self._navigator.connected)
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
         follow_control(client, self._control_changed)
         client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
-        client.every(_PERIOD, self._step)
+        client.every(_PERIOD, self._report)
 
     def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
         now = time.monotonic()
         obeys = self._navigator.obeys(reception.publisher, now)
         if obeys and self._watchdog.allows(now - reception.age, now, neutral=twist.neutral):
+            self._silence.due = self._watchdog.deadline
+            self._advance(now)  # the time until now passes with the velocity before
             self._base.set_velocity(twist.linear.x, twist.angular.z)
             if not twist.neutral:
                 self._loss.watch.moved(now)
@@ -58,16 +59,21 @@ class Driver:
     def _control_changed(self, state: ControlState) -> None:
         self._loss.watch.controlled_by(state.owner, time.monotonic())
 
-    def _step(self) -> None:
+    def _watch(self) -> None:
+        """Stop the wheels if no command is fresh any more."""
         now = time.monotonic()
+        self._advance(now)
         if self._watchdog.expired(now):
             self._base.set_velocity(0.0, 0.0)
-        self._loss.update(now)
+
+    def _report(self) -> None:
+        self._watch()
+        self._loss.update(self._stepped)
+        self._publish()
+
+    def _advance(self, now: float) -> None:
         self._base.advance(min(now - self._stepped, _LONGEST_STEP))
         self._stepped = now
-        self._steps += 1
-        if self._steps % _STEPS_PER_REPORT == 0:
-            self._publish()
 
     def _publish(self) -> None:
         """Publish each state that the hardware gives."""

@@ -18,20 +18,24 @@ SILENCE_S = 0.3
 
 
 class CommandWatchdog:
-    """Decides whether the driver follows a drive command."""
+    """Decides whether the driver follows a drive command.
+
+    Attributes:
+        deadline: The wheels must stand from this time on [s].
+    """
 
     def __init__(self, silence_s: float = SILENCE_S) -> None:
         self._silence_s = silence_s
-        self._deadline = float("-inf")
+        self.deadline = float("-inf")
 
     def allows(self, measured: float, now: float, *, neutral: bool) -> bool:
         """Whether the driver follows a command that was given at `measured`, at `now` [s]."""
         late = measured + self._silence_s <= now
         if late or (self.expired(now) and not neutral):
             return False
-        self._deadline = measured + self._silence_s
+        self.deadline = measured + self._silence_s
         return True
 
     def expired(self, now: float) -> bool:
         """Whether no command is fresh at `now` [s], so that the wheels must stand."""
-        return now >= self._deadline
+        return now >= self.deadline

@@ -43,7 +43,6 @@ _NOT_TAKEN = ("too old", "out of order", "out of range")
 
 _logger = logging.getLogger(__name__)
 
-_CHECK_PERIOD = 0.01
 _COMMAND_PERIOD = 1.0 / navigation.DRIVE_COMMAND.rate_hz
 _STATE_PERIOD = 1.0 / navigation.ROBOT_STATE.rate_hz
 _STATUS_PERIOD = 1.0 / navigation.NAVIGATION_STATUS.rate_hz
@@ -82,8 +81,8 @@ class Navigation:
         )
         publish_on_request(client, navigation.ROBOT_STATE, self._publish_state)
         publish_on_request(client, navigation.NAVIGATION_STATUS, self._publish_status)
-        client.every(_CHECK_PERIOD, self._update)
-        client.every(_COMMAND_PERIOD, self._drive)
+        self._deadline = client.alarm(self._update)
+        client.every(_COMMAND_PERIOD, self._cycle)
         client.every(_STATE_PERIOD, self._publish_state)
         client.every(_STATUS_PERIOD, self._publish_status)
         client.every(_MAP_PERIOD, self._ask_for_map)
@@ -185,6 +184,10 @@ class Navigation:
         if self._gate.admits(navigation.LANDMARK_CORRECTION, reception):
             _logger.info("landmark: %s", self.pilot.correct(landmark, self._clock()))
 
+    def _cycle(self) -> None:
+        self._drive()
+        self._update()
+
     def _drive(self) -> None:
         """Decide on the velocity and publish it to the driver."""
         now = self._clock()
@@ -215,6 +218,7 @@ class Navigation:
             self._governor.end_task()
         if velocity != self._commanded:
             self._drive()
+        self._deadline.due = self._governor.deadline
         self._update_assistance(now)
         said = (
             task.number,

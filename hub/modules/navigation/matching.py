@@ -145,7 +145,7 @@ class Sightings:
 
     def __init__(self) -> None:
         self._scans: deque[tuple[float, Floats, Floats]] = deque()
-        self._ranges: Floats = np.full(32, np.nan)
+        self._ranges: npt.NDArray[np.float32] = np.full(32, np.nan, np.float32)
 
     def scanned(
         self,
@@ -164,13 +164,17 @@ class Sightings:
             blind: Infrared ranges up to this are not valid [m].
             now: Monotonic time [s].
         """
-        ranges = np.concatenate((sonar, infrared)).astype(np.float64)
-        usable = (ranges != self._ranges) & np.isfinite(ranges) & (ranges > 0.0)
-        usable[:16] &= ranges[:16] < self.SONAR_REACH
-        usable[16:] &= ranges[16:] > blind
-        self._ranges = ranges
         while self._scans and self._scans[0][0] < now - self.KEPT_S:
             self._scans.popleft()
+        ranges = np.concatenate((sonar, infrared))
+        fresh = ranges != self._ranges
+        if not fresh.any():  # a driver reports more often than its sensors measure
+            return
+        self._ranges = ranges
+        ranges = ranges.astype(np.float64)
+        usable = fresh & np.isfinite(ranges) & (ranges > 0.0)
+        usable[:16] &= ranges[:16] < self.SONAR_REACH
+        usable[16:] &= ranges[16:] > blind
         bearings = np.tile(np.arange(16) * (math.pi / 8.0), 2)[usable] + pose.theta
         if usable.any():
             ranges = ranges[usable]

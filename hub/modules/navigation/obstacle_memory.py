@@ -101,6 +101,11 @@ class ObstacleMemory:
         if self._looked is None or _elsewhere(scan, now, *self._looked):
             self._looked = scan, now
             self._look_through(scan)
+        fresh = bool(fresh_infrared.any() or fresh_sonar.any())
+        # A driver reports more often than its sensors measure.
+        if not fresh and now < self._assume_at:
+            return
+        self._assume_at = now + _ASSUME_S
         near = fresh_sonar & (scan.sonar < _CONE_FAR)
         ranges = np.repeat(scan.sonar[near].astype(np.float64), len(_CONE_SPREAD))
         bearings = (_AXES[near][:, None] + _CONE_SPREAD).reshape(-1)
@@ -108,9 +113,7 @@ class ObstacleMemory:
         blind = scan.infrared <= self._radius + _BLIND
         met = fresh_infrared & np.isfinite(scan.infrared) & ~blind
         self._meet(scan, scan.infrared[met].astype(np.float64), _AXES[met], self._time + RAY_S)
-        if fresh_infrared.any() or fresh_sonar.any() or now >= self._assume_at:
-            self._assume_at = now + _ASSUME_S
-            self._assume(scan, blind)
+        self._assume(scan, blind)
 
     def points(self, x: float, y: float, theta: float, reach: float) -> tuple[Floats, Floats]:
         """The points around a pose in `odom`, in `base_link` [m]; shapes (n,).

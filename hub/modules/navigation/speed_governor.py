@@ -175,6 +175,13 @@ class SpeedGovernor:
         self._update(now)
         return MotionState.NO_DRIVER if now >= self._driver_until else self._state
 
+    @property
+    def deadline(self) -> float:
+        """Next time at which the wheels must stand if nothing comes [s]; inf: they stand."""
+        if self._sender is None and (not self.has_task or self.held is not Cause.NONE):
+            return math.inf
+        return min(self._fresh_until, self._driver_until)
+
     def _neutral(self, sender: int, now: float) -> None:
         if len(self._armed) >= _MAX_SENDERS:
             self._armed.clear()

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import sys
 import time
+from collections.abc import Callable
 
 from hub.control_gate import ControlGate
+from hub.errors import HubError
 from hub.gcm import navigation, vision
 from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
@@ -15,14 +18,16 @@ from hub.ipc.node.responders import Reply
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness, prepare
+from hub.modules.vision.pose_feed import PoseFeed, PoseSource
 from hub.modules.vision.poses import PoseHistory
 from hub.robots.cropping import vertical_fov
 from hub.robots.description import ROBOTS_OWN, RobotDescription
 from hub.robots.registry import camera_moves, open_camera
 from hub.runtime import publish_on_request, run_module
 
-_STEP_PERIOD = 0.02
 _STATE_PERIOD = 1.0 / vision.CAMERA_STATE.rate_hz
+_ASLEEP_PERIOD = 0.5
+"""Time between two states of the camera, and two looks for subscribers, while nobody looks [s]."""
 
 
 class Vision:
@@ -36,16 +41,19 @@ class Vision:
         self._poses = PoseHistory()
         self._advanced = self._clock()
         self._gate = ControlGate(client)
-        client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._answer)
+        sources = [PoseSource(definition=navigation.ROBOT_STATE, handler=self._remember)]
+        if _simulated(robot):
+            sources.append(PoseSource(definition=navigation.GROUND_TRUTH, handler=self._place))
+        self._feed = PoseFeed(client, sources)
+        client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._requested)
         client.subscribe(vision.CAMERA_COMMAND, self._move)
         client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
-        client.subscribe(navigation.ROBOT_STATE, self._remember)
-        if _simulated(robot):
-            client.subscribe(navigation.GROUND_TRUTH, self._place)
         client.define(vision.CAMERA_STATE)
         publish_on_request(client, vision.CAMERA_STATE, self._publish_state)
-        client.every(_STEP_PERIOD, self._advance)
-        client.every(_STATE_PERIOD, self._publish_state)
+        self._feed_due = client.alarm(self._look)
+        self._next_state = client.alarm(self._work)
+        self._state_at = math.inf
+        self._need()  # the first picture after the start must not wait
 
     def finish(self) -> None:
         """Switch the headlight off and close the camera."""
@@ -56,6 +64,37 @@ class Vision:
         now = self._clock()
         self._camera.advance(now - self._advanced)
         self._advanced = now
+
+    def _requested(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
+        self._need(lambda: self._answer_or_fail(request, reply))
+
+    def _need(self, work: Callable[[], None] | None = None) -> None:
+        """Somebody looks; do the work when the robot's pose is known."""
+        now = self._clock()
+        self._feed.need(now, work)
+        self._feed_due.due = self._feed.due
+        self._next_state.due = self._state_at = min(self._state_at, now + _STATE_PERIOD)
+
+    def _look(self) -> None:
+        try:
+            self._feed.look(self._clock())
+        finally:  # after work that raised, the rest is due at once
+            self._feed_due.due = self._feed.due
+
+    def _work(self) -> None:
+        """Publish the camera's state, and see whether somebody looks."""
+        period = _ASLEEP_PERIOD if self._feed.asleep else _STATE_PERIOD
+        self._next_state.due = self._state_at = max(self._state_at + period, self._clock())
+        if self._client.has_subscribers(vision.CAMERA_STATE):
+            self._need()
+        self._publish_state()
+        self._look()
+
+    def _answer_or_fail(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
+        try:
+            self._answer(request, reply)
+        except HubError as error:
+            reply.fail(str(error))
 
     def _answer(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
         self._advance()

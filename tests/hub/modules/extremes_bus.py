@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import math
 from collections import Counter, defaultdict
 from collections.abc import Callable
 from random import Random
@@ -80,6 +81,10 @@ class ExtremesBus:
 
     def every(self, _: float, work: Callable[[], None]) -> None:
         self.timers.append(work)
+
+    def alarm(self, work: Callable[[], None]) -> SimpleNamespace:
+        self.timers.append(work)
+        return SimpleNamespace(due=math.inf)
 
     def post(self, work: Callable[[], None]) -> None:
         work()
