@@ -1,7 +1,7 @@
-"""How fast a module that was killed is back, and what the robot does meanwhile.
+"""What a hub costs while nobody looks, and how fast a module that was killed is back.
 
-Real processes: a hub with a simulated robot in an empty hall. A script drives it while each module
-in turn gets SIGKILL.
+Real processes: a hub with a simulated robot. For the second part a script drives it in an empty
+hall while each module in turn gets SIGKILL.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 from benchmarks.figures import report, say
 from hub.errors import HubError
 from hub.gcm import autonomy, mapping, navigation, supervision, vision
@@ -27,6 +29,10 @@ from tests.system.harness import HubProcess, family
 ROUNDS = 5
 MODULES = ("driver", "navigation", "vision", "mapping", "autonomy")
 STILL = 0.005
+IDLE_S = 20.0
+"""Measured time of an idle hub [s]."""
+QUIET_S = 8.0
+"""Time until vision no longer expects somebody to look [s]."""
 _ASK_S = 0.05
 
 Fresh = dict[str, tuple[int, float]]
@@ -153,6 +159,40 @@ def pss_mb(*options: str) -> float:
         return sum(each.memory_full_info().pss for each in family(hub.process.pid)) / 1e6
 
 
+def idle_cpu() -> None:
+    """The processor time of a hub to which nobody is connected."""
+    modules = ("driver", "navigation", "vision", "mapping")
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        hub = stack.enter_context(closing(HubProcess(folder, arena="yellow", modules=modules)))
+        quiet = time.monotonic() + QUIET_S
+        until(lambda: time.monotonic() > quiet, 2 * QUIET_S)
+        processes = family(hub.process.pid)
+        before, begun = [_spent(each) for each in processes], time.monotonic()
+        until(lambda: time.monotonic() > begun + IDLE_S, 2 * IDLE_S)
+        elapsed = time.monotonic() - begun
+        shares = [
+            (_spent(each) - spent) / elapsed for each, spent in zip(processes, before, strict=True)
+        ]
+        names = {pid: name for name, pid in hub.pids.items()}
+        rest = sum(
+            share for each, share in zip(processes, shares, strict=True) if each.pid not in names
+        )
+    each_share = ", ".join(
+        f"{names[each.pid]} {share:.3f}"
+        for each, share in zip(processes, shares, strict=True)
+        if each.pid in names
+    )
+    note = f"{each_share}, daemon and the rest {rest:.3f}"
+    report("robomon.idle_cpu", sum(shares), "core", bar=0.09, note=note)
+
+
+def _spent(process: psutil.Process) -> float:
+    """Processor time of a process until now [s]."""
+    times = process.cpu_times()
+    return float(times.user + times.system)
+
+
 def memory() -> None:
     """What sharing imports saves."""
     spawned = pss_mb("--spawn")
@@ -162,6 +202,8 @@ def memory() -> None:
 
 def main() -> None:
     """All figures."""
+    say("idle")
+    idle_cpu()
     say("memory")
     memory()
     worst: dict[str, list[float]] = {name: [] for name in MODULES}

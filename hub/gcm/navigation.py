@@ -235,6 +235,7 @@ DRIVE_STATE = MessageDefinition(
     type=DriveState,
     rate_hz=50.0,
 )
+"""20 Hz while the robot stands and its ground truth has no subscriber."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -24,7 +24,7 @@ _logger = logging.getLogger(__name__)
 
 BY_ROBOMON = "by robomon"
 """Argument of common commands from the daemon itself."""
-_PERIOD_S = 0.05
+_PERIOD_S = 0.1
 _SAMPLE_S = 1.0
 _SETTLED_S = 10.0
 """Latest time at which stopped modules are asked for their capabilities [s]."""

@@ -23,6 +23,8 @@ from hub.runtime import run_module
 
 _PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
 """Time between two reports of the hardware [s]."""
+_RESTING_PERIOD = 0.05
+"""The same while the robot stands and its true pose has no subscriber [s]."""
 _LONGEST_STEP = 0.25
 """Longest time that the hardware advances in one step; the rest of a pause is left out [s]."""
 
@@ -44,7 +46,8 @@ class Driver:
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
         follow_control(client, self._control_changed)
         client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
-        client.every(_PERIOD, self._report)
+        self._next_report = client.alarm(self._report)
+        self._report_at = self._next_report.due = self._stepped + _PERIOD
 
     def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
         now = time.monotonic()
@@ -55,6 +58,7 @@ class Driver:
             self._base.set_velocity(twist.linear.x, twist.angular.z)
             if not twist.neutral:
                 self._loss.watch.moved(now)
+                self._report_by(now + _PERIOD)
 
     def _control_changed(self, state: ControlState) -> None:
         self._loss.watch.controlled_by(state.owner, time.monotonic())
@@ -69,20 +73,29 @@ class Driver:
     def _report(self) -> None:
         self._watch()
         self._loss.update(self._stepped)
-        self._publish()
+        rests = self._publish()
+        period = _RESTING_PERIOD if rests else _PERIOD
+        # After a pause the reports that were missed are left out.
+        self._next_report.due = self._report_at = max(self._report_at + period, self._stepped)
+
+    def _report_by(self, time: float) -> None:
+        self._next_report.due = self._report_at = min(self._report_at, time)
 
     def _advance(self, now: float) -> None:
         self._base.advance(min(now - self._stepped, _LONGEST_STEP))
         self._stepped = now
 
-    def _publish(self) -> None:
-        """Publish each state that the hardware gives."""
+    def _publish(self) -> bool:
+        """Publish each state that the hardware gives; returns whether it may rest."""
         now = time.monotonic()
         state = numbered(self._base.drive_state(time.time()), self._odometry)
         self._client.publish(navigation.DRIVE_STATE, state, measured=now)
+        rests = _stands(state)
         truth = self._base.ground_truth()
         if truth is not None:
             self._client.publish(navigation.GROUND_TRUTH, truth, measured=now)
+            rests = rests and not self._client.has_subscribers(navigation.GROUND_TRUTH)
+        return rests
 
     def finish(self) -> None:
         """Stop the wheels."""
@@ -93,6 +106,12 @@ class Driver:
 def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     """Connect the hardware to the bus."""
     return Driver(client, robot).finish
+
+
+def _stands(state: navigation.DriveState) -> bool:
+    """Whether the hardware stands and has no order to move."""
+    velocities = state.linear, state.angular, state.commanded_linear, state.commanded_angular
+    return not any(velocities) and not state.bumpers
 
 
 def numbered(state: navigation.DriveState, odometry: int) -> navigation.DriveState:

@@ -27,7 +27,7 @@ from hub.runtime import publish_on_request, run_module
 
 _STATE_PERIOD = 1.0 / vision.CAMERA_STATE.rate_hz
 _ASLEEP_PERIOD = 0.5
-"""Time between two states of the camera, and two looks for subscribers, while nobody looks [s]."""
+"""Time between two states of the camera while no client needs pictures [s]."""
 
 
 class Vision:
@@ -69,7 +69,7 @@ class Vision:
         self._need(lambda: self._answer_or_fail(request, reply))
 
     def _need(self, work: Callable[[], None] | None = None) -> None:
-        """Somebody looks; do the work when the robot's pose is known."""
+        """Note that a client needs pictures; do the work when the robot's pose is known."""
         now = self._clock()
         self._feed.need(now, work)
         self._feed_due.due = self._feed.due
@@ -82,7 +82,7 @@ class Vision:
             self._feed_due.due = self._feed.due
 
     def _work(self) -> None:
-        """Publish the camera's state, and see whether somebody looks."""
+        """Publish the camera's state, and look whether a client needs it."""
         period = _ASLEEP_PERIOD if self._feed.asleep else _STATE_PERIOD
         self._next_state.due = self._state_at = max(self._state_at + period, self._clock())
         if self._client.has_subscribers(vision.CAMERA_STATE):

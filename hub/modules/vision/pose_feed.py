@@ -1,9 +1,9 @@
-"""Subscribes to the robot's poses only while somebody needs pictures; pure.
+"""Subscribes to the robot's poses only while a client needs pictures; pure.
 
 | state | event | action | next state |
 | --- | --- | --- | --- |
 | ASLEEP | a need | subscribe | WAKING |
-| WAKING | a pose of each kind has come, or 0.25 s have passed | do the work that waits | AWAKE |
+| WAKING | a pose of each kind, or the end of 0.25 s | do the work that waits | AWAKE |
 | AWAKE | a need | do its work | AWAKE |
 | AWAKE | no need for 5 s | unsubscribe | ASLEEP |
 
@@ -29,7 +29,7 @@ Handler = Callable[[Any, MessageInfo], None]
 Work = Callable[[], None]
 
 
-class Subscriber(Protocol):
+class PoseClient(Protocol):
     """What it needs of a client."""
 
     def subscribe(self, definition: MessageDefinition[Any], handler: Handler) -> None:
@@ -55,7 +55,7 @@ class PoseSource:
 class PoseFeed:
     """Keeps the state; every method gets the present monotonic time [s]."""
 
-    def __init__(self, client: Subscriber, sources: Sequence[PoseSource]) -> None:
+    def __init__(self, client: PoseClient, sources: Sequence[PoseSource]) -> None:
         """Start ASLEEP.
 
         Args:
@@ -72,7 +72,7 @@ class PoseFeed:
 
     @property
     def asleep(self) -> bool:
-        """Whether nobody needs poses."""
+        """Whether no client needs poses."""
         return self._asleep
 
     @property
@@ -81,7 +81,7 @@ class PoseFeed:
         return self._wake_by
 
     def need(self, now: float, work: Work | None = None) -> None:
-        """Somebody needs poses; do the work at once, or when the first ones have come."""
+        """A client needs poses; do the work at once, or after the first ones."""
         self._needed_until = now + LINGER_S
         if self._asleep:
             self._wake(now)

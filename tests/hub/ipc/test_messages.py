@@ -401,3 +401,20 @@ def test_publisher_knows_whether_anybody_subscribes(
     assert not one.call(lambda: one.client.has_subscribers(v.EVENT))
     other.close()
     until(lambda: not one.call(lambda: one.client.has_subscribers(v.LOG)), 5.0)
+
+
+def test_two_messages_close_to_each_other_wake_no_thread(connect: Connect) -> None:
+    one, other = connect("one"), connect("other")
+    received = other.collect(v.STREAM), other.collect(v.LOG)
+    one.publish_until(v.STREAM, received[0])
+    one.publish_until(v.LOG, received[1])
+
+    def pair() -> None:
+        for definition in (v.STREAM, v.LOG):
+            one.client.publish(definition, Number(value=99))
+
+    calm = time.monotonic() + 0.01
+    until(lambda: time.monotonic() > calm, 5.0)
+    one.call(pair)
+    until(lambda: all(99 in _values(each) for each in received), 5.0)
+    assert "rune-flush" not in {thread.name for thread in threading.enumerate()}

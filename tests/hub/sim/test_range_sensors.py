@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from hub.pose import Pose
 from hub.robots.magellan import SimulatedMagellan
-from hub.sim.arena import BODY_RADIUS, load_arena
+from hub.sim import range_sensors
+from hub.sim.arena import BODY_RADIUS, Footprints, load_arena
 from hub.sim.range_sensors import (
     INFRARED_FARTHEST,
     INFRARED_NEAREST,
@@ -19,6 +20,7 @@ from hub.sim.range_sensors import (
     SONAR_FARTHEST,
     SONAR_INCIDENCE,
     SONAR_RING,
+    Floats,
     RangeSensors,
     first_hits,
 )
@@ -41,6 +43,24 @@ def test_a_sonar_that_faces_a_wall_tells_its_distance_from_the_centre(distance: 
     ranges = np.array([sensors.sonar(CENTRE)[0] for _ in range(200)])
     assert ranges.mean() == pytest.approx(distance, rel=0.003)
     assert ranges.std() == pytest.approx(0.01 * distance, rel=0.25)
+
+
+def test_a_robot_that_stands_casts_no_rays_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    casts: list[int] = []
+
+    def counted(obstacles: Footprints, origins: Floats, directions: Floats) -> object:
+        casts.append(len(directions))
+        return first_hits(obstacles, origins, directions)
+
+    monkeypatch.setattr(range_sensors, "first_hits", counted)
+    sensors = sensors_before_a_wall(1.0)
+    first = sensors.sonar(CENTRE), sensors.infrared(CENTRE)
+    cast = len(casts)
+    again = sensors.sonar(CENTRE), sensors.infrared(CENTRE)
+    assert len(casts) == cast
+    assert first[0][0] != again[0][0], "each measurement has its own noise"
+    assert sensors.sonar(Pose(x=0.5, y=0.0, theta=0.0))[0] == pytest.approx(0.5, rel=0.05)
+    assert sensors.sonar(CENTRE)[0] == pytest.approx(1.0, rel=0.05)
 
 
 def test_sonars_in_a_void_hear_nothing_and_infrared_sees_nothing() -> None:

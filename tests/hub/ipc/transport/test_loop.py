@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.transport.loop import Loop
+from hub.ipc.transport.timers import Timers
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.vocabulary import Number
 from tests.support.waiting import until
@@ -81,3 +83,16 @@ def test_loop_of_many_files_serves_each() -> None:
         for pipe in pipes:
             for file in pipe:
                 os.close(file)
+
+
+def test_an_alarm_rings_once_at_each_time_that_its_owner_sets() -> None:
+    now = 0.0
+    timers, rings = Timers(), list[float]()
+    alarm = timers.alarm(lambda: rings.append(now))
+    for step, due in enumerate([None, 3.0, 5.0, None, None, None, None, 8.0, None]):
+        now = float(step)
+        if due is not None:
+            alarm.due = due  # the second time is later than the first one, which is gone
+        timers.run(now)
+    assert rings == [5.0, 8.0]
+    assert timers.due(99.0) == math.inf

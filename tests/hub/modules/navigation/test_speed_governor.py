@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,7 +24,7 @@ A, B = 1, 2
 
 
 class Scene:
-    """A governor whose process looks every 10 ms, as navigation does, and whose driver reports."""
+    """A governor whose process looks every 10 ms, and whose driver reports."""
 
     def __init__(self) -> None:
         self.now = 0.0
@@ -87,6 +88,30 @@ def test_stops_when_commands_stop_coming() -> None:
     scene.wait(0.04)
     assert scene.velocity == (0.0, 0.0)
     assert scene.state is MotionState.SILENCE
+
+
+def test_says_when_the_wheels_must_stand_next() -> None:
+    scene = Scene()
+    assert scene.governor.deadline == math.inf
+    scene = driving()
+    scene.wait(0.1)
+    scene.command(A, 0.4, age=0.05)
+    assert scene.governor.deadline == pytest.approx(scene.now + SILENCE_S - 0.05)
+    scene.driver_lives = False
+    silent_at = scene.governor.deadline
+    assert scene.governor.velocity(silent_at - 1e-6) != (0.0, 0.0)
+    assert scene.governor.velocity(silent_at) == (0.0, 0.0)
+    assert scene.governor.state(silent_at) is MotionState.SILENCE
+    assert scene.governor.deadline == math.inf
+
+
+def test_says_when_a_task_must_steer_again() -> None:
+    scene = Scene()
+    assert not scene.governor.begin_task(scene.now)
+    assert scene.governor.deadline == pytest.approx(SILENCE_S)
+    scene.wait(SILENCE_S)
+    assert scene.governor.held is Cause.BUSY
+    assert scene.governor.deadline == math.inf
 
 
 def test_drives_again_after_silence_only_from_neutral() -> None:
