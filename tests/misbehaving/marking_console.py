@@ -1,6 +1,6 @@
 """A console that marks without end, and says what the robot has confirmed; it is killed meanwhile.
 
-    python marking_console.py HUB FIRST
+    python -m tests.misbehaving.marking_console HUB FIRST
 
 Each line of its output is JSON: what the robot said is on its disk, as number, x and note.
 """

@@ -7,7 +7,6 @@ import json
 import os
 import random
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Sequence
@@ -16,13 +15,14 @@ from pathlib import Path
 import numpy as np
 
 from hub.gcm import mapping, mission, navigation
-from hub.gcm.common import COMMON_RESULT
+from hub.gcm.common import COMMON_RESULT, REQUEST_DATA, RequestData
 from hub.gcm.mission import MissionAction, MissionCommand
 from hub.gcm.supervision import CAPABILITY_WANTS, MODULE_REPORTS, CapabilityWants
+from tests.support import warm_start
 from tests.system.harness import HubProcess, Observer
 
 _STARTS = 4
-_CONSOLE = Path(__file__).parents[1] / "misbehaving" / "marking_console.py"
+_CONSOLE = "tests.misbehaving.marking_console"
 
 MAPPING = """
 [modules.mapping]
@@ -118,6 +118,16 @@ class Site:
         for name in (mapping.INTEREST_POINTS.name, mission.MISSION_STATE.name):
             self.watch.seen[name].clear()
 
+    def wait_for_points(self) -> None:
+        """Ask for the points until they come."""
+        request = RequestData(message=mapping.INTEREST_POINTS.name)
+
+        def come() -> object:
+            self.watch.client.publish(REQUEST_DATA, request)
+            return self.points
+
+        self.watch.wait(come, 20.0, "the marks do not come back")
+
     def begin(self) -> None:
         """Have mapping run for as long as it takes to begin a mission."""
         wants = CapabilityWants(holder="observer", capabilities="PRO_MAP", lease_s=2.0)
@@ -136,8 +146,10 @@ class Marker:
     def __init__(self, site: Site, first: int) -> None:
         self._lines = site.folder / f"confirmed-{first}.jsonl"
         with self._lines.open("wb") as out:
-            self.process = subprocess.Popen(
-                [sys.executable, str(_CONSOLE), site.hub.endpoint, str(first)], stdout=out
+            self.process = warm_start.start(
+                [sys.executable, "-m", _CONSOLE, site.hub.endpoint, str(first)],
+                environment=os.environ,
+                stdout=out.fileno(),
             )
 
     def wait_for_more(self, site: Site) -> None:

@@ -232,7 +232,7 @@ def test_the_picture_is_right_and_no_command_late_after_tmux_was_left_and_attach
         return not stages
 
     seen = len(commands)
-    stages = deque([(10, detach), (40, attach), (10, lambda: None)])
+    stages = deque([(5, detach), (15, attach), (5, lambda: None)])
     console.hold_until("a", told)
     again = ends[-1]
     times = [sent for sent, _ in commands]
