@@ -23,6 +23,7 @@ from hub.ipc.client import Client
 from hub.ipc.wire.control import Listing
 from tests.soak import vocabulary as v
 from tests.soak.module_process import COLUMNS, Plan, Row
+from tests.support import warm_start
 from tests.support.ports import free_port
 from tests.support.waiting import until
 
@@ -54,17 +55,16 @@ class Vitals:
 class Started:
     """A Python program of ours; standard error goes to a file."""
 
-    def __init__(self, command: Sequence[str], log: Path, **options: Any) -> None:
+    def __init__(self, command: Sequence[str], log: Path) -> None:
         self.log = log
         with log.open("ab") as file:
-            self.process = subprocess.Popen(
+            self.process = warm_start.start(
                 command,
-                cwd=ROOT,
+                environment=os.environ,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
-                stderr=file,
-                text=True,
-                **options,
+                stderr=file.fileno(),
+                folder=ROOT,
             )
 
     @property
@@ -74,7 +74,7 @@ class Started:
     def line(self) -> dict[str, Any]:
         """The next JSON line it writes."""
         assert self.process.stdout is not None
-        text = self.process.stdout.readline()
+        text = self.process.stdout.readline().decode()
         assert text, f"it ended: {self.log.read_text()[-2000:]}"
         found: dict[str, Any] = json.loads(text)
         return found
@@ -82,23 +82,29 @@ class Started:
     def kill(self) -> None:
         """As `kill -9`."""
         self.process.kill()
-        self._reap()
+        self._rest()
 
     def end(self, timeout: float = 20.0) -> str:
-        """Ask it to end; what else it wrote."""
+        """Ask it to end; what else it wrote, which is less than a pipe holds."""
         if self.process.poll() is None:
             with contextlib.suppress(ProcessLookupError):
                 self.process.send_signal(signal.SIGCONT)
             self.process.terminate()
         try:
-            written, _ = self.process.communicate(timeout=timeout)
+            self.process.wait(timeout)
         except subprocess.TimeoutExpired:
             self.process.kill()
-            written, _ = self.process.communicate()
-        return written or ""
+        return self._rest()
 
-    def _reap(self) -> None:
-        self.process.communicate()
+    def _rest(self) -> str:
+        self.process.wait()
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.close()
+        if self.process.stdout.closed:
+            return ""
+        with self.process.stdout as said:
+            return said.read().decode()
 
 
 class CentralProcess(Started):
@@ -110,10 +116,9 @@ class CentralProcess(Started):
         listening_ns: When all were bound, on the monotonic clock [ns].
     """
 
-    def __init__(self, endpoints: Sequence[str], log: Path, **options: Any) -> None:
-        prefix = options.pop("prefix", ())
+    def __init__(self, endpoints: Sequence[str], log: Path, *, prefix: Sequence[str] = ()) -> None:
         command = [*prefix, sys.executable, "-m", "tests.soak.central_process", *endpoints]
-        super().__init__(command, log, **options)
+        super().__init__(command, log)
         found = self.line()
         self.listening_ns = int(found["listening_ns"])
         self.ports: list[int] = []
@@ -133,13 +138,12 @@ class CentralProcess(Started):
 class ModuleProcess(Started):
     """A module that writes down what it sees."""
 
-    def __init__(self, plan: Plan, log: Path, **options: Any) -> None:
-        prefix = options.pop("prefix", ())
+    def __init__(self, plan: Plan, log: Path, *, prefix: Sequence[str] = ()) -> None:
         self._record = Path(plan.record)
         self.plan = plan
         text = json.dumps(asdict(plan))
         command = [*prefix, sys.executable, "-m", "tests.soak.module_process", text]
-        super().__init__(command, log, **options)
+        super().__init__(command, log)
         self.summary: dict[str, Any] = {}
 
     def rows(self, kind: Row | None = None) -> Rows:
@@ -175,28 +179,26 @@ class Rig:
         self.others: list[Started] = []
         self.central = self.start_central()
 
-    def start_central(self, **options: Any) -> CentralProcess:
+    def start_central(self) -> CentralProcess:
         """At the same endpoints every time."""
         log = self.folder / "central.log"
-        self.central = CentralProcess(self.endpoints, log, prefix=self.prefix, **options)
+        self.central = CentralProcess(self.endpoints, log, prefix=self.prefix)
         return self.central
 
-    def module(
-        self, name: str, *, endpoint: str = "", options: dict[str, Any] | None = None, **plan: Any
-    ) -> ModuleProcess:
+    def module(self, name: str, *, endpoint: str = "", **plan: Any) -> ModuleProcess:
         """Start a module that does what `Plan` tells."""
         record = self.folder / f"{name}-{len(self.modules)}.rows"
         whole = Plan(name=name, endpoint=endpoint or self.endpoints[0], record=str(record), **plan)
         log = self.folder / f"{name}.log"
-        started = ModuleProcess(whole, log, prefix=self.prefix, **(options or {}))
+        started = ModuleProcess(whole, log, prefix=self.prefix)
         self.modules[name] = started
         return started
 
-    def other(self, *command: str, **options: Any) -> Started:
+    def other(self, *command: str) -> Started:
         """Start another program of this folder of tests: a module's name and arguments."""
         log = self.folder / f"other-{len(self.others)}.log"
         whole = [*self.prefix, sys.executable, "-m", *command]
-        self.others.append(Started(whole, log, **options))
+        self.others.append(Started(whole, log))
         return self.others[-1]
 
     def listing(self, timeout: float = 10.0) -> Listing:

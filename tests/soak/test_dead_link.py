@@ -158,7 +158,7 @@ class Relayed:
 
     def _say(self, word: str) -> int:
         assert self.relay.process.stdin is not None
-        self.relay.process.stdin.write(word + "\n")
+        self.relay.process.stdin.write(f"{word}\n".encode())
         self.relay.process.stdin.flush()
         return int(self.relay.line()[word])
 

@@ -58,7 +58,13 @@ _AT_START: Final = (
 )
 """Variables with these beginnings count when an interpreter starts, and not after a fork."""
 _ANSWER_S: Final = 60.0
-_PROGRAMS: Final = ("hub", "rune_tui", "tests.misbehaving.marking_console")
+_PROGRAMS: Final = (
+    "hub",
+    "rune_tui",
+    "tests.misbehaving.marking_console",
+    "tests.soak.central_process",
+    "tests.soak.module_process",
+)
 _used = False
 
 
