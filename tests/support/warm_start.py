@@ -4,8 +4,8 @@ Such a process has its own session, terminal, descriptors, environment and exit 
 one has. It only saves the start of an interpreter, the imports, and to take the interpreter apart,
 most of what a test of real processes costs. Tests of the start and the end themselves spawn.
 
-A server has one thread and is nobody's child. There is one for each set of variables that count
-when an interpreter starts, such as a preloaded library. A request is one packet: its text in JSON,
+A server has one thread and is nobody's child. There is one for each set of preloaded libraries and
+what else in `_SERVED` counts when an interpreter starts. A request is one packet: its text in JSON,
 and the descriptors 0, 1 and 2. Answers are packets too: `{"pid"}` to a request,
 `{"ended", "status"}` at the end of a process.
 """
@@ -57,6 +57,8 @@ _AT_START: Final = (
     "RUNE_WALL_CLOCK",  # a preloaded library reads it
 )
 """Variables with these beginnings count when an interpreter starts, and not after a fork."""
+_SERVED: Final = ("LD_PRELOAD", "RUNE_WALL_CLOCK", "PYTHONPATH")
+"""Those of them with which many processes start, so that a server of their own pays."""
 _ANSWER_S: Final = 60.0
 _PROGRAMS: Final = (
     "hub",
@@ -65,7 +67,8 @@ _PROGRAMS: Final = (
     "tests.soak.central_process",
     "tests.soak.module_process",
 )
-_used = False
+_usual: frozenset[tuple[str, str]] | None = None
+"""Those of this process when `use` was called."""
 
 
 class WarmProcess:
@@ -140,8 +143,8 @@ class _Server:
         self.ended: dict[int, int] = {}
         # `ps` shows at most as many letters of a forked process's command.
         command = [sys.executable, "-m", __name__, str(theirs.fileno()), "-" * 200]
-        own = {name: value for name, value in os.environ.items() if not _counts_at_start(name)}
-        subprocess.run(command, pass_fds=(theirs.fileno(),), env=own | dict(at_start), check=True)
+        own = dict({*os.environ.items()} - _at_start(os.environ) | at_start)
+        subprocess.run(command, pass_fds=(theirs.fileno(),), env=own, check=True)
         theirs.close()
         atexit.register(self._link.close)
 
@@ -175,20 +178,26 @@ _servers: dict[frozenset[tuple[str, str]], _Server] = {}
 
 
 def _server_for(environment: Mapping[str, str]) -> _Server:
-    at_start = frozenset(each for each in environment.items() if _counts_at_start(each[0]))
+    at_start = _at_start(environment)
     if at_start not in _servers:
         _servers[at_start] = _Server(at_start)
     return _servers[at_start]
 
 
-def _counts_at_start(name: str) -> bool:
-    return name.startswith(_AT_START)
+def _at_start(
+    environment: Mapping[str, str], but: Sequence[str] = ()
+) -> frozenset[tuple[str, str]]:
+    return frozenset(
+        (name, value)
+        for name, value in environment.items()
+        if name.startswith(_AT_START) and name not in but
+    )
 
 
 def use() -> None:
     """Fork from now on what can be forked."""
-    global _used  # noqa: PLW0603 - once for a process of tests
-    _used = True
+    global _usual  # noqa: PLW0603 - once for a process of tests
+    _usual = _at_start(os.environ, but=_SERVED)
 
 
 def running() -> set[int]:
@@ -219,7 +228,8 @@ def start(
         folder: Where it runs; None: here.
         terminal: Whether it leads a session, with its standard input as the terminal.
     """
-    if _used and tuple(command[:2]) == (sys.executable, "-m") and command[2] in _PROGRAMS:
+    ours = tuple(command[:2]) == (sys.executable, "-m") and command[2] in _PROGRAMS
+    if ours and _at_start(environment, but=_SERVED) == _usual:
         files = (stdin, stdout, stderr)
         place = folder or Path.cwd()
         return _forked(command, environment, files, folder=place, terminal=terminal)

@@ -118,13 +118,14 @@ class Site:
         for name in (mapping.INTEREST_POINTS.name, mission.MISSION_STATE.name):
             self.watch.seen[name].clear()
 
-    def wait_for_points(self) -> None:
-        """Ask for the points until they come."""
-        request = RequestData(message=mapping.INTEREST_POINTS.name)
+    def ask(self) -> None:
+        """Ask for the mission and its points until they come."""
+        names = (mapping.INTEREST_POINTS.name, mission.MISSION_STATE.name)
 
         def come() -> object:
-            self.watch.client.publish(REQUEST_DATA, request)
-            return self.points
+            for name in names:
+                self.watch.client.publish(REQUEST_DATA, RequestData(message=name))
+            return self.points and self.newest(mission.MISSION_STATE.name)
 
         self.watch.wait(come, 20.0, "the marks do not come back")
 

@@ -43,14 +43,14 @@ def test_marks_and_map_outlive_mapping_and_daemon(site: Site) -> None:
         # Nobody wants mapping but the mission.
         site.watch.wait(lambda pid=pid: site.mapping_pid not in (0, pid), 20.0, "no new process")
         site.forget()
-        site.wait_for_points()
+        site.ask()
         assert sorted(site.points) == sorted(before)
         assert known(site) > 200
         site.mark(3.5 + again)
         before = site.points
     site.kill()
     site.start()
-    site.wait_for_points()
+    site.ask()
     assert site.points.keys() == before.keys() == {1, 2, 3, 4}
     assert all(point.kept for point in site.points.values())
     assert (site.state.name, site.state.running, site.state.sheet) == ("search one", 1, 1)
