@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import ast
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 from xml.sax.saxutils import escape
 
 import grimp
+
+from hub.values import dataclass
 
 ROOT: Final = Path(__file__).parents[1]
 _IMAGES: Final = ROOT / "docs" / "images"

@@ -7,8 +7,9 @@ forward, y left [m], angles counter-clockwise from x [rad].
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
+
+from hub.values import dataclass
 
 if TYPE_CHECKING:
     import numpy as np

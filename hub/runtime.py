@@ -27,7 +27,6 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +42,7 @@ from hub.ipc.message_info import MessageInfo
 from hub.ipc.transport.heap import give_back
 from hub.nonblocking_logging import LEVELS, start_logging
 from hub.robots.description import RobotDescription, read_description, settings
+from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 

@@ -13,13 +13,13 @@ import math
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hub.files import read_regular
 from hub.nearest import did_you_mean
 from hub.plain_text import is_plain, plain
+from hub.values import dataclass
 
 MAX_FILE_BYTES = 1_000_000
 TOP = "top of the file"

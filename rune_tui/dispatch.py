@@ -5,11 +5,11 @@ from __future__ import annotations
 import logging
 from collections import defaultdict
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import partial
 from typing import cast
 
 from hub.gcm.navigation import VELOCITY_COMMAND, Twist
+from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.actions import Action
 from rune_tui.layout.names import JOYSTICK, MOUSE

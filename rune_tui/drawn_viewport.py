@@ -13,9 +13,9 @@ import dataclasses
 import logging
 import math
 from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass
 from typing import Final, cast
 
+from hub.values import dataclass
 from rune_tui.compositor.blend import Layer
 from rune_tui.controls.events import Hit
 from rune_tui.layout.placing import Area

@@ -16,8 +16,9 @@ A lost hub, a lost joystick and a stale picture are drawn states, not errors.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+from hub.values import dataclass
 
 
 class ConsoleError(Exception):

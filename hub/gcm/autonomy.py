@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
 from typing import Annotated
 
 from hub.gcm.fields import (
@@ -19,6 +18,7 @@ from hub.gcm.navigation import MOST_POINTS, Point
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most
 from hub.ipc.formats.wire_types import Counted
+from hub.values import dataclass
 
 
 class Behaviour(enum.IntEnum):

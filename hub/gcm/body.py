@@ -5,13 +5,13 @@ Positions are in `base_link` (ROS REP 103): x forward, y left, the origin where 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import Length, Metres, Name
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.ranges import Most
 from hub.ipc.formats.wire_types import FLOAT32, Counted
+from hub.values import dataclass
 
 Metres32: TypeAlias = Annotated[Metres, FLOAT32]
 MOST_CORNERS = 32

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
 
 from hub.gcm.fields import Flag, Name, Sentence
 from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.values import dataclass
 
 
 class CommonCommandKind(enum.IntEnum):

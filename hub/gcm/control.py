@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from hub.gcm import autonomy, navigation, vision
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.fields import Count, Flag, Name, Number, Numbers, Seconds, Sentence
 from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.values import dataclass
 
 HEARTBEAT_HZ = 5.0
 """Rate of a console's heartbeats [Hz]."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from hub.gcm.fields import MetresIfKnown, Radians, RadiansIfKnown, SpeedIfKnown, Stamp
 from hub.ipc.definition import MessageDefinition
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from hub.gcm.fields import Flag, Metres, Number, Radians, Seconds, Speed, TurnRate
 from hub.ipc.definition import MessageDefinition
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

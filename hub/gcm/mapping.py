@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
 from typing import Annotated
 
 from hub.gcm.fields import (
@@ -22,6 +21,7 @@ from hub.gcm.fields import (
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
 from hub.ipc.formats.wire_types import Counted
+from hub.values import dataclass
 
 MOST_CELLS = 1 << 13
 """Longest side of a map [cells]; at 5 cm a cell it is 400 m."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import Count, Flag, Name, Number, Seconds, Sentence, Stamp
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.formats.ranges import Range
 from hub.ipc.formats.wire_types import FLOAT32, Wire
+from hub.values import dataclass
 
 Megabytes: TypeAlias = Annotated[float, Range(0.0, 1e12, unit="MB", nearest=True), FLOAT32]
 MarkCount: TypeAlias = Annotated[Count, Wire("uint")]

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import (
@@ -35,6 +34,7 @@ from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 - a
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
 from hub.ipc.formats.wire_types import FLOAT32, Counted, Fixed
+from hub.values import dataclass
 
 MOST_POINTS = 1000
 """Most points of a path."""

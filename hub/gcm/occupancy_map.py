@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy.typing as npt
 
 from hub.gcm import map_coding
 from hub.gcm.mapping import Map
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated
 
 import numpy as np
@@ -12,6 +12,7 @@ from hub.gcm.fields import Flag, Name, Number, Numbers, Octets, Sentence
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most
 from hub.ipc.formats.wire_types import Counted, Wire
+from hub.values import dataclass
 
 STATE_HZ = 50.0
 """Rate of states of a pad in use [Hz]."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Container
-from dataclasses import dataclass
 from typing import Annotated
 
 from hub.gcm.capability import Capability
@@ -23,6 +22,7 @@ from hub.gcm.fields import (
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
 from hub.ipc.formats.wire_types import FLOAT32, Counted
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import (
@@ -20,6 +19,7 @@ from hub.gcm.fields import (
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Range
 from hub.ipc.formats.wire_types import FLOAT32
+from hub.values import dataclass
 
 FieldOfView: TypeAlias = Annotated[float, Range(1e-6, 3.1, unit="rad")]
 """Field of view of a flat picture from one edge to the other [rad]."""

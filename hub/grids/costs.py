@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +10,7 @@ import numpy.typing as npt
 from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
 from hub.grids.wavefront import Cell, Costs
+from hub.values import dataclass
 
 TIGHT = 10.0
 """Cost of a cell that is nearer to an obstacle than the radius, if it may be crossed."""

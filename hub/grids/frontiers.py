@@ -6,7 +6,6 @@ Source: B. Yamauchi, A Frontier-Based Approach for Autonomous Exploration, 1997.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +15,7 @@ from hub.grids.costs import SQUEEZE
 from hub.grids.grid import Grid, Mask
 from hub.grids.reach import ways
 from hub.grids.wavefront import Costs
+from hub.values import dataclass
 
 SOLID_CELLS = 4
 """Least number of unknown cells among the 9 around an unknown one; fewer are specks."""

@@ -10,7 +10,7 @@ import enum
 import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Generic, TypeVar
 
 from hub.errors import CodecError, MessageFormatError
@@ -19,6 +19,7 @@ from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.formats.dataclass_codec import FAULTS, DataclassCodec
 from hub.ipc.formats.ranges import Note, no_note
+from hub.values import dataclass
 
 T = TypeVar("T")
 

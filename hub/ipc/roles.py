@@ -9,9 +9,9 @@ import enum
 import functools
 import hashlib
 import re
-from dataclasses import dataclass
 
 from hub.errors import NotAllowedError
+from hub.values import dataclass
 
 CONTROL = "control"
 """The entrance of control messages; the other places are "PLANE in" and "PLANE out"."""

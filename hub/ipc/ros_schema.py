@@ -20,13 +20,13 @@ from __future__ import annotations
 
 import itertools
 import re
-from dataclasses import dataclass
 from typing import Any, NoReturn, cast
 
 from hub.errors import MessageFormatError
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.dataclass_codec import DataclassCodec
+from hub.values import dataclass
 
 PACKAGE = "rune_msgs"
 """ROS package of every message that names no ROS 2 type of its own."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from hub.errors import MissionError
@@ -20,6 +19,7 @@ from hub.missions.records import (
     SheetBegun,
     from_json,
 )
+from hub.values import dataclass
 
 MAX_EVENTS = 10_000
 """Number of events kept in memory; the journal has all of them."""

@@ -11,10 +11,10 @@ import json
 import re
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from hub.errors import MissionFileError
+from hub.values import dataclass
 
 MAX_RECORD_BYTES = 65_536
 _HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]{1,6}) ")

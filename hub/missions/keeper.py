@@ -7,7 +7,6 @@ import math
 import os
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from hub.bucket import Bucket
@@ -35,6 +34,7 @@ from hub.missions.records import (
     to_json,
 )
 from hub.missions.track import Track
+from hub.values import dataclass
 
 NOTES_PER_S, NOTES_AT_ONCE = 0.2, 50.0
 """Largest rate of notes, and their largest burst [1/s]."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from dataclasses import dataclass
 from typing import Any, NoReturn
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy.typing as npt
 
 from hub.errors import MissionFileError
 from hub.gcm.map_coding import MAX_CELLS
+from hub.values import dataclass
 
 STEP = 1.0 / 32.0
 """Of the log-odds that are kept; a scan adds several times as much."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, get_args
 
 from hub.errors import MapFileError, MissionFileError
@@ -13,6 +12,7 @@ from hub.gcm.mapping import InterestPoint
 from hub.missions import point_file
 from hub.missions.point_file import has_half
 from hub.missions.points import MAX_NUMBER, NO_THUMBNAIL
+from hub.values import dataclass
 
 MAX_NAME = 64
 """Largest number of characters of the name of a mission or an operator."""

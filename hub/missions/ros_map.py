@@ -8,7 +8,6 @@ nothing else of YAML than one `key: value` a line.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import NoReturn
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy.typing as npt
 from hub.errors import MapFileError
 from hub.gcm.map_coding import MAX_CELLS
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.values import dataclass
 
 MAX_YAML_BYTES = 10_000
 MAX_PGM_BYTES = MAX_CELLS + 1024

@@ -20,10 +20,9 @@ A console keeps control only while it reports that it has it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from hub.gcm.control import ANSWER_S, LOST_S
 from hub.own_pauses import OwnPauses
+from hub.values import dataclass
 
 MAX_REQUESTS = 8
 """Most requests at a time."""

@@ -26,9 +26,11 @@ import struct
 import sys
 import time
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import NoReturn
+
+from hub.values import dataclass
 
 LENGTH = struct.Struct("!I")
 PID = struct.Struct("!i")

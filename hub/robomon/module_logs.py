@@ -16,13 +16,14 @@ import selectors
 import threading
 import time
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import IO
 
 from hub import nonblocking_logging, paths
 from hub.plain_text import plain
 from hub.robomon.log_file import RETRY_S, LogFile
+from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from hub import toml_reader as toml
@@ -15,6 +14,7 @@ from hub.nearest import did_you_mean
 from hub.robots.description import RobotDescription, find_robot_file, read_description
 from hub.robots.registry import kind_of
 from hub.toml_reader import choice, key, number, several, text, variables, whole_number
+from hub.values import dataclass
 
 _OWN_PACKAGE = "hub.modules."
 _OWN = "X_"

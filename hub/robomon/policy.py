@@ -10,7 +10,6 @@ from __future__ import annotations
 import heapq
 import itertools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from hub.gcm.supervision import CapabilityPhase, CapabilityReport, ModuleOrder, ModulePhase
 from hub.nearest import did_you_mean
@@ -18,6 +17,7 @@ from hub.own_pauses import OwnPauses
 from hub.robomon.module_lifecycle import ModuleLifecycle, ProcessAction
 from hub.robomon.module_table import ModuleSpec
 from hub.robomon.wants import MAX_CAPABILITIES, MAX_NAME, Wants
+from hub.values import dataclass
 
 AWAY_S = 1.0
 """Pause between two steps after which this process counts as paused [s]."""

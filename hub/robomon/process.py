@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from hub.errors import ModuleStartError
@@ -18,6 +17,7 @@ from hub.robomon import orphan_reaper
 from hub.robomon.child_environment import child_environment, mark
 from hub.robomon.module_table import ModuleSpec
 from hub.robomon.warm_parent import ChildProcess, WarmParent
+from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 

@@ -7,7 +7,6 @@ import math
 import os
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from hub.errors import ModuleStartError
 from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
@@ -19,6 +18,7 @@ from hub.robomon.module_logs import ModuleLogs
 from hub.robomon.policy import ModulePolicy
 from hub.robomon.process import ModuleProcess, OrphanReaper, Usage, kill_leftovers
 from hub.robomon.warm_parent import WarmParent
+from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 

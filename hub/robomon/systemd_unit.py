@@ -8,12 +8,12 @@ import re
 import string
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from hub.errors import HubError
 from hub.ipc.transport import file_descriptors
 from hub.robomon.module_table import RobotTable
+from hub.values import dataclass
 
 _UNIT = string.Template("""\
 # Runs the hub of $robot. Written by `rune-hub service`; to change it, write it again, or run

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 from hub.gcm.supervision import LEASE_S
+from hub.values import dataclass
 
 MAX_HOLDERS = 256
 MAX_CAPABILITIES = 64

@@ -6,7 +6,6 @@ import enum
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from hub.nearest import did_you_mean
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.robots.video_source import video_source
 from hub.toml_reader import choice, degrees, key, number, plain_name, text, truth, whole_number
+from hub.values import dataclass
 
 SHIPPED = Path(__file__).parent / "files"
 ROBOTS_OWN = "robot"

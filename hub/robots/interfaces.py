@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy.typing as npt
 from hub.gcm.navigation import DriveState, GroundTruth
 from hub.gcm.vision import CameraCommand, CameraState
 from hub.robots.left_alone import LeftAlone
+from hub.values import dataclass
 
 
 class DriveBase(Protocol):

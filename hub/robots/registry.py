@@ -5,12 +5,12 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from hub.errors import CameraError, UnknownKindError
 from hub.nearest import did_you_mean
 from hub.robots.description import ROBOTS_OWN, RobotDescription
 from hub.robots.interfaces import Camera, DriveBase
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,6 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +14,7 @@ import numpy.typing as npt
 from hub.errors import CameraError
 from hub.robots.cropping import Size, scaled_size, size_within
 from hub.robots.video_source import Pace, SourceKind, VideoSource, why_not
+from hub.values import dataclass
 
 if TYPE_CHECKING:
     import av

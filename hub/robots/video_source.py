@@ -6,9 +6,9 @@ import enum
 import errno
 import math
 import re
-from dataclasses import dataclass
 
 from hub.errors import CameraError
+from hub.values import dataclass
 
 _SCHEMES = ("rtsp", "rtsps", "http", "https")
 _FIX = "correct 'source' under [camera] in the robot file"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import ArenaSpec
 from hub.sim.building import build
 from hub.sim.geometry import Box, Cylinder, Surface
+from hub.values import dataclass
 
 SHIPPED = Path(__file__).parent / "arenas"
 """Folder of the arenas that come with the hub."""

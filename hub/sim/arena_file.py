@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,7 @@ from hub.sim.arena_specs import (
     VictimSpec,
     WallSpec,
 )
+from hub.values import dataclass
 
 MAX_OBJECTS = 1000
 _SHORTEST_WALL = 0.01

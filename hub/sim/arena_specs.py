@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from hub.nearest import did_you_mean
 from hub.sim.geometry import Colour, Side
 from hub.toml_reader import RefusedError, choice, key, number, numbers, shorten, text
+from hub.values import dataclass
 
 COLOURS: Mapping[str, Colour] = {
     "white": (236, 236, 230),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from hub.values import dataclass
 
 CAPACITY = 7.2 * 3600.0
 """Charge of the full battery [A s]."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
@@ -11,6 +9,7 @@ from hub.sim.arena import Arena
 from hub.sim.geometry import Box, Side, Surface
 from hub.sim.textures import SIDE as TEXELS
 from hub.sim.textures import Atlas, make_atlas
+from hub.values import dataclass
 
 FLOOR = 0
 CEILING = 1

@@ -6,7 +6,8 @@ Arena frame: x east, y north, z up [m]; angles counter-clockwise from x [rad].
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+
+from hub.values import dataclass
 
 Colour = tuple[int, int, int]
 """Red, green, blue, 0 to 255."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from hub.sim.view import CameraFrame
+from hub.values import dataclass
 
 _LAMP = 0.9
 """Light of the full headlight on very near surfaces, as a share of full daylight."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from hub.pose import Pose, wrapped
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,6 @@ of pixels between linear edges; so a side costs a few operations on its bounding
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +17,7 @@ from hub.sim.faces import CEILING, FLOOR, PLANES, make_faces
 from hub.sim.lighting import FULL, Lighting
 from hub.sim.shading import Shader
 from hub.sim.view import BACKGROUND_DEPTH, CameraFrame, View
+from hub.values import dataclass
 
 _NEAREST = 1e-6
 _STEEP = 1e-12

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.sim.geometry import Surface
+from hub.values import dataclass
 
 SIDE = 64
 """Texels along one side of a texture; a power of two."""

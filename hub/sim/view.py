@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from hub.values import dataclass
 
 BACKGROUND_DEPTH = 60.0
 """Depth of the background [m]."""

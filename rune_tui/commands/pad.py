@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TextIO
 
@@ -20,6 +20,7 @@ from hub.gcm import pad
 from hub.ipc.client import Client
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.publish_rights import demand_right
+from hub.values import dataclass
 from rune_tui.controls.devices import local_devices
 from rune_tui.controls.devices.device_reader import Gone, News, Opened, Refused, Scanned
 from rune_tui.controls.devices.matching import DeviceInfo, assigned

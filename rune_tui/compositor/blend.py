@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
-from dataclasses import dataclass
 from operator import attrgetter
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.values import dataclass
 from rune_tui.compositor.cells import Cells
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgencies, Urgency

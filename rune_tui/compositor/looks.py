@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Collection
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.values import dataclass
 from rune_tui.compositor.blend import RGB_MASK
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth

@@ -6,9 +6,9 @@ Only an output knows how a pixel is shown: half blocks, quadrants, or pixels of 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import Protocol
 
+from hub.values import dataclass
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.looks import Flags
 from rune_tui.compositor.seen_pictures import SeenPicture

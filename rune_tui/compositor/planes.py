@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from hub.values import dataclass
 from rune_tui.compositor.glyph_set import LOWER_HALF, UPPER_HALF
 from rune_tui.compositor.looks import SPACE, Flags, Looks
 from rune_tui.compositor.quadrants import BLOCKS

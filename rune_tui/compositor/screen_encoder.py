@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 
 import numpy as np
 
+from hub.values import dataclass
 from rune_tui.compositor.block_merge import merged
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.depth import ColourDepth

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
-from dataclasses import dataclass
 from operator import attrgetter
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.values import dataclass
 from rune_tui.compositor.blend import Layer, tinted_colours
 from rune_tui.compositor.cells import Cells
 from rune_tui.raster.placed_picture import PlacedPicture

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.values import dataclass
 from rune_tui.compositor.blend import RGB_MASK
 from rune_tui.compositor.depth import ColourDepth
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from hub.values import dataclass
 from rune_tui.model.world import WorldPoint
 
 PAUSE_S = 0.3

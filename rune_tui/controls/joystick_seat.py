@@ -11,8 +11,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.controls.devices.device_reader import Refused
 from rune_tui.controls.devices.matching import DeviceInfo, is_meant, is_particular
 from rune_tui.controls.devices.udev_rules import rule_advice

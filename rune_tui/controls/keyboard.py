@@ -37,8 +37,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.release_guard import GuardAction, GuardState, ReleaseGuard
 from rune_tui.controls.repeat_rate import FIRST_HOLD_S, RepeatRate

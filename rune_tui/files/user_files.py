@@ -5,7 +5,6 @@ from __future__ import annotations
 import datetime
 import logging
 from collections.abc import Collection
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ import platformdirs
 
 from hub.gcm.mapping import INTEREST_POINTS
 from hub.ipc.definition import Keep
+from hub.values import dataclass
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.joystick.calibration_store import CalibrationStore

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.layout.input_words import ways
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.rules import (

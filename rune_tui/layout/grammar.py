@@ -11,9 +11,10 @@ import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from hub.nearest import did_you_mean
+from hub.values import dataclass
 from rune_tui.layout.places import Place
 
 _RELAX_NG = "{http://relaxng.org/ns/structure/1.0}"

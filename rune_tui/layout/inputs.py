@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from hub.values import dataclass
 from rune_tui.layout import names
 from rune_tui.layout.grammar import Mistake, Node, Rules, hint, quoted
 from rune_tui.layout.joystick_checks import event_mistakes

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.layout import names
 from rune_tui.layout.grammar import Node, Rules
 from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec

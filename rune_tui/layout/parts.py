@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
+from hub.values import dataclass
 from rune_tui.errors import LayoutError
 from rune_tui.layout.files import named_file
 from rune_tui.layout.grammar import PART, REFERENCE, Mistake, Node, Rules, hint, quoted, tag

@@ -9,7 +9,9 @@ from __future__ import annotations
 import bisect
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from hub.values import dataclass
 
 # Each alternative ends with its construct, so no text within it looks like a start tag.
 _THING = re.compile(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.layout.spec import ArrangementSpec, PlaceSpec
 
 _SHARE_OF_STRIP = 4

@@ -6,8 +6,10 @@ import enum
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar, Literal, Protocol
+
+from hub.values import dataclass
 
 NIGHT_MODE_MESSAGE = "RuneToggleNightMode"
 LOCAL_MESSAGES = frozenset({NIGHT_MODE_MESSAGE})

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
+from hub.values import dataclass
 from rune_tui.layout.rules import Options, Vocabulary
 
 CHOSEN = "*"

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
 from typing import Final
 
 from hub.gcm.vision import ImageCoding, ImageRequest
+from hub.values import dataclass
 from rune_tui.model.console_state import PictureWish
 
 LEAST_WIDTH_PX: Final = 64

@@ -9,13 +9,13 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Set
-from dataclasses import dataclass
 from typing import Any, Final
 
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.message_info import MessageInfo
+from hub.values import dataclass
 
 LATE_S: Final = 0.3
 """Age at arrival, beyond the round trip, that shows a wait in the link [s]."""

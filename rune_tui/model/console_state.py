@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Self
 
 from hub.gcm.mapping import PointKind
 from hub.gcm.vision import ImageCoding, ImageKind
+from hub.values import dataclass
 from rune_tui.layout.actions import inputs_of
 from rune_tui.layout.rules import Purpose
 from rune_tui.layout.spec import CHOSEN, LayoutSpec

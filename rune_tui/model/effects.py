@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 from hub.gcm.autonomy import AUTONOMY_COMMAND
@@ -12,6 +11,7 @@ from hub.gcm.control import DRIVING, RESTRICTED, ControlAction
 from hub.gcm.mission import MissionAction
 from hub.gcm.navigation import GOAL_COMMAND, STOP, VELOCITY_COMMAND, Twist
 from hub.ipc.definition import MessageDefinition
+from hub.values import dataclass
 from rune_tui.layout.spec import CHOSEN
 from rune_tui.model.console_state import ConsoleState, Ghost, Notice, PictureWish
 from rune_tui.model.page import Page

@@ -25,13 +25,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
 from typing import Final, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.vision import CameraState
+from hub.values import dataclass
 from rune_tui.model.sightings import Floats, GroundPoints, SeenPoints, Spread
 
 _LEAST_DEPRESSION: Final = 1e-9

@@ -19,7 +19,6 @@ error is as large as the distance to it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -27,6 +26,7 @@ import numpy.typing as npt
 
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.values import dataclass
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.pose import Pose
 from rune_tui.model.world import DistanceSource, WorldPoint

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.values import dataclass
 from rune_tui.model.sightings import Floats
 
 

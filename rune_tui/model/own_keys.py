@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.layout.rules import Section
 from rune_tui.model.effects import Effect, PaletteEffect, SuspendEffect, ToggleHelp, ToggleLog
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+
+from hub.values import dataclass
 
 LONGEST_SEARCH = 60
 """Most letters of a search."""

@@ -7,7 +7,7 @@ import enum
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -21,6 +21,7 @@ from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.roles import Role
 from hub.ipc.security.publish_rights import may_publish
+from hub.values import dataclass
 
 T = TypeVar("T")
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Phase
 from hub.gcm.navigation import NAVIGATION_STATUS, Cause, NavigationStatus, Task
+from hub.values import dataclass
 from rune_tui.model.robot_state import Received, RobotState
 
 UNDER_WAY = frozenset({Phase.ACTIVE, Phase.WAITING})

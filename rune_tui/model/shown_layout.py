@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from hub.ipc.definition import MessageDefinition
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,8 +7,9 @@ distinguish red and green. Every text has a contrast of at least `LEAST_CONTRAST
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
+
+from hub.values import dataclass
 
 Colour = tuple[int, int, int, int]
 """Red, green, blue, alpha; 0 to 255 each."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 
 from hub.gcm.fields import FARTHEST_M, LONGEST_M
+from hub.values import dataclass
 
 
 class DistanceSource(enum.Enum):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 
+from hub.values import dataclass
 from rune_tui.layout.actions import Action
 from rune_tui.layout.rules import Section
 from rune_tui.layout.spec import CHOSEN

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import functools
 import unicodedata
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.values import dataclass
 from rune_tui.model import theme
 from rune_tui.raster.placed_picture import PlacedPicture
 from rune_tui.raster.resize import resized

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 import numpy.typing as npt
+
+from hub.values import dataclass
 
 _LANES = np.uint32(0x00FF00FF)
 """Mask of every second byte of a pixel; the sum of 257 pixels fits into its sixteen bits."""

@@ -6,12 +6,12 @@ import contextlib
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from PIL import Image, ImageDraw
 
+from hub.values import dataclass
 from rune_tui.raster.canvas import Canvas, Colour
 
 Point = tuple[float, float]

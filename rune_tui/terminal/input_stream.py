@@ -5,8 +5,9 @@ from __future__ import annotations
 import enum
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Final
+
+from hub.values import dataclass
 
 HOLD_S: Final = 0.1
 """Time that the beginning of a sequence waits for its end [s]; Alt and a letter look like one."""

@@ -8,9 +8,9 @@ newest, even on a slow line to the terminal.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 from typing import Final
 
+from hub.values import dataclass
 from rune_tui.terminal.input_stream import CursorReport
 
 WINDOW: Final = 2

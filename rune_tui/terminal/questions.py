@@ -8,8 +8,9 @@ terminal does not have.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Final
+
+from hub.values import dataclass
 
 QUESTIONS: Final = (
     "\x1b[?2026$p"  # DECRQM: synchronized output

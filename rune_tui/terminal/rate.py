@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Final
 
+from hub.values import dataclass
 from rune_tui.terminal.pacing import Acknowledgement, SentFrame
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Final
 
+from hub.values import dataclass
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.terminal.questions import Answers

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from hub.gcm.mapping import (
     INTEREST_POINTS,
@@ -25,6 +24,7 @@ from hub.gcm.mapping import (
     PointCommand,
 )
 from hub.gcm.mission import MISSION_STATE
+from hub.values import dataclass
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, MarksWaiting, Notify, SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from hub.gcm.mission import MISSION_COMMAND, MISSION_STATE, MissionAction, MissionState
+from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, Purpose, Section
 from rune_tui.layout.spec import WidgetSpec
 from rune_tui.model.console_state import ConsoleState

@@ -18,10 +18,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
 from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
+from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import joystick_input
 from rune_tui.layout.rules import HandlerRule, NumberOption, Purpose, Section

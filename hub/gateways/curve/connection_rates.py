@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import Counter, OrderedDict
 from collections.abc import Callable, Set
-from dataclasses import dataclass
 
 from hub.bucket import Bucket
 from hub.ipc.roles import CONTROL
 from hub.ipc.transport.fault_counter import FaultCounter
+from hub.values import dataclass
 
 AT_ONCE, PER_S = 300, 40.0
 """New connections of one address: in one burst after a rest, and each second."""

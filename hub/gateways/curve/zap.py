@@ -7,7 +7,6 @@ key is admitted or refused by place, before any message of its holder is read.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import zmq
 from zmq.utils import z85
@@ -17,6 +16,7 @@ from hub.gateways.accounts import Accounts
 from hub.ipc.roles import Principal, may_connect
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.transport.fault_counter import FaultCounter
+from hub.values import dataclass
 
 _ADDRESS = "inproc://zeromq.zap.01"
 _VERSION = b"1.0"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+
+from hub.values import dataclass
 
 
 class Level(enum.Enum):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from hub.errors import HubError
 from hub.ipc.broker.peers import Outgoing, Peer
@@ -17,6 +17,7 @@ from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control
 from hub.ipc.wire.control import Change
 from hub.ipc.wire.definition_listing import from_listing
+from hub.values import dataclass
 
 MAX_DEFINITIONS = 4096
 MAX_LISTED = 1 << 20

@@ -8,7 +8,6 @@ broadcasts to and from the planes in threads of its own; `CentralAccess` has the
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import zmq
@@ -18,6 +17,7 @@ from hub.ipc.definition import Plane
 from hub.ipc.roles import Principal
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
+from hub.values import dataclass
 
 
 class EntranceGuard(Protocol):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, NamedTuple
 
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.roles import Principal
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import logging
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from hub.ipc.broker.peers import Outgoing, Peer
 from hub.ipc.broker.query_shares import QueryShares
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control
+from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 

@@ -6,10 +6,10 @@ All connections with one key share its quota. Clients of this machine have no ke
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from hub.ipc.roles import LOCAL, Principal, Role
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

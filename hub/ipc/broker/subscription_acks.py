@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from hub.ipc.broker.peers import Outgoing, Peer
 from hub.ipc.roles import LOCAL
 from hub.ipc.wire import control
+from hub.values import dataclass
 
 MAX_UNDER_WAY = 16_384
 MAX_FAR = MAX_UNDER_WAY // 2

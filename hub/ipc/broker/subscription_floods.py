@@ -14,7 +14,6 @@ import fcntl
 import math
 import termios
 from collections import Counter
-from dataclasses import dataclass
 
 import zmq
 
@@ -22,6 +21,7 @@ from hub.bucket import Bucket
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.file_descriptors import hang_up, received
+from hub.values import dataclass
 
 _EXAMINE_FROM = 200
 """Examine connections from this many new subscriptions since the last check."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from hub.ipc.wire import control
+from hub.values import dataclass
 
 _MAX_PUBLISHERS = 1024
 _MAX_JUMP = 1 << 24

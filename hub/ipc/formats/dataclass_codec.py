@@ -13,7 +13,6 @@ import functools
 import types
 import typing
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from hub.errors import CodecError, MessageFormatError
@@ -21,6 +20,7 @@ from hub.ipc.formats import grammar as formats
 from hub.ipc.formats import ranges, wire_types
 from hub.ipc.formats.ranges import Note
 from hub.nearest import did_you_mean
+from hub.values import dataclass
 
 FAULTS = (TypeError, ValueError, IndexError, KeyError, AttributeError)
 """Exceptions that a value of the wrong kind may raise."""

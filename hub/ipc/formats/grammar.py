@@ -16,11 +16,11 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from typing import NoReturn
 
 from hub.errors import MessageFormatError
 from hub.nearest import did_you_mean
+from hub.values import dataclass
 
 MAX_TEXT = 4096
 MAX_DEPTH = 16

@@ -21,7 +21,6 @@ import math
 import struct
 import typing
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -30,6 +29,7 @@ from hub.errors import RangeError
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES, LETTERS
 from hub.plain_text import is_plain, plain
+from hub.values import dataclass
 
 Note = Callable[[str], object]
 """Gets a sentence on a changed value."""

@@ -21,7 +21,6 @@ import functools
 import types
 import typing
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
@@ -29,6 +28,7 @@ import numpy as np
 from hub.errors import MessageFormatError
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import hub.errors
@@ -21,6 +20,7 @@ from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.connection import Connection
 from hub.ipc.node.direct_queries import DirectRequester
 from hub.ipc.wire import control, frames
+from hub.values import dataclass
 
 
 @dataclass(slots=True, kw_only=True)

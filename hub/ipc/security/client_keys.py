@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 import zmq
@@ -11,6 +11,7 @@ from hub.errors import KeyFileError
 from hub.ipc.roles import Principal, Role
 from hub.ipc.security import key_files
 from hub.toml_reader import Key
+from hub.values import dataclass
 
 _ADVICE = "copy it again from the robot, or make a new one there with `rune-hub keys make`"
 _KEYS = {

@@ -10,7 +10,6 @@ import contextlib
 import fcntl
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from hub.errors import KeyFileError, KeyNameError
@@ -19,6 +18,7 @@ from hub.ipc.security import key_files
 from hub.ipc.security.client_keys import ClientKeys, KeyPair, write_client_keys
 from hub.nearest import did_you_mean
 from hub.toml_reader import Key
+from hub.values import dataclass
 
 MAX_KEYS = 1000
 _ADVICE = "put the file back, or delete it and make a new key for every client"

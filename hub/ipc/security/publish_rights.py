@@ -7,11 +7,11 @@ query on the command plane. The gateway checks every command from another machin
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from hub.errors import NotAllowedError
 from hub.ipc.definition import Plane
 from hub.ipc.roles import Principal, Role
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.handshakes import Handshakes
 from hub.ipc.transport.loop import Loop
+from hub.values import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Annotated, NamedTuple, TypeVar
 
 from hub.ipc.formats.wire_types import Counted, Fixed, Uint32, Uint64
+from hub.values import dataclass
 
 
 class Kind(NamedTuple):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 from hub.gcm.navigation import Point
 from hub.grids.grid import Grid
+from hub.values import dataclass
 
 NOWHERE = float("nan")
 

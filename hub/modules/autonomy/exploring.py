@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from hub.grids.reach import standing_ground, ways
 from hub.modules.autonomy import base_line
 from hub.modules.autonomy.autonomy_task import End, Pause, Sight, Target
 from hub.modules.autonomy.novelty import Limits, Novelty
+from hub.values import dataclass
 
 SHORTEST = 0.3
 """Shortest frontier; a shorter one is a gap between the cones of sensors [m]."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from hub.robots.description import (
     LONGEST_EXPLORING_S,
     NOTHING_NEW_S,
     NOTHING_NEW_SHARE,
 )
+from hub.values import dataclass
 
 LEAST_DISTANCE = 2.0
 """Least distance driven without new ground [m]."""

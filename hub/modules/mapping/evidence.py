@@ -11,12 +11,12 @@ cells at or behind a known wall get little evidence for free, and none for occup
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import SENSOR_COUNT
+from hub.values import dataclass
 
 Floats = npt.NDArray[np.float32]
 Indices = npt.NDArray[np.intp]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from hub.gcm.navigation import RobotState
 from hub.modules.mapping.evidence import Floats
+from hub.values import dataclass
 
 LONGEST_LAG = 0.2
 """Largest age of a scan in a report [s]."""

@@ -10,10 +10,10 @@ because drift grows with time.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from hub.gcm.navigation import LandmarkCorrection
 from hub.pose import Pose, wrapped
+from hub.values import dataclass
 
 LEAST_APART = 1.0
 """Least distance between two landmarks that correct the heading [m]."""

@@ -8,13 +8,13 @@ obstacle. Two methods choose among these: one for an operator's command, one for
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.modules.navigation.arcs import free_ways
 from hub.robots.description import RobotDescription
+from hub.values import dataclass
 
 Floats = npt.NDArray[np.float64]
 

@@ -15,12 +15,13 @@ import logging
 import math
 import os
 import secrets
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 
 from hub import files
 from hub.gcm.navigation import DriveState
 from hub.pose import Pose
+from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +22,7 @@ from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
+from hub.values import dataclass
 
 FEWEST = 40
 """Least number of points on known ground."""

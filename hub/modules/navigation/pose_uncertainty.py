@@ -9,9 +9,9 @@ never changes the heading, so a match may not turn it much there.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from hub.pose import Pose, wrapped
+from hub.values import dataclass
 
 STEP_S = 0.1
 """Length of a step of the error model [s]."""

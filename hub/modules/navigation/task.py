@@ -14,12 +14,12 @@ A message begins a task. The task does not depend on its sender: a command sends
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import pairwise
 
 from hub.gcm.navigation import Cause, GoalCommand, Task, TurnCommand
 from hub.modules.navigation.route import CARROT, OFF, Route, Way
 from hub.pose import Pose, wrapped
+from hub.values import dataclass
 
 REACHED = 0.1
 """The last point is reached within this distance [m]."""

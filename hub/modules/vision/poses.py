@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
 
 from hub.gcm.fields import FARTHEST_M
 from hub.gcm.navigation import RobotState
 from hub.pose import Pose, wrapped
+from hub.values import dataclass
 
 _KEPT_S = 5.0
 """Older poses are forgotten [s]; no picture takes that long."""

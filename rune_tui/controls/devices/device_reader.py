@@ -7,9 +7,9 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
+from hub.values import dataclass
 from rune_tui.controls.devices.inbox import Inbox
 from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.controls.hid.device_controls import PhysicalControl

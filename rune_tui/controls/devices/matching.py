@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import fnmatch
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.layout.spec import JoystickSpec
 
 JOYSTICK_USAGES = frozenset({(1, 4), (1, 5), (1, 8)})

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.controls.hid import usages
 from rune_tui.controls.hid.descriptor import InputField, ReportDescriptor
 from rune_tui.errors import DescriptorError

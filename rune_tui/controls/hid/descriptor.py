@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NoReturn
 
+from hub.values import dataclass
 from rune_tui.errors import DescriptorError
 
 MAX_BYTES = 4096

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.controls.hid.channels import Channel, find_channels
 from rune_tui.controls.hid.descriptor import parse
 from rune_tui.controls.hid.reading import Value, read_as_described

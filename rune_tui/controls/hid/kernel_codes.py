@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Final
+
+from hub.values import dataclass
 
 EV_KEY, EV_ABS = 1, 3
 """Types of events: buttons, axes."""

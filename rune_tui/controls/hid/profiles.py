@@ -8,7 +8,9 @@ and the drivers hid-sony, hid-playstation, hid-nintendo and hid-dr of Linux.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from hub.values import dataclass
 
 _SONY, _MICROSOFT, _LOGITECH, _NINTENDO = 0x054C, 0x045E, 0x046D, 0x057E
 _GOOGLE, _8BITDO, _DRAGONRISE = 0x18D1, 0x2DC8, 0x0079

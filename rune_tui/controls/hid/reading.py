@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.controls.hid.channels import Channel
 from rune_tui.layout.spec import ControlKind
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from hub.values import dataclass
 from rune_tui.controls.hid.device_controls import PhysicalControl
 from rune_tui.layout.spec import ControlKind
 

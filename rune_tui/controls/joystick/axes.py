@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from hub.values import dataclass
 from rune_tui.controls.hid.device_controls import PhysicalControl
 from rune_tui.controls.joystick.calibration import Calibration, Ends
 from rune_tui.controls.joystick.shaping import (

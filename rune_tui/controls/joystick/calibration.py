@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+
+from hub.values import dataclass
 
 TIME_TO_ACT_S = 60.0
 """How long a step of the guide waits for the operator [s]."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.hid.device_controls import PhysicalControl, hat_direction
 from rune_tui.controls.joystick.axes import Axis

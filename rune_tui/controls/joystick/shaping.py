@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+
+from hub.values import dataclass
 
 DEAD_ZONE = 0.10
 """Default dead zone of an axis without calibration; worn pads rest up to 0.13 off the centre."""

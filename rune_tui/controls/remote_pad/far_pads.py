@@ -10,9 +10,9 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from hub.gcm.pad import ALIVE_HZ, DEVICE_HZ, OLDEST_S, PadDevice, PadState
+from hub.values import dataclass
 from rune_tui.controls.devices.device_reader import News, Opened, Refused, Scanned
 from rune_tui.controls.devices.inbox import Inbox
 from rune_tui.controls.devices.matching import DeviceInfo, plain_text

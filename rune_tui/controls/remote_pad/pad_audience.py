@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from hub.gcm.pad import CONSOLE_HZ, PadConsole
+from hub.values import dataclass
 from rune_tui.controls.devices.matching import plain_text
 
 FORGOTTEN_S = 3.0 / CONSOLE_HZ

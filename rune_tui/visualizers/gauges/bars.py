@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
+from hub.values import dataclass
 from rune_tui.model.theme import Colour, Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.parts.rows import fitting_form

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 from hub.gcm.flight import ALTITUDE, Altitude
+from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from hub.gcm.catalog import BY_NAME
 from hub.gcm.navigation import ROBOT_STATE
+from hub.values import dataclass
 from rune_tui.layout.rules import NumberOption, TextOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState

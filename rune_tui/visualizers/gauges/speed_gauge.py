@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
+from hub.values import dataclass
 from rune_tui.layout.rules import NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme

@@ -5,7 +5,6 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy.typing as npt
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.navigation import SENSOR_COUNT, Assistance, MotionState
 from hub.gcm.navigation import RobotState as NavigationState
+from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.body import corners, largest_radius, rim

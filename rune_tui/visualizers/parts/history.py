@@ -6,9 +6,11 @@ import dataclasses
 import math
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
+
+from hub.values import dataclass
 
 SLOTS = 1024
 """Number of slots of the kept time; few terminals have more columns."""

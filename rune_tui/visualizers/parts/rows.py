@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.visualizers.parts.severity import Severity, ink_of

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
 
+from hub.values import dataclass
 from rune_tui.model.theme import Colour, Theme
 
 

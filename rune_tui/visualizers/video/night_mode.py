@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
+from hub.values import dataclass
 from rune_tui.layout.rules import NIGHT_MODE_MESSAGE, ChoiceOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState

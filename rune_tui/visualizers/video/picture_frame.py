@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final, Self
 
+from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.raster.resize import covering_size, fitted_size

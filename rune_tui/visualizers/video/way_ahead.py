@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Final, Self
 
 import numpy as np
 
 from hub.gcm.navigation import RobotState as NavigationState
+from hub.values import dataclass
 from rune_tui.model.pose import Pose
 from rune_tui.model.sightings import Floats
 from rune_tui.model.sweep import swept_edges

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
 from hub.gcm.navigation import ROBOT_STATE, Assistance
+from hub.values import dataclass
 from rune_tui.layout.names import canonical_key
 from rune_tui.layout.rules import ChoiceOption, TextOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec

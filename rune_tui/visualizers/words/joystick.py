@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from hub.values import dataclass
 from rune_tui.layout.rules import TextOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Hashable
-from dataclasses import dataclass
 from typing import ClassVar, Self
 
+from hub.values import dataclass
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState

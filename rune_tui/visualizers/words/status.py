@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from hub.gcm.autonomy import AUTONOMY_STATE
 from hub.gcm.navigation import NAVIGATION_STATUS
+from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
