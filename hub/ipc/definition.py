@@ -1,7 +1,8 @@
 """The definition of a message: its name, Python type, format, and transport.
 
 The frozen dataclass that holds a message's values declares each field once: name, type, range and
-unit. The format comes from it by the rules of `hub.ipc.formats.wire_types`.
+unit. The format comes from it by the rules of `hub.ipc.formats.wire_types`, at the first use of the
+definition: a program imports many definitions and uses few of them.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ import enum
 import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import field
 from typing import Any, Generic, TypeVar
 
 from hub.errors import CodecError, MessageFormatError
@@ -70,23 +70,42 @@ class MessageDefinition(Generic[T]):
     lifespan_s: float = math.inf
     ros_type: str = ""
     unreadable: T | None = None
-    tree: formats.Format = field(init=False, repr=False)
-    _codec: codec.Codec = field(init=False, repr=False)
-    _record: DataclassCodec = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_name(self.name)
-        if not self.format:
-            object.__setattr__(self, "format", wire_types.format_of(self.type))
-        compiled = codec.compiled(self.format)
-        tree = compiled.tree
+        if self.format:
+            self.record  # noqa: B018 - refuse a format that does not fit the type
+
+    @functools.cached_property
+    def wire_format(self) -> str:
+        """The format string of the payload, given or from the type.
+
+        Raises:
+            MessageFormatError: The type of a field has no format.
+        """
+        return self.format or wire_types.format_of(self.type)
+
+    @functools.cached_property
+    def tree(self) -> formats.Struct:
+        """The format.
+
+        Raises:
+            MessageFormatError: It is no format of a struct.
+        """
+        tree = self._codec.tree
         if not isinstance(tree, formats.Struct):
-            raise MessageFormatError(self.format, 0, "a typed message is a struct: {...}")
-        object.__setattr__(self, "tree", tree)
-        object.__setattr__(self, "_codec", compiled)
+            raise MessageFormatError(self.wire_format, 0, "a typed message is a struct: {...}")
+        return tree
+
+    @functools.cached_property
+    def record(self) -> DataclassCodec:
+        """The mapping between the dataclass and the members of the format.
+
+        Raises:
+            MessageFormatError: They do not match.
+        """
         strict = self.plane is Plane.COMMAND
-        record = DataclassCodec.of(self.type, tree, self.name, strict=strict)
-        object.__setattr__(self, "_record", record)
+        return DataclassCodec.of(self.type, self.tree, self.name, strict=strict)
 
     @property
     def fingerprint(self) -> int:
@@ -99,17 +118,12 @@ class MessageDefinition(Generic[T]):
         return self._codec.fixed_length
 
     @property
-    def record(self) -> DataclassCodec:
-        """The mapping between the dataclass and the members of the format."""
-        return self._record
-
-    @property
     def fields(self) -> str:
         """Field names in the format's nesting, for people: "x, stamp{sec, nanosec}".
 
         "[]" stands before the inner names of an array, "*" before those of a pointer.
         """
-        return self._record.fields
+        return self.record.fields
 
     @property
     def flat_letters(self) -> str | None:
@@ -127,7 +141,7 @@ class MessageDefinition(Generic[T]):
             CodecError: The format is not flat.
         """
         self._refuse_unless_flat()
-        return self._record.flat_values()
+        return self.record.flat_values()
 
     @functools.cached_property
     def receive_flat(self) -> Callable[..., T]:
@@ -139,7 +153,7 @@ class MessageDefinition(Generic[T]):
             CodecError: The format is not flat.
         """
         self._refuse_unless_flat()
-        return self._record.flat_receiver()
+        return self.record.flat_receiver()
 
     def build(self, values: Sequence[Any]) -> T:
         """The value with the members `values`, structs as sequences; without bounds.
@@ -147,7 +161,7 @@ class MessageDefinition(Generic[T]):
         Raises:
             CodecError: An enum member has no such value, or the type refuses a value.
         """
-        value: T = self._record.build(values)
+        value: T = self.record.build(values)
         return value
 
     def encode(self, value: T | Mapping[str, Any]) -> list[Buffer]:
@@ -160,7 +174,7 @@ class MessageDefinition(Generic[T]):
             CodecError: The values do not fit the format.
         """
         try:
-            values = self._record.values(value)
+            values = self.record.values(value)
         except CodecError:
             raise
         except FAULTS as error:
@@ -193,12 +207,16 @@ class MessageDefinition(Generic[T]):
         return value
 
     @functools.cached_property
+    def _codec(self) -> codec.Codec:
+        return codec.compiled(self.wire_format)
+
+    @functools.cached_property
     def _receive(self) -> Callable[[Any, Note], T]:
-        return self._record.receive
+        return self.record.receive
 
     def _refuse_unless_flat(self) -> None:
         if self.flat_letters is None:
-            text = f"{self.name} is not of a flat format: {self.format[:80]}"
+            text = f"{self.name} is not of a flat format: {self.wire_format[:80]}"
             raise CodecError(text)
 
 

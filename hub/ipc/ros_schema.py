@@ -148,14 +148,14 @@ class _Schema:
     def __init__(self, definition: MessageDefinition[Any]) -> None:
         self.kinds: list[_Kind] = []
         self._known: dict[tuple[type[Any], formats.Format], _Kind] = {}
-        self._format = definition.format
+        self._format = definition.wire_format
         self.package, self._root = PACKAGE, _type_name(definition.name)
         if definition.ros_type:
             match = _ROS_TYPE.fullmatch(definition.ros_type)
             if match is None:
                 self._refuse(f"{definition.ros_type[:80]!r} is not written package/msg/Name")
             self.package, self._root = match.groups()
-        tree = cast("formats.Struct", definition.tree)
+        tree = definition.tree
         if tree.next_place is None:
             self._add(self._root, self._fields(tree, definition.record, self._root))
         else:

@@ -106,7 +106,7 @@ class Session:
         """
         known = self._definitions.get(definition.name)
         if known is not None and known.fingerprint != definition.fingerprint:
-            both = f"{known.format} and as {definition.format}"
+            both = f"{known.wire_format} and as {definition.wire_format}"
             text = f"{self._name} uses {definition.name} as {both}; keep to one"
             raise RedefinedMessageError(text)
         if known is None:

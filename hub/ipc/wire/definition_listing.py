@@ -52,7 +52,7 @@ def to_listing(definition: MessageDefinition[Any]) -> control.Define:
     """The DEFINE of a definition."""
     return control.Define(
         name=definition.name,
-        format=definition.format,
+        format=definition.wire_format,
         fields=definition.fields,
         keep=definition.keep.value,
         plane=definition.plane.value,

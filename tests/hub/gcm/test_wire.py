@@ -77,13 +77,13 @@ def _hex_lines(payload: bytes) -> str:
 @for_each("definition", MESSAGES)
 def test_message_has_the_bytes_of_its_golden_file(definition: MessageDefinition[Any]) -> None:
     payload = b"".join(definition.encode(value_of(definition)))
-    wire = f"{definition.format}\n{_hex_lines(payload)}"
+    wire = f"{definition.wire_format}\n{_hex_lines(payload)}"
     golden = _GOLDEN / f"{definition.name}.txt"
     if os.environ.get("RUNE_WRITE_SNAPSHOTS") and not golden.exists():
         golden.write_text(wire)
     assert golden.is_file(), "a new message: write its file as this file's docstring says"
     assert golden.read_text() == wire, "other programs rely on these bytes: define another message"
-    back = definition.build(codec.compiled(definition.format).decode(payload))  # not bounded
+    back = definition.build(codec.compiled(definition.wire_format).decode(payload))  # not bounded
     assert b"".join(definition.encode(back)) == payload
 
 

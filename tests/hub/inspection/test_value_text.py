@@ -29,7 +29,7 @@ def test_fields_left_out_are_zero_for_every_message_of_the_vocabulary() -> None:
     for definition in MESSAGES:
         value = value_from_text(definition, [])
         payload = b"".join(definition.encode(value))
-        back = definition.build(codec.compiled(definition.format).decode(payload))
+        back = definition.build(codec.compiled(definition.wire_format).decode(payload))
         assert plain(back) == plain(value)
 
 

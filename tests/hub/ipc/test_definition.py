@@ -371,3 +371,13 @@ def test_type_whose_hints_cannot_be_found_is_refused() -> None:
 
     with pytest.raises(MessageFormatError, match="the types of Local's fields cannot be found"):
         define(Local, "{string}")
+
+
+def test_a_definition_reads_the_types_of_its_fields_at_first_use() -> None:
+    @dataclass(frozen=True, slots=True, kw_only=True)
+    class Local:
+        text: Unknown  # type: ignore[name-defined]  # noqa: F821
+
+    definition = MessageDefinition(name="T_Local", type=Local)
+    with pytest.raises(MessageFormatError, match="the types of Local's fields cannot be found"):
+        _ = definition.fingerprint

@@ -28,7 +28,9 @@ def _rows(title: str) -> list[list[str]]:
 
 def test_control_kinds_and_formats_are_those_of_the_code() -> None:
     rows = [(int(kind), name, text) for kind, name, _, text in _rows("Control messages")]
-    assert rows == [(n, kind.name, kind.format) for n, kind in enumerate(control_codec.KINDS, 1)]
+    assert rows == [
+        (n, kind.name, kind.wire_format) for n, kind in enumerate(control_codec.KINDS, 1)
+    ]
 
 
 def test_messages_of_the_vocabulary_are_those_of_the_catalog() -> None:

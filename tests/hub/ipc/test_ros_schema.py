@@ -89,7 +89,7 @@ def _has_empty_struct(node: formats.Format) -> bool:
 
 def _read(definition: MessageDefinition[Any], payload: bytes) -> Any:
     """The value in a payload, not bounded."""
-    return definition.build(codec.compiled(definition.format).decode(payload))
+    return definition.build(codec.compiled(definition.wire_format).decode(payload))
 
 
 def _agree(definition: MessageDefinition[Any], value: Any) -> None:

@@ -71,7 +71,7 @@ def test_format_follows_from_the_types() -> None:
         "uint,<string:10>,int,<{double,float}:12>,[short:2],{enum A,B}}"
     )
     assert format_of(Node) == "{int,*!}"
-    assert WAY.format == "{string,uint,<ubyte:2>,int,<{double,float}:4>}"
+    assert WAY.wire_format == "{string,uint,<ubyte:2>,int,<{double,float}:4>}"
     assert WAY.fields == "name, length, data, count, places[]{x, y}"
 
 

@@ -108,7 +108,7 @@ def test_any_bytes_are_a_frame_or_refused(raw: bytes, rest: bytes) -> None:
 @st.composite
 def _control_messages(draw: st.DrawFn) -> Any:
     kind = draw(st.sampled_from(control_codec.KINDS))
-    return kind.decode(b"".join(compiled(kind.format).encode(draw(values_of(kind.tree)))))
+    return kind.decode(b"".join(compiled(kind.wire_format).encode(draw(values_of(kind.tree)))))
 
 
 @given(_control_messages(), st.data())
