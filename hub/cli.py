@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from hub import values
 from hub.command_line import (
     CommandParser,
     Commands,
@@ -222,6 +223,7 @@ def _run_key_command(options: argparse.Namespace) -> int:
 def _run_daemon(options: argparse.Namespace) -> int:
     import dataclasses
 
+    values.make_methods_at_once()  # modules are forked from this process
     gc.disable()  # imported objects never become garbage
     try:
         from hub.robomon import daemon

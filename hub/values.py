@@ -1,7 +1,8 @@
 """The decorator of value classes: `dataclasses.dataclass`, with methods that are made at first use.
 
 The standard decorator compiles six methods of each frozen class at once. A program imports hundreds
-of classes and uses few, so that took a third of the time of our imports.
+of classes and uses few, so that took a third of the time of our imports. The daemon does make them
+at once, because the modules that are forked from it share them.
 """
 
 from __future__ import annotations
@@ -10,7 +11,18 @@ import dataclasses
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NoReturn
 
-__all__ = ["dataclass"]
+__all__ = ["dataclass", "make_methods_at_once"]
+
+
+class _Making:
+    """When methods are made.
+
+    Attributes:
+        at_once: With the class, as by the standard decorator.
+    """
+
+    at_once = False
+
 
 if TYPE_CHECKING:
     from dataclasses import dataclass
@@ -18,12 +30,27 @@ else:
 
     def dataclass(*, frozen: bool = False, **options: bool) -> Callable[[type], type]:
         """As `dataclasses.dataclass`; a subclass of a frozen class needs this decorator too."""
-        if not frozen or "order" in options:
-            return dataclasses.dataclass(frozen=frozen, **options)
-        return lambda kind: _frozen(kind, **options)
+
+        def decorate(kind: type) -> type:
+            if frozen and "order" not in options and _is_late(kind):
+                return _with_late_methods(kind, **options)
+            return dataclasses.dataclass(frozen=frozen, **options)(kind)
+
+        return decorate
 
 
-def _frozen(
+def make_methods_at_once() -> None:
+    """Make the methods of all later classes with the class: call this before their imports."""
+    _Making.at_once = True
+
+
+def _is_late(kind: type) -> bool:
+    """Whether the methods of a class are made at first use: like its base's, if it has one."""
+    bases = [base for base in kind.__mro__[1:] if dataclasses.is_dataclass(base)]
+    return bases[0].__setattr__ is _refuse if bases else not _Making.at_once
+
+
+def _with_late_methods(
     kind: type[Any], *, slots: bool = False, kw_only: bool = False, eq: bool = True
 ) -> type[Any]:
     """The class as a frozen dataclass, with methods that replace themselves when first called."""

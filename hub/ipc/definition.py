@@ -74,7 +74,15 @@ class MessageDefinition(Generic[T]):
     def __post_init__(self) -> None:
         check_name(self.name)
         if self.format:
-            self.record  # noqa: B018 - refuse a format that does not fit the type
+            self.prepare()
+
+    def prepare(self) -> None:
+        """Read the type and the format now, not at first use.
+
+        Raises:
+            MessageFormatError: They do not match.
+        """
+        self.record  # noqa: B018 - the cached property reads them
 
     @functools.cached_property
     def wire_format(self) -> str:

@@ -30,6 +30,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import NoReturn
 
+from hub import values
 from hub.values import dataclass
 
 LENGTH = struct.Struct("!I")
@@ -73,13 +74,22 @@ class ForkRequest:
 
 
 def preload(imports: Iterable[str]) -> None:
-    """Import these Python modules, and keep them out of garbage collection."""
+    """Import these Python modules, and keep them out of garbage collection.
+
+    What modules would make at first use is made here, once for all of them.
+    """
     gc.disable()
+    values.make_methods_at_once()
     for name in imports:
         with contextlib.suppress(ImportError):  # the module that needs it reports the error
             importlib.import_module(name)
         if name.endswith(".__main__"):
             sys.modules.pop(name, None)  # each process runs its own
+    from hub.gcm.catalog import MESSAGES
+    from hub.ipc.wire import control_codec
+
+    for definition in (*MESSAGES, *control_codec.KINDS):
+        definition.prepare()
     gc.freeze()  # a collection would write to shared pages
     gc.enable()
 

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import pytest
 
+from hub import values
 from hub.values import dataclass
 from tests.support.cases import for_each
 
@@ -117,6 +118,30 @@ def test_a_class_without_comparison_is_compared_by_identity() -> None:
     one = Handle(name="a")
     assert one != Handle(name="a")
     assert len({one, Handle(name="a")}) == 2
+
+
+def test_a_subclass_makes_its_methods_when_its_base_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hub.values._Making.at_once", False)
+    values.make_methods_at_once()
+
+    @dataclass(frozen=True, slots=True)
+    class Place:
+        x: float
+
+    @dataclass(frozen=True, slots=True)
+    class NamedPlace(Place):
+        name: str
+
+    @dataclass(frozen=True, slots=True)
+    class Turn(Pose):
+        limit: float = 1.0
+
+    for place in (NamedPlace(1.0, "home"), Turn(1.0)):
+        with pytest.raises(FrozenInstanceError):
+            place.x = 2.0  # type: ignore[misc]
+    assert "x" in Place.__init__.__code__.co_varnames
+    assert repr(NamedPlace(1.0, "home")).endswith("NamedPlace(x=1.0, name='home')")
+    assert Turn(1.0) == Turn(1.0)
 
 
 def test_mutable_and_ordered_classes_are_those_of_the_standard_library() -> None:
