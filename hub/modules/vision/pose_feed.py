@@ -14,11 +14,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
+from hub.values import dataclass
 
 WAKE_S = 0.25
 """Longest wait for the first poses [s]; modules that publish none must not stop the pictures."""
