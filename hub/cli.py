@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from hub import values
 from hub.command_line import (
     CommandParser,
     Commands,
@@ -29,6 +28,7 @@ from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
 from hub.nonblocking_logging import LEVELS, start_logging
 from hub.plain_text import plain
+from hub.values import Making
 
 if TYPE_CHECKING:
     from hub.ipc.client import Client
@@ -223,7 +223,7 @@ def _run_key_command(options: argparse.Namespace) -> int:
 def _run_daemon(options: argparse.Namespace) -> int:
     import dataclasses
 
-    values.make_methods_at_once()  # modules are forked from this process
+    Making.at_once = True  # modules are forked from this process
     gc.disable()  # imported objects never become garbage
     try:
         from hub.robomon import daemon

@@ -11,11 +11,11 @@ import dataclasses
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NoReturn
 
-__all__ = ["dataclass", "make_methods_at_once"]
+__all__ = ["Making", "dataclass"]
 
 
-class _Making:
-    """When methods are made.
+class Making:
+    """When the methods of the classes that are imported from now on are made.
 
     Attributes:
         at_once: With the class, as by the standard decorator.
@@ -39,15 +39,10 @@ else:
         return decorate
 
 
-def make_methods_at_once() -> None:
-    """Make the methods of all later classes with the class: call this before their imports."""
-    _Making.at_once = True
-
-
 def _is_late(kind: type) -> bool:
     """Whether the methods of a class are made at first use: like its base's, if it has one."""
     bases = [base for base in kind.__mro__[1:] if dataclasses.is_dataclass(base)]
-    return bases[0].__setattr__ is _refuse if bases else not _Making.at_once
+    return bases[0].__setattr__ is _refuse if bases else not Making.at_once
 
 
 def _with_late_methods(

@@ -30,8 +30,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import NoReturn
 
-from hub import values
-from hub.values import dataclass
+from hub.values import Making, dataclass
 
 LENGTH = struct.Struct("!I")
 PID = struct.Struct("!i")
@@ -79,7 +78,7 @@ def preload(imports: Iterable[str]) -> None:
     What modules would make at first use is made here, once for all of them.
     """
     gc.disable()
-    values.make_methods_at_once()
+    Making.at_once = True
     for name in imports:
         with contextlib.suppress(ImportError):  # the module that needs it reports the error
             importlib.import_module(name)

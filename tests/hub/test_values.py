@@ -11,8 +11,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from hub import values
-from hub.values import dataclass
+from hub.values import Making, dataclass
 from tests.support.cases import for_each
 
 
@@ -121,8 +120,7 @@ def test_a_class_without_comparison_is_compared_by_identity() -> None:
 
 
 def test_a_subclass_makes_its_methods_when_its_base_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hub.values._Making.at_once", False)
-    values.make_methods_at_once()
+    monkeypatch.setattr(Making, "at_once", True)
 
     @dataclass(frozen=True, slots=True)
     class Place:
