@@ -207,8 +207,11 @@ class ObstacleMemory:
         self._looked_through[seen] += 1
         self._until[seen[self._looked_through[seen] >= _CLEARED_BY]] = -np.inf
         self._until[held[away > CELLS * RESOLUTION / 2.0]] = -np.inf
-        through, _ = self._passed(scan, self._guessed_x, self._guessed_y, _BESIDE_GUESS)
-        self._guessed_until[through] = -np.inf
+        guessed = np.flatnonzero(self._guessed_until > self._time)
+        if len(guessed):
+            x, y = self._guessed_x[guessed], self._guessed_y[guessed]
+            through, _ = self._passed(scan, x, y, _BESIDE_GUESS)
+            self._guessed_until[guessed[through]] = -np.inf
 
     def _passed(
         self, scan: DriveState, x: Floats, y: Floats, beside: float
