@@ -1,0 +1,37 @@
+"""Navigation stops the wheels when the operator's silence has lasted long enough."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND, Twist
+from hub.modules.navigation.__main__ import Navigation
+from hub.modules.navigation.speed_governor import SILENCE_S
+from hub.robots.description import find_robot_file, read_description
+from tests.hub.modules.navigation.test_lost_place import AT_ORIGIN
+from tests.hub.modules.timed_bus import TimedBus
+
+
+def test_it_commands_zero_at_once_and_not_with_the_next_cycle(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    bus = TimedBus(monkeypatch)
+    robot, _ = read_description(find_robot_file("magellan"))
+    Navigation(bus, robot)  # type: ignore[arg-type]
+    bus.wait(0.013)
+    bus.send(DRIVE_STATE, AT_ORIGIN, "driver")
+    bus.send(VELOCITY_COMMAND, Twist(), "console")
+    bus.send(VELOCITY_COMMAND, Twist.planar(0.4, 0.0), "console")
+    told = bus.now
+    bus.wait(1.0)
+    commands = [
+        (at, twist.neutral) for at, name, twist in bus.published if name == DRIVE_COMMAND.name
+    ]
+    moving = [at for at, neutral in commands if not neutral]
+    stopped = min(at for at, neutral in commands if neutral and at > moving[0])
+    assert moving[0] == told
+    assert stopped == pytest.approx(told + SILENCE_S, abs=1e-9)
+    assert max(moving) < stopped

@@ -1,0 +1,71 @@
+"""A bus without sockets, on which time passes only when a test says so."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hub.ipc.message_info import MessageInfo
+from hub.ipc.transport.timers import Timer, Timers
+
+
+class TimedBus:
+    """What a module sees of a `Client`.
+
+    Attributes:
+        now: The time [s]; `time.monotonic` returns it too.
+        published: What the module published: time [s], name and value.
+        watched: Whether its messages have subscribers.
+    """
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now = 100.0
+        self.published: list[tuple[float, str, Any]] = []
+        self.watched = False
+        self.faults = SimpleNamespace(counts=Counter())
+        self.directory = SimpleNamespace(follow=self._follow, watch=lambda *_: None)
+        self._timers = Timers()
+        self._handlers: dict[str, Callable[..., None]] = {}
+        self._numbers: dict[str, int] = {}
+        self.alarm = self._timers.alarm
+        monkeypatch.setattr(time, "monotonic", lambda: self.now)
+
+    def number(self, name: str) -> int:
+        """The number of another module."""
+        return self._numbers.setdefault(name, len(self._numbers) + 2)
+
+    def send(self, definition: Any, value: object, sender: str) -> None:
+        """Another module publishes a message now."""
+        reception = MessageInfo(self.number(sender), 1, 0, 0.0, self.now)
+        self._handlers[definition.name](value, reception)
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        end = self.now + seconds
+        while (due := self._timers.due(math.inf)) <= end:
+            self.now = max(self.now, due)
+            self._timers.run(self.now)
+        self.now = end
+
+    def define(self, *_: object) -> None: ...
+
+    def every(self, period: float, work: Callable[[], None]) -> Timer:
+        return self._timers.add(self.now, period, work)
+
+    def has_subscribers(self, _: object) -> bool:
+        return self.watched
+
+    def publish(self, definition: Any, value: object, **_: object) -> None:
+        self.published.append((self.now, definition.name, value))
+
+    def subscribe(self, definition: Any, handler: Callable[..., None], **_: object) -> None:
+        self._handlers[definition.name] = handler
+
+    def _follow(self, name: str, connected: Callable[[int], None]) -> None:
+        connected(self.number(name))
