@@ -408,8 +408,9 @@ class TerminalProcess:
         return self.process.wait()
 
     def wait_ended(self, timeout: float = 15.0) -> int:
-        """Until it ended; its exit code."""
+        """Until it ended and all that it wrote is read; its exit code."""
         self.wait(lambda: self.process.poll() is not None, timeout, "it did not end")
+        self.pump()
         return self.process.wait()
 
     def close(self) -> None:
