@@ -78,8 +78,8 @@ class Case:
         elsewhere: Whether the pad is at another machine than the console, with `rune pad`.
         far: Whether the way to the hub is ssh for the machine that the pad is at.
         before: What has to be prepared.
-        covered: Whether the pure tests of the stale stick or `test_pad` show it in `make test`;
-            here, only `make soak` plays it.
+        covered: Whether the pure tests of the stale stick and other tests of real processes show
+            it in `make test`; here, only `make soak` plays it.
     """
 
     name: str
@@ -254,11 +254,16 @@ def with_gaps(case: Case) -> Case:
 
 ASLEEP = Case(name="asleep", strike=send_signal(signal.SIGSTOP), mend=awake, covered=True)
 SUSPENDED = Case(name="suspended", strike=send_signal(signal.SIGTSTP), mend=awake)
-STOPPED = Case(name="stopped from elsewhere", strike=stop_from_elsewhere)
-KILLED = Case(name="killed", strike=send_signal(signal.SIGKILL), mend=start_again)
+STOPPED = Case(name="stopped from elsewhere", strike=stop_from_elsewhere, covered=True)
+KILLED = Case(name="killed", strike=send_signal(signal.SIGKILL), mend=start_again, covered=True)
 CASES = (
     Case(name="unplugged", strike=lambda scene: scene.robot.unplug(), mend=replug),
-    Case(name="another window in front", strike=type_keys("\x1b[O"), mend=type_keys("\x1b[I")),
+    Case(
+        name="another window in front",
+        strike=type_keys("\x1b[O"),
+        mend=type_keys("\x1b[I"),
+        covered=True,
+    ),
     Case(name="help opened", strike=type_keys("?"), mend=type_keys("\x1b")),
     Case(name="text pasted", strike=type_keys("\x1b[200~text\x1b[201~")),
     Case(
