@@ -6,6 +6,7 @@ Real processes: a hub with a simulated robot in an empty hall, a console on a ps
 from __future__ import annotations
 
 import os
+import resource
 import shutil
 import signal
 import statistics
@@ -71,6 +72,24 @@ def help_text() -> None:
         subprocess.run([rune or "rune", "--help"], check=True, stdout=subprocess.DEVNULL)
         times.append(time.monotonic() - started)
     report("start.help_s", statistics.median(times), "s", bar=0.4)
+
+
+def imports() -> None:
+    """Processor time of an import of the console, beside that of its libraries alone."""
+    codes = {
+        "console": "import rune_tui.app",
+        "libraries": "import lxml.etree, numpy, PIL.ImageDraw, textual.app, zmq",
+    }
+    times: dict[str, list[float]] = {name: [] for name in codes}
+    for _ in range(2 * ROUNDS):
+        for name, code in codes.items():
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run([sys.executable, "-c", code], check=True)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            spent = (after.ru_utime - before.ru_utime, after.ru_stime - before.ru_stime)
+            times[name].append(sum(spent))
+    console, libraries = (statistics.median(each) for each in times.values())
+    report("start.import_cpu_s", console, "s", bar=0.4, note=f"the libraries: {libraries:.2f} s")
 
 
 class Drive:
@@ -164,6 +183,7 @@ def main() -> None:
     say("first picture, help")
     first_picture()
     help_text()
+    imports()
     say("key to wheel")
     key_to_wheel()
     say("stops")
