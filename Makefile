@@ -6,6 +6,9 @@ DEMO_READY := .venv/demo-ready
 PIP := $(BIN)/pip --disable-pip-version-check --quiet
 COMPILE := uv pip compile pyproject.toml --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	--custom-compile-command "make lock" --quiet --upgrade
+# The packages in .venv that requirements.lock does not name, for example those of an older lock.
+UNLOCKED = $(PIP) freeze --exclude-editable | sed 's/[ =].*//' | tr 'A-Z_.' 'a-z--' | \
+	grep -vxF "$$(sed -n 's/^\([a-z0-9-]*\)==.*/\1/p' requirements.lock)"
 ONLY ?= *
 TEST := $(BIN)/pytest --numprocesses 4 --dist worksteal
 
@@ -67,6 +70,7 @@ $(DEMO_READY): requirements-demo.lock pyproject.toml
 $(READY): $(DEMO_READY) requirements.lock
 	@echo "adding the tools of the tests to .venv (once)"
 	@$(PIP) install --require-hashes -r requirements.lock
+	@$(UNLOCKED) | xargs -r $(PIP) uninstall --yes
 	@touch $@
 
 lock:  ## choose versions anew within the bounds of pyproject.toml; needs uv
