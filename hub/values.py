@@ -51,15 +51,11 @@ def _with_late_methods(
     """The class as a frozen dataclass, with methods that replace themselves when first called."""
     decorate = dataclasses.dataclass(init=False, repr=False, eq=False, slots=slots, kw_only=kw_only)
     made = decorate(kind)
-    names = ("__init__", "__repr__", "__eq__", "__hash__") if eq else ("__init__", "__repr__")
-    late = [name for name in names if kind.__dict__.get(name) is None]
 
     def method_until_use(name: str) -> Callable[..., object]:
         def method(*arguments: object, **named: object) -> object:
             if made.__dict__[name] is method:
-                standard = _standard(made, eq=eq)
-                for each in late:
-                    setattr(made, each, standard.__dict__[each])
+                setattr(made, name, _standard_method(made, name))
             result: object = made.__dict__[name](*arguments, **named)
             return result
 
@@ -70,21 +66,33 @@ def _with_late_methods(
     for name, method in (shared | pickled).items():
         if name not in kind.__dict__:
             setattr(made, name, method)
-    for name in late:
-        setattr(made, name, method_until_use(name))
+    for name in ("__init__", "__repr__", *(("__eq__", "__hash__") if eq else ())):
+        if kind.__dict__.get(name) is None:
+            setattr(made, name, method_until_use(name))
     return made
 
 
-def _standard(made: type[Any], *, eq: bool) -> type[Any]:
-    """A standard frozen dataclass with the name and the fields of this one."""
+_OPTIONS = {
+    "__init__": {"init": True, "frozen": True},
+    "__repr__": {"repr": True},
+    "__eq__": {"eq": True},
+    "__hash__": {"unsafe_hash": True},
+}
+"""Options of the standard decorator by which it makes a method."""
+
+
+def _standard_method(made: type[Any], name: str) -> object:
+    """The method of a standard dataclass with the name and the fields of this one."""
     fields = dataclasses.fields(made)
     body: dict[str, object] = {field.name: field for field in fields}
     body["__annotations__"] = {field.name: field.type for field in fields}
-    for name in ("__module__", "__qualname__", "__doc__", "__post_init__"):
-        if hasattr(made, name):
-            body[name] = getattr(made, name)
-    standard: type[Any] = dataclasses.dataclass(frozen=True, eq=eq)(type(made.__name__, (), body))
-    return standard
+    for each in ("__module__", "__qualname__", "__doc__", "__post_init__"):
+        if hasattr(made, each):
+            body[each] = getattr(made, each)
+    options = {"init": False, "repr": False, "eq": False} | _OPTIONS[name]
+    decorate: Callable[[type], type] = dataclasses.dataclass(**options)
+    method: object = decorate(type(made.__name__, (), body)).__dict__[name]
+    return method
 
 
 def _refuse(value: object, name: str, *_: object) -> NoReturn:
