@@ -81,7 +81,7 @@ def run_command(options: argparse.Namespace) -> int:
         return _run_key_command(options)
     if options.command == "mission" and options.task in ("list", "show", "export"):
         return _run_mission_command(options)
-    if options.command in ("doctor", "service"):
+    if options.command in ("check", "doctor", "service"):
         return _run_machine_command(options)
     from hub.inspection import message_commands
 
@@ -204,6 +204,10 @@ def _run_machine_command(options: argparse.Namespace) -> int:
         from hub.inspection.doctor import doctor
 
         return doctor.examine(options.robot, load_robot_table, as_json=options.json)
+    if options.command == "check":
+        from hub.inspection import check_command
+
+        return check_command.check(load_robot_table(options.robot).robot, as_json=options.json)
     from hub.robomon import systemd_unit
 
     return systemd_unit.write_unit(load_robot_table(options.robot), options.robot, options.user)
@@ -260,28 +264,7 @@ def command_parser() -> CommandParser:
     parser.add_argument("--version", action=ShowVersion)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
-    run = commands.add_parser("run", help="start central and a robot's modules; Ctrl-C ends all")
-    run.add_argument("robot", help="a robot file (TOML), or the name of a shipped one: magellan")
-    run.add_argument("--port", type=_port, help="TCP port instead of the file's; 0: a free one")
-    run.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="TABLE.KEY=VALUE",
-        help="in place of what the file says, such as simulation.arena=empty; as often as needed",
-    )
-    run.add_argument("--json", action="store_true", help="say what happens as JSON lines")
-    run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
-    run.add_argument(
-        "--spawn", action="store_true", help="start each module as a new program; do not fork it"
-    )
-
-    service = commands.add_parser("service", help="print a systemd unit that runs a robot's hub")
-    service.add_argument("robot", help="a robot file, or the name of a shipped one")
-    service.add_argument("--user", default="rune", help="as whom it is to run (%(default)s)")
-    doctor = commands.add_parser("doctor", help="say what is wrong on this machine, and what to do")
-    doctor.add_argument("robot", nargs="?", default="magellan", help="robot file (%(default)s)")
-    doctor.add_argument("--json", action="store_true", help="JSON, one line a finding")
+    _add_machine_commands(commands)
 
     look = CommandParser(add_help=False)
     look.add_argument(
@@ -340,6 +323,35 @@ def command_parser() -> CommandParser:
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     add_completion(commands)
     return parser
+
+
+def _add_machine_commands(commands: Commands) -> None:
+    """Add the commands that need no running hub."""
+    run = commands.add_parser("run", help="start central and a robot's modules; Ctrl-C ends all")
+    run.add_argument("robot", help="a robot file (TOML), or the name of a shipped one: magellan")
+    run.add_argument("--port", type=_port, help="TCP port instead of the file's; 0: a free one")
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="TABLE.KEY=VALUE",
+        help="in place of what the file says, such as simulation.arena=empty; as often as needed",
+    )
+    run.add_argument("--json", action="store_true", help="say what happens as JSON lines")
+    run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
+    run.add_argument(
+        "--spawn", action="store_true", help="start each module as a new program; do not fork it"
+    )
+
+    check = commands.add_parser("check", help="show the robot of a file, or all mistakes in it")
+    check.add_argument("robot", help="a robot file, or the name of a shipped one")
+    check.add_argument("--json", action="store_true", help="the robot as JSON, on one line")
+    service = commands.add_parser("service", help="print a systemd unit that runs a robot's hub")
+    service.add_argument("robot", help="a robot file, or the name of a shipped one")
+    service.add_argument("--user", default="rune", help="as whom it is to run (%(default)s)")
+    doctor = commands.add_parser("doctor", help="say what is wrong on this machine, and what to do")
+    doctor.add_argument("robot", nargs="?", default="magellan", help="robot file (%(default)s)")
+    doctor.add_argument("--json", action="store_true", help="JSON, one line a finding")
 
 
 def _add_supervision(commands: Commands, look: CommandParser) -> list[CommandParser]:

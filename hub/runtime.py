@@ -41,8 +41,8 @@ from hub.ipc.endpoints import DEFAULT_ENDPOINT
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.transport.heap import give_back
 from hub.nonblocking_logging import LEVELS, start_logging
-from hub.robots.description import RobotDescription, read_description, settings
-from hub.values import dataclass
+from hub.robots.description import RobotDescription, settings
+from hub.robots.robot_file import read_description
 
 _logger = logging.getLogger(__name__)
 

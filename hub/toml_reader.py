@@ -121,6 +121,11 @@ def keys_of(kind: Any) -> Mapping[str, Key]:  # noqa: ANN401 - a dataclass
     return tables_of(kind)[""]
 
 
+def repeated(name: str, count: int) -> str:
+    """The place of a repeated table in mistakes: the `count`-th [[name]] of the file."""
+    return f"[[{name}]] {count}"
+
+
 class Problems(list[str]):
     """What is wrong with a file, a sentence each, which begins with its line where that is known.
 
@@ -132,10 +137,15 @@ class Problems(list[str]):
         super().__init__()
         self._lines: dict[tuple[str, str], int] = {}
         place = TOP
+        counts: dict[str, int] = {}
         for number, line in enumerate(text.splitlines(), 1):
             start = line[:_LINE]
             if header := _HEADER.fullmatch(start):
                 place = f"[{header[1]}]"
+                if start.lstrip().startswith("[["):
+                    counts[place] = counts.get(place, 0) + 1
+                    self._lines.setdefault((place, ""), number)
+                    place = repeated(header[1], counts[place])
                 self._lines.setdefault((place, ""), number)
             elif key := _KEY.match(start):
                 self._lines.setdefault((place, key[2]), number)

@@ -17,7 +17,7 @@ from hub.missions.export import export as export_files
 from hub.missions.folder import MissionFolder
 from hub.paths import for_missions
 from hub.plain_text import plain
-from hub.robots.description import find_robot_file, read_description
+from hub.robots.robot_file import find_robot_file, read_description
 
 _ANSWER_S = 5.0
 _STATES = {

@@ -11,8 +11,9 @@ from hub import toml_reader as toml
 from hub.errors import ArenaError, RobotFileError, UnknownKindError
 from hub.gcm.capability import Capability
 from hub.nearest import did_you_mean
-from hub.robots.description import RobotDescription, find_robot_file, read_description
+from hub.robots.description import RobotDescription
 from hub.robots.registry import kind_of
+from hub.robots.robot_file import find_robot_file, read_description
 from hub.toml_reader import choice, key, number, several, text, variables, whole_number
 from hub.values import dataclass
 

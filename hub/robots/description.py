@@ -1,27 +1,24 @@
-"""The hardware part of a robot file: the kind of robot, its limits, its hub's address."""
+"""The robot in a robot file: its kind, its body, its limits, the settings of its modules."""
 
 from __future__ import annotations
 
 import enum
 import math
-import os
-from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hub import toml_reader as toml
-from hub.errors import CameraError, RobotFileError
-from hub.gcm.body import MOST_CORNERS, Point32, RobotBody
+from hub.gcm.body import MOST_CORNERS, BodyFrame, Freedom, Motion, Point32, RobotBody
 from hub.ipc.endpoints import DEFAULT_PORT, LARGEST_PORT
-from hub.nearest import did_you_mean
+from hub.robots.body_tables import (
+    BumperTable,
+    CameraTable,
+    RangeTable,
+)
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
-from hub.robots.video_source import video_source
-from hub.toml_reader import choice, degrees, key, number, plain_name, text, truth, whole_number
-from hub.values import dataclass
+from hub.toml_reader import choice, key, number, plain_name, text, whole_number
 
-SHIPPED = Path(__file__).parent / "files"
-ROBOTS_OWN = "robot"
-"""The source of pictures for the robot's own camera."""
 NOTHING_NEW_S = 240.0
 NOTHING_NEW_SHARE = 0.02
 """Exploring ends if the ground in reach grew by less than this share in this time [s]."""
@@ -41,10 +38,8 @@ class MissionBegin(enum.Enum):
     BY_HAND = "by hand"
 
 
-_USUAL_RADIUS = 0.205
+USUAL_RADIUS = 0.205
 """Radius of a robot without a body in its file: a Magellan Pro's [m]."""
-_SAME_LENGTH = 1e-3
-"""Lengths with a smaller difference are equal [m]."""
 _LEAST_AREA = 1e-4
 """Smallest surface of a body [m^2]."""
 
@@ -61,15 +56,6 @@ def _corners(value: object) -> tuple[tuple[float, float], ...]:
     return corners if area > 0.0 else corners[::-1]
 
 
-def _source(value: object) -> str:
-    source: str = toml.text(1000)(value)
-    try:
-        video_source(source)
-    except CameraError as error:
-        raise toml.RefusedError(str(error)) from error
-    return source
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotDescription:
     """The robot in a robot file; each field has its `key` in the file.
@@ -77,7 +63,10 @@ class RobotDescription:
     Attributes:
         path: The file.
         settings: Values that replace the file's, each as "TABLE.KEY=VALUE".
-        camera_fov: Field of view from left to right of another camera than the robot's own [rad].
+        frames: The frames of the body file's or the robot file's sensors and cameras.
+        ranges: The tables of the range sensors.
+        bumpers: The tables of the bumpers.
+        cameras: The tables of the cameras, the main one first.
         modules: The unchecked tables under [modules].
     """
 
@@ -112,21 +101,33 @@ class RobotDescription:
     angular_limit: float = key(
         number(0.01, 6.0), 1.0, "largest turn rate [rad/s]", at="limits.angular"
     )
+    sway_limit: float = key(
+        number(0.0, 3.0), 0.0, "largest velocity sideways [m/s]; 0: it cannot", at="limits.sway"
+    )
+    heave_limit: float = key(
+        number(0.0, 3.0), 0.0, "largest velocity up and down [m/s]; 0: it cannot", at="limits.heave"
+    )
+    roll_limit: float = key(
+        number(0.0, 6.0), 0.0, "largest roll rate [rad/s]; 0: it cannot", at="limits.roll"
+    )
+    pitch_limit: float = key(
+        number(0.0, 6.0), 0.0, "largest pitch rate [rad/s]; 0: it cannot", at="limits.pitch"
+    )
     linear_acceleration: float = key(
         number(0.05, 20.0),
         2.0,
-        "fastest change of the forward velocity, braking [m/s^2]",
+        "fastest change of a linear velocity, braking [m/s^2]",
         at="limits.",
     )
     angular_acceleration: float = key(
-        number(0.1, 50.0), 4.0, "fastest change of the turn rate, braking [rad/s^2]", at="limits."
+        number(0.1, 50.0), 4.0, "fastest change of a turn rate, braking [rad/s^2]", at="limits."
     )
     radius: float = key(
         number(0.02, 5.0),
         math.nan,
         "circle around the robot's centre in which all of it lies [m]",
         at="body.",
-        without=f"encloses the footprint, else {_USUAL_RADIUS}",
+        without=f"encloses the footprint, else {USUAL_RADIUS}",
     )
     footprint: tuple[tuple[float, float], ...] = key(
         _corners,
@@ -134,6 +135,21 @@ class RobotDescription:
         "corners `[x, y]` of the ground that it covers [m], x forward, y left",
         at="body.",
         without="the circle",
+    )
+    height: float = key(
+        number(0.01, 10.0),
+        math.nan,
+        "its highest point above the ground [m]",
+        at="body.",
+        without="not known",
+    )
+    mass: float = key(number(0.001, 1e6), math.nan, "[kg]", at="body.", without="not known")
+    urdf: str = key(
+        text(1000),
+        "",
+        "a URDF file with the robot's outline, and frames for its sensors",
+        at="body.",
+        without="none",
     )
     margin: float = key(
         number(0.0, 1.0), 0.05, "how far navigation keeps from obstacles besides [m]", at="body."
@@ -149,31 +165,6 @@ class RobotDescription:
         SURFACE_AFTER_S,
         "how long it stays neutral before it surfaces [s]",
         at="safety.",
-    )
-    camera_source: str = key(
-        _source,
-        ROBOTS_OWN,
-        "where pictures come from: `robot`, or a device, a file, a network address",
-        at="camera.source",
-    )
-    camera_fov: float = key(
-        degrees(1.0, 170.0),
-        math.radians(60.0),
-        "field of view from left to right of another camera [degrees]",
-        at="camera.fov_deg",
-        without="60",
-    )
-    camera_forward: float = key(
-        number(-5.0, 5.0),
-        0.0,
-        "another camera ahead of the robot's centre [m]",
-        at="camera.forward",
-    )
-    camera_height: float = key(
-        number(0.01, 5.0), 0.3, "another camera above the ground [m]", at="camera.height"
-    )
-    headlight: bool = key(
-        truth, default=True, meaning="whether the robot's own camera has one", at="camera."
     )
     map_resolution: float = key(
         number(0.01, 1.0), 0.05, "edge of a cell of the map [m]", at="mapping.resolution"
@@ -234,7 +225,16 @@ class RobotDescription:
         at="simulation.",
         without="as the arena's file says",
     )
+    frames: tuple[BodyFrame, ...] = ()
+    ranges: tuple[RangeTable, ...] = ()
+    bumpers: tuple[BumperTable, ...] = ()
+    cameras: tuple[CameraTable, ...] = ()
     modules: dict[str, Any]
+
+    @property
+    def camera(self) -> CameraTable:
+        """The main camera."""
+        return self.cameras[0] if self.cameras else CameraTable()
 
     @property
     def body(self) -> RobotBody:
@@ -244,65 +244,36 @@ class RobotDescription:
             kind=self.kind,
             radius=self.radius,
             footprint=tuple(Point32(x=x, y=y) for x, y in self.footprint),
+            height=self.height,
+            mass=self.mass,
+            motions=self._motions(),
+            frames=self.frames,
+            ranges=tuple(table.sensors for table in self.ranges),
+            bumpers=tuple(bumper for table in self.bumpers for bumper in table.bumpers),
+            cameras=tuple(table.camera for table in self.cameras),
+            left_alone=self.left_alone.value,
+        )
+
+    def _motions(self) -> tuple[Motion, ...]:
+        """The degrees of freedom with a limit above 0."""
+        limits = {
+            Freedom.SURGE: (self.linear_limit, self.linear_acceleration),
+            Freedom.SWAY: (self.sway_limit, self.linear_acceleration),
+            Freedom.HEAVE: (self.heave_limit, self.linear_acceleration),
+            Freedom.ROLL: (self.roll_limit, self.angular_acceleration),
+            Freedom.PITCH: (self.pitch_limit, self.angular_acceleration),
+            Freedom.YAW: (self.angular_limit, self.angular_acceleration),
+        }
+        return tuple(
+            Motion(freedom=freedom, limit=limit, acceleration=acceleration)
+            for freedom, (limit, acceleration) in limits.items()
+            if limit > 0.0
         )
 
     @property
     def simulated(self) -> bool:
         """Whether its hardware is a simulation."""
         return bool(self.kind) and self.kind.startswith("simulated-")
-
-
-def find_robot_file(name_or_path: str) -> Path:
-    """The robot file at a path, or the shipped one of a name.
-
-    Raises:
-        RobotFileError: There is neither.
-    """
-    path = Path(name_or_path)
-    if path.exists():
-        return path
-    names = sorted(file.stem for file in SHIPPED.glob("*.toml"))
-    if name_or_path in names:
-        return SHIPPED / f"{name_or_path}.toml"
-    hint = did_you_mean(name_or_path, names)
-    advice = f"; give the path of a robot file, or the name of a shipped one: {', '.join(names)}"
-    raise RobotFileError(name_or_path, [f"there is no such file{hint or advice}"])
-
-
-def read_description(
-    path: Path, settings: Sequence[str] = ()
-) -> tuple[RobotDescription, toml.Problems]:
-    """The robot in a file, and all mistakes of the file.
-
-    Args:
-        path: The robot file.
-        settings: Values that replace the file's, each as "TABLE.KEY=VALUE".
-
-    Raises:
-        RobotFileError: The file cannot be read or is not TOML.
-    """
-    data, problems = toml.load(path, RobotFileError)
-    toml.apply_settings(data, settings, problems)
-    tables = dict(toml.tables_of(RobotDescription))
-    top = tables.pop("")
-    fields = toml.read_table(top, data, toml.TOP, problems, tables=[*tables, "modules"])
-    for name, keys in tables.items():
-        fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
-    fields["radius"] = _enclosing(fields["radius"], fields["footprint"], problems)
-    modules = data.get("modules", {})
-    if not isinstance(modules, dict):
-        problems.append("modules has to be tables: [modules.NAME]")
-        modules = {}
-    beside = path.absolute().parent
-    for name in ("keys", "logs", "map_folder", "mission_folder"):
-        fields[name] = _located(fields[name], beside)
-    if fields["arena"].endswith(".toml"):
-        fields["arena"] = _located(fields["arena"], beside)
-    if fields["camera_source"] != ROBOTS_OWN and "://" not in fields["camera_source"]:
-        fields["camera_source"] = _located(fields["camera_source"], beside)
-    return RobotDescription(
-        path=path, settings=tuple(settings), modules=modules, **fields
-    ), problems
 
 
 def settings(module: str) -> str:
@@ -312,24 +283,3 @@ def settings(module: str) -> str:
         for name, each in toml.tables_of(RobotDescription).get(module, {}).items()
     ]
     return f"its table [{module}] has: {'; '.join(words)}" if words else ""
-
-
-def _enclosing(
-    radius: float, corners: tuple[tuple[float, float], ...], problems: toml.Problems
-) -> float:
-    """The radius of the circle that encloses the body [m]."""
-    farthest = max((math.hypot(x, y) for x, y in corners), default=0.0)
-    if math.isnan(radius):
-        return farthest or _USUAL_RADIUS
-    if radius < farthest - _SAME_LENGTH:
-        text = (
-            f"[body], key 'radius': {radius:g} m does not enclose the footprint, whose farthest "
-            f"corner is {farthest:.3f} m off; leave the radius out"
-        )
-        problems.add("[body]", text, "radius")
-    return radius
-
-
-def _located(named: str, folder: Path) -> str:
-    """A path in a robot file: relative to its folder; empty: none."""
-    return str(folder / os.path.expanduser(named)) if named else ""  # noqa: PTH111 - never raises

@@ -8,7 +8,8 @@ from collections.abc import Callable
 
 from hub.errors import CameraError, UnknownKindError
 from hub.nearest import did_you_mean
-from hub.robots.description import ROBOTS_OWN, RobotDescription
+from hub.robots.body_tables import ROBOTS_OWN
+from hub.robots.description import RobotDescription
 from hub.robots.interfaces import Camera, DriveBase
 from hub.values import dataclass
 
@@ -48,7 +49,10 @@ def _simulated_camera(robot: RobotDescription) -> Camera:
     from hub.sim.arena import load_arena
 
     return SimulatedCamera(
-        load_arena(robot.arena), light=robot.light, headlight=robot.headlight, seed=robot.seed
+        load_arena(robot.arena),
+        light=robot.light,
+        headlight=robot.camera.headlight,
+        seed=robot.seed,
     )
 
 
@@ -99,7 +103,7 @@ def open_camera(robot: RobotDescription) -> Camera:
         CameraError: The robot has none, or the file names an address of an unknown kind.
         UnknownKindError: The robot is of no known kind.
     """
-    if robot.camera_source == ROBOTS_OWN:
+    if robot.camera.source == ROBOTS_OWN:
         open_own = kind_of(robot).open_camera
         if open_own is None:
             text = f"{robot.name} has no camera of its own; name one in [camera], key 'source'"
@@ -108,13 +112,13 @@ def open_camera(robot: RobotDescription) -> Camera:
     from hub.robots.video_camera import VideoCamera
 
     return VideoCamera(
-        robot.camera_source,
-        horizontal_fov=robot.camera_fov,
-        forward=robot.camera_forward,
-        height=robot.camera_height,
+        robot.camera.source,
+        horizontal_fov=robot.camera.fov,
+        forward=robot.camera.forward,
+        height=robot.camera.height,
     )
 
 
 def camera_moves(robot: RobotDescription) -> bool:
     """Whether the camera in a robot file has a pan/tilt/zoom head."""
-    return robot.camera_source == ROBOTS_OWN and kind_of(robot).pan_tilt_zoom
+    return robot.camera.source == ROBOTS_OWN and kind_of(robot).pan_tilt_zoom

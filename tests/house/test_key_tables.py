@@ -14,6 +14,7 @@ import pytest
 
 from hub import toml_reader
 from hub.robomon.module_table import ModuleSpec
+from hub.robots.body_tables import BumperTable, CameraTable, FrameTable, RangeTable
 from hub.robots.description import RobotDescription
 from hub.sim import arena_specs
 from hub.toml_reader import REQUIRED, Key, Within, keys_of, tables_of
@@ -32,6 +33,12 @@ _ARENA = {
     "`[[landmark]]`": arena_specs.LandmarkSpec,
     "`[[ring]]`": arena_specs.RingSpec,
 }
+_BODY = {
+    "`[[frame]]`": FrameTable,
+    "`[[range]]`": RangeTable,
+    "`[[bumper]]`": BumperTable,
+    "`[camera]`": CameraTable,
+}
 
 
 def _pages() -> Iterator[tuple[str, str, Mapping[str, Key]]]:
@@ -41,6 +48,8 @@ def _pages() -> Iterator[tuple[str, str, Mapping[str, Key]]]:
     for table, keys in tables_of(RobotDescription).items():
         heading = f"`[{table}]`" if table else "At the top of the file"
         yield "writing-a-robot.md", heading, keys
+    for heading, kind in _BODY.items():
+        yield "writing-a-robot.md", heading, keys_of(kind)
     yield "writing-a-robot.md", "`[modules.NAME]`", keys_of(ModuleSpec)
 
 

@@ -11,7 +11,8 @@ from hub.inspection.doctor import library_checks, machine_checks, port_checks, r
 from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
 from hub.inspection.output import put
 from hub.plain_text import plain
-from hub.robots.description import RobotDescription, find_robot_file, read_description
+from hub.robots.description import RobotDescription
+from hub.robots.robot_file import find_robot_file, read_description
 
 _NOTHING_WRONG, _WRONG, _WRONG_ROBOT_FILE = 0, 1, 2
 _ROBOT_FILE = "robot file"

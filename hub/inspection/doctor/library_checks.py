@@ -9,7 +9,8 @@ from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
 from hub.inspection.doctor.finding import Finding, ok, problem, warning
-from hub.robots.description import ROBOTS_OWN, RobotDescription
+from hub.robots.body_tables import ROBOTS_OWN
+from hub.robots.description import RobotDescription
 
 _DISTRIBUTION = "robot-user-nexus"
 _CAMERA_EXTRA = "camera"
@@ -37,14 +38,14 @@ def judged_version(name: str, version: str, ranges: str) -> Finding:
 
 def extras(robot: RobotDescription) -> list[Finding]:
     """Whether the libraries are there that only some robots need."""
-    needed = robot.camera_source != ROBOTS_OWN
+    needed = robot.camera.source != ROBOTS_OWN
     missing = _missing(_CAMERA_EXTRA)
     if not missing:
         return [ok("all that this robot needs is installed")]
     text = f"extra {_CAMERA_EXTRA!r} lacks {', '.join(missing)}"
     install = f'pip install "{_DISTRIBUTION}[{_CAMERA_EXTRA}]"'
     if needed:
-        return [problem(f"{text}, which camera {robot.camera_source} needs", install)]
+        return [problem(f"{text}, which camera {robot.camera.source} needs", install)]
     return [warning(f"{text}: pictures cannot be coded as JPEG", install)]
 
 

@@ -18,7 +18,8 @@ from hub.inspection.doctor.finding import Finding, ok, problem, warning
 from hub.ipc.security import key_files
 from hub.ipc.security.keyring import Keyring, default_folder
 from hub.paths import LONGEST_FOR_SOCKETS, for_logs, for_maps, for_sockets
-from hub.robots.description import ROBOTS_OWN, RobotDescription
+from hub.robots.body_tables import ROBOTS_OWN
+from hub.robots.description import RobotDescription
 
 """The source in a robot file for the robot's own camera."""
 """Longest path of a folder for sockets; a socket's path has about 100 bytes at most."""
@@ -105,7 +106,7 @@ def existing(folder: Path) -> Path:
 def devices(robot: RobotDescription) -> list[Finding]:
     """Whether devices and files that the robot file names are there and open to this user."""
     findings = [device_finding(Path(name)) for name in _named_devices(robot)]
-    source = robot.camera_source
+    source = robot.camera.source
     if source != ROBOTS_OWN and not source.startswith("/dev/"):
         if "://" in source:
             findings.append(ok(f"the camera is at {source}; it was not tried"))
@@ -127,7 +128,7 @@ def _unwritable(folder: Path) -> str:
 
 
 def _named_devices(robot: RobotDescription) -> list[str]:
-    named = [*_texts(robot.camera_source), *_texts(robot.modules)]
+    named = [*_texts(robot.camera.source), *_texts(robot.modules)]
     found = [device for text in named for device in _DEVICE.findall(text)]
     return [device for device in dict.fromkeys(found) if device not in _COMMON_FILES]
 

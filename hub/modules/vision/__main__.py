@@ -20,8 +20,9 @@ from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness, prepare
 from hub.modules.vision.pose_feed import PoseFeed, PoseSource
 from hub.modules.vision.poses import PoseHistory
+from hub.robots.body_tables import ROBOTS_OWN
 from hub.robots.cropping import vertical_fov
-from hub.robots.description import ROBOTS_OWN, RobotDescription
+from hub.robots.description import RobotDescription
 from hub.robots.registry import camera_moves, open_camera
 from hub.runtime import publish_on_request, run_module
 
@@ -156,7 +157,7 @@ class Vision:
 
 def _simulated(robot: RobotDescription) -> bool:
     """Whether the camera is simulated, so that it needs the robot's pose."""
-    return robot.simulated and robot.camera_source == ROBOTS_OWN
+    return robot.simulated and robot.camera.source == ROBOTS_OWN
 
 
 def abilities(robot: RobotDescription) -> Abilities:

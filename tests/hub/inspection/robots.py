@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from hub.robots.description import RobotDescription, read_description
+from hub.robots.description import RobotDescription
+from hub.robots.robot_file import read_description
 
 FILE = """name = "magellan"
 kind = "simulated-magellan"

@@ -24,7 +24,7 @@ from hub.modules.vision.__main__ import Vision
 from hub.robomon.control_service import ControlService
 from hub.robomon.policy import ModulePolicy
 from hub.robomon.reporting import Reporting
-from hub.robots.description import find_robot_file, read_description
+from hub.robots.robot_file import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus
 
 EACH = int(os.environ.get("RUNE_EXTREMES", "30"))

@@ -16,7 +16,7 @@ from hub.ipc.client import Client
 from hub.ipc.transport.loop import Loop
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.navigator import LOG_INTERVAL_S, Navigator
-from hub.robots.description import read_description
+from hub.robots.robot_file import read_description
 from tests.support.waiting import until
 
 FORWARD, NEUTRAL = Twist.planar(0.4, 0.0), Twist.planar(0.0, 0.0)

@@ -8,8 +8,9 @@ import pytest
 
 from hub.errors import RobotFileError
 from hub.modules.driver.operator_loss import OperatorLoss
-from hub.robots.description import RobotDescription, read_description
+from hub.robots.description import RobotDescription
 from hub.robots.registry import kind_of
+from hub.robots.robot_file import read_description
 
 
 def robot(folder: Path, action: str) -> RobotDescription:

@@ -13,12 +13,8 @@ from hub.missions.folder import MissionFolder
 from hub.missions.keeper import MissionKeeper, MissionLimits
 from hub.robomon.mission_want import MissionWant
 from hub.robomon.wants import Wants
-from hub.robots.description import (
-    MissionBegin,
-    RobotDescription,
-    find_robot_file,
-    read_description,
-)
+from hub.robots.description import MissionBegin, RobotDescription
+from hub.robots.robot_file import find_robot_file, read_description
 
 HOLDS = {"PRO_MAP": ["mission"], "PRO_POINTS": ["mission"]}
 

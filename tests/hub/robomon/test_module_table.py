@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from hub.errors import RobotFileError
 from hub.robomon.module_table import load_robot_table
 from hub.robots import description
-from hub.robots.description import SHIPPED
+from hub.robots.robot_file import SHIPPED
 
 GOOD = (SHIPPED / "magellan.toml").read_text()
 
@@ -57,14 +57,14 @@ def test_camera_of_one_s_own_is_named_beside_the_robot_file(tmp_path: Path) -> N
 
     def source(line: str) -> str:
         robot.write_text(f"{GOOD}[camera]\n{line}\n")
-        return load_robot_table(str(robot)).robot.camera_source
+        return load_robot_table(str(robot)).robot.camera.source
 
     assert source("") == "robot"
     assert source('source = "drive.mp4"') == str(tmp_path / "drive.mp4")
     assert source('source = "/dev/video0"') == "/dev/video0"
     assert source('source = "rtsp://10.0.0.7/x"') == "rtsp://10.0.0.7/x"
     source("fov_deg = 90")
-    assert load_robot_table(str(robot)).robot.camera_fov == pytest.approx(math.pi / 2)
+    assert load_robot_table(str(robot)).robot.camera.fov == pytest.approx(math.pi / 2)
 
 
 def test_when_exploring_ends_is_set_in_the_robot_file_and_told_to_who_asks(tmp_path: Path) -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
 
-from hub.robots.description import RobotDescription, read_description
+from hub.gcm.body import Freedom, RangeKind
+from hub.robots.description import RobotDescription
+from hub.robots.robot_file import read_description
 
 
 def described(tmp_path: Path, body: str) -> tuple[RobotDescription, list[str]]:
@@ -16,11 +19,78 @@ def described(tmp_path: Path, body: str) -> tuple[RobotDescription, list[str]]:
     return robot, list(problems)
 
 
-def test_a_file_that_says_nothing_of_the_body_has_the_usual_one(tmp_path: Path) -> None:
+def test_a_shipped_kind_brings_its_body(tmp_path: Path) -> None:
     robot, problems = described(tmp_path, "")
     assert not problems
-    assert (robot.body.name, robot.body.kind) == ("crawler", "simulated-magellan")
-    assert (robot.body.radius, robot.body.footprint) == (0.205, ())
+    body = robot.body
+    assert (body.name, body.kind) == ("crawler", "simulated-magellan")
+    assert (body.radius, body.footprint, body.height) == (0.205, (), 0.45)
+    assert [(each.name, each.beams) for each in body.ranges] == [("sonar", 16), ("infrared", 16)]
+    assert body.ranges[0].step == pytest.approx(math.tau / 16)
+    assert len(body.bumpers) == 16
+    assert math.degrees(body.bumpers[4].direction) == pytest.approx(90.0)
+    assert [each.name for each in body.cameras] == ["camera"]
+    assert [(each.freedom, each.limit) for each in body.motions] == [
+        (Freedom.SURGE, 0.5),
+        (Freedom.YAW, 1.0),
+    ]
+    assert {each.name for each in body.frames} == {"sonar", "infrared", "camera"}
+
+
+def test_a_robot_file_replaces_parts_of_the_body_of_its_kind(tmp_path: Path) -> None:
+    robot, problems = described(
+        tmp_path,
+        "height = 0.6\n[limits]\nsway = 0.3\n"
+        '[[range]]\nname = "front"\nkind = "laser"\nfarthest = 8.0\nbeams = 181\nfirst_deg = -90\n'
+        'spread_deg = 180\n[camera]\nsource = "/dev/video9"',
+    )
+    assert not problems
+    body = robot.body
+    assert (body.radius, body.height) == (0.205, 0.6)
+    assert [motion.freedom for motion in body.motions] == [
+        Freedom.SURGE,
+        Freedom.SWAY,
+        Freedom.YAW,
+    ]
+    (front,) = body.ranges
+    assert (front.kind, front.beams) == (RangeKind.LASER, 181)
+    assert front.first + 180 * front.step == pytest.approx(math.pi / 2)
+    assert body.cameras[0].horizontal_fov == pytest.approx(math.radians(60.0))
+    assert not body.cameras[0].headlight
+    assert len(body.bumpers) == 16
+
+
+def test_a_file_of_another_kind_that_says_nothing_of_the_body_is_a_circle(tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text('name = "crawler"\nkind = "crawler:KIND"\n')
+    robot, problems = read_description(path)
+    assert not problems
+    assert (robot.body.radius, robot.body.footprint, robot.body.ranges) == (0.205, (), ())
+    assert math.isnan(robot.body.height)
+
+
+def test_each_mistake_of_the_parts_has_its_line(tmp_path: Path) -> None:
+    _, problems = described(
+        tmp_path,
+        '[[range]]\nname = "a"\nkind = "sonar"\nfarthest = 2.0\n'
+        '[[range]]\nname = "a"\nkind = "sonr"\nfarthest = 2.0\n'
+        '[[range]]\nname = "a"\nkind = "sonar"\nfarthest = 2.0\nnearest = 3.0\n'
+        '[[frame]]\nname = "b"\nparent = "c"\n'
+        '[[frame]]\nname = "c"\nparent = "b"\n'
+        '[[camera]]\nname = "rear"\nparent = "bb"\n'
+        "[[bumper]]\nwidth = 7\n",
+    )
+    assert problems == [
+        "line 10: [[range]] 2, key 'kind': 'sonr' is none of sonar, infrared, laser, echo sounder;"
+        " did you mean 'sonar'?",
+        "line 16: [[range]] 3, key 'nearest': 3 m is not less than 'farthest', 2 m",
+        "line 27: [[bumper]] 1: unknown key 'width'; did you mean 'width_deg'?",
+        "line 26: [[bumper]] 1: key 'name' is missing",
+        "line 13: [[range]] 3, key 'name': 'a' is the name of another frame",
+        "line 19: [[frame]] 1, key 'parent': 'c' leads back to 'b'",
+        "line 22: [[frame]] 2, key 'parent': 'b' leads back to 'c'",
+        "line 25: [[camera]] 1, key 'parent': 'bb' is no frame; did you mean 'b'?",
+    ]
 
 
 def test_the_circle_encloses_the_footprint(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 from hub.gcm.mapping import MAP_COMMAND, MapCommand, MapOrder
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
 from hub.modules.mapping.__main__ import Mapping
-from hub.robots.description import find_robot_file, read_description
+from hub.robots.robot_file import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus
 
 

@@ -14,7 +14,7 @@ import pytest
 from hub.gcm.navigation import Cause, DriveState, GoalCommand, Point, Task
 from hub.ipc.message_info import MessageInfo
 from hub.modules.navigation.__main__ import Navigation
-from hub.robots.description import find_robot_file, read_description
+from hub.robots.robot_file import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus
 
 OPERATOR, DRIVER, NEXT_DRIVER = 2, 3, 4

@@ -8,7 +8,8 @@ import pytest
 
 from hub.gcm.capability import Capability
 from hub.modules.vision.__main__ import abilities
-from hub.robots.description import SHIPPED, RobotDescription, read_description
+from hub.robots.description import RobotDescription
+from hub.robots.robot_file import SHIPPED, read_description
 
 
 def robot_with(folder: Path, source: str) -> RobotDescription:

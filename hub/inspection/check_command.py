@@ -1,0 +1,63 @@
+"""`rune-hub check`: what a robot file says of its robot, or all its mistakes."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+
+from hub.gcm.body import BodyFrame, RobotBody
+from hub.inspection import value_text
+from hub.inspection.output import put, table
+from hub.robots.description import RobotDescription
+
+
+def check(robot: RobotDescription, *, as_json: bool) -> int:
+    """Show the robot of a file without mistakes; returns the exit code."""
+    body = robot.body
+    if as_json:
+        put(json.dumps(value_text.plain(body)))
+        return 0
+    put(f"{robot.path}: no mistakes")
+    table(("part", "of", "described as"), [*_rows(body)], words=3)
+    return 0
+
+
+def _rows(body: RobotBody) -> Iterator[tuple[str, str, str]]:
+    """Part of the robot, its name, and its figures in words."""
+    outline = f"{len(body.footprint)} corners" if body.footprint else "round"
+    high = "" if math.isnan(body.height) else f", {body.height:g} m high"
+    heavy = "" if math.isnan(body.mass) else f", {body.mass:g} kg"
+    yield "body", body.kind, f"{outline}, within {body.radius:.3g} m{high}{heavy}"
+    for motion in body.motions:
+        unit = "m/s" if motion.freedom < 3 else "rad/s"
+        words = f"up to {motion.limit:g} {unit}, changes by {motion.acceleration:g} {unit}^2"
+        yield "motion", motion.freedom.name.lower(), words
+    frames = {frame.name: frame for frame in body.frames}
+    for sensors in body.ranges:
+        beams = f"{sensors.beams} beams, " if sensors.beams > 1 else ""
+        kind = sensors.kind.name.lower().replace("_", " ")
+        reach = f"{sensors.nearest:g} to {sensors.farthest:g} m, {sensors.rate_hz:g} Hz"
+        yield "range", sensors.name, f"{kind}, {beams}{reach}, {_place(frames[sensors.name])}"
+    for bumper in body.bumpers:
+        words = f"at {math.degrees(bumper.direction):.4g} degrees, {_degrees(bumper.width)} wide"
+        yield "bumper", bumper.name, words
+    for camera in body.cameras:
+        head = f"pans {_degrees(camera.pan_limit)} to each side" if camera.pan_limit else "fixed"
+        words = f"{_degrees(camera.horizontal_fov)} from left to right, {head}"
+        yield "camera", camera.name, f"{words}, {_place(frames[camera.name])}"
+    yield "left alone", "", body.left_alone
+
+
+def _place(frame: BodyFrame) -> str:
+    place = f"at [{frame.x:g}, {frame.y:g}, {frame.z:g}] m of {frame.parent}"
+    turned = [
+        f"{name} {_degrees(angle)}"
+        for name, angle in (("roll", frame.roll), ("pitch", frame.pitch), ("yaw", frame.yaw))
+        if angle
+    ]
+    return ", ".join((place, *turned))
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.4g} degrees"

@@ -1,0 +1,172 @@
+"""Reads a robot file, with the body of its kind and its URDF file; all mistakes are gathered."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hub import toml_reader as toml
+from hub.errors import RobotFileError
+from hub.gcm.body import MOST_PARTS, BodyFrame
+from hub.nearest import did_you_mean
+from hub.robots.body_tables import (
+    ROBOTS_OWN,
+    BumperTable,
+    CameraTable,
+    FrameTable,
+    RangeTable,
+    frame_tree,
+    range_faults,
+    read_each,
+)
+from hub.robots.description import USUAL_RADIUS, RobotDescription
+
+SHIPPED = Path(__file__).parent / "files"
+BODIES = Path(__file__).parent / "bodies"
+"""The bodies of shipped kinds: what their robot files need not repeat."""
+_SAME_LENGTH = 1e-3
+"""Lengths with a smaller difference are equal [m]."""
+
+
+def find_robot_file(name_or_path: str) -> Path:
+    """The robot file at a path, or the shipped one of a name.
+
+    Raises:
+        RobotFileError: There is neither.
+    """
+    path = Path(name_or_path)
+    if path.exists():
+        return path
+    names = sorted(file.stem for file in SHIPPED.glob("*.toml"))
+    if name_or_path in names:
+        return SHIPPED / f"{name_or_path}.toml"
+    hint = did_you_mean(name_or_path, names)
+    advice = f"; give the path of a robot file, or the name of a shipped one: {', '.join(names)}"
+    raise RobotFileError(name_or_path, [f"there is no such file{hint or advice}"])
+
+
+def read_description(
+    path: Path, settings: Sequence[str] = ()
+) -> tuple[RobotDescription, toml.Problems]:
+    """The robot in a file, and all mistakes of the file.
+
+    Args:
+        path: The robot file.
+        settings: Values that replace the file's, each as "TABLE.KEY=VALUE".
+
+    Raises:
+        RobotFileError: The file cannot be read or is not TOML.
+    """
+    data, problems = toml.load(path, RobotFileError)
+    toml.apply_settings(data, settings, problems)
+    _add_body_of_kind(data)
+    tables = dict(toml.tables_of(RobotDescription))
+    top = tables.pop("")
+    fields = toml.read_table(top, data, toml.TOP, problems, tables=[*tables, *_BODY, "modules"])
+    for name, keys in tables.items():
+        fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
+    beside = path.absolute().parent
+    fields["urdf"] = _located(fields["urdf"], beside)
+    fields |= _read_body(data, fields, problems)
+    fields["radius"] = _enclosing(fields["radius"], fields["footprint"], problems)
+    modules = data.get("modules", {})
+    if not isinstance(modules, dict):
+        problems.append("modules has to be tables: [modules.NAME]")
+        modules = {}
+    for name in ("keys", "logs", "map_folder", "mission_folder"):
+        fields[name] = _located(fields[name], beside)
+    if fields["arena"].endswith(".toml"):
+        fields["arena"] = _located(fields["arena"], beside)
+    fields["cameras"] = tuple(
+        dataclasses.replace(camera, source=_located(camera.source, beside))
+        if camera.source != ROBOTS_OWN and "://" not in camera.source
+        else camera
+        for camera in fields["cameras"]
+    )
+    return RobotDescription(
+        path=path, settings=tuple(settings), modules=modules, **fields
+    ), problems
+
+
+_BODY = ("frame", "range", "bumper", "camera")
+"""The tables of the body that may occur several times."""
+
+
+_ANOTHER = {"body": {"radius", "footprint", "urdf"}, "camera": {"source"}}
+"""Keys by which a table describes another part than that of the kind."""
+
+
+def _add_body_of_kind(data: dict[str, Any]) -> None:
+    """Add the body of a shipped kind where the robot file has none of its own."""
+    file = next((each for each in BODIES.glob("*.toml") if each.stem == data.get("kind")), None)
+    if file is None:
+        return
+    for name, values in toml.load(file, RobotFileError)[0].items():
+        own = data.setdefault(name, values)
+        if isinstance(own, dict) and isinstance(values, dict) and not _ANOTHER[name] & own.keys():
+            data[name] = {**values, **own}
+
+
+def _read_body(
+    data: dict[str, Any], fields: dict[str, Any], problems: toml.Problems
+) -> dict[str, Any]:
+    """The fields of the body's tables that may occur several times, and of its URDF file."""
+    given: Mapping[str, BodyFrame] = {}
+    outline: dict[str, Any] = {}
+    if fields["urdf"]:
+        from hub.robots.urdf import read_urdf
+
+        try:
+            model = read_urdf(Path(fields["urdf"]))
+        except RobotFileError as error:
+            problems.add("[body]", f"[body], key 'urdf': {error}", "urdf")
+        else:
+            given = model.frames
+            outline = {} if fields["footprint"] else {"footprint": model.footprint}
+    cameras = _cameras(data.get("camera", []), problems)
+    ranges = read_each(RangeTable, data.get("range", []), "range", problems, range_faults)
+    bumpers = read_each(BumperTable, data.get("bumper", []), "bumper", problems)
+    if sum(table.count for table in bumpers.values()) > MOST_PARTS:
+        problems.add(toml.TOP, f"more than {MOST_PARTS} bumpers", "bumper")
+        bumpers = {}
+    own = read_each(FrameTable, data.get("frame", []), "frame", problems)
+    return outline | {
+        "frames": frame_tree({**own, **ranges, **cameras}, given, problems),
+        "ranges": tuple(ranges.values()),
+        "bumpers": tuple(bumpers.values()),
+        "cameras": tuple(cameras.values()),
+    }
+
+
+def _cameras(values: object, problems: toml.Problems) -> dict[str, CameraTable]:
+    """The camera of [camera], or those of each [[camera]], by their place in the file."""
+    if not isinstance(values, dict):
+        return read_each(CameraTable, values, "camera", problems)
+    before = len(problems)
+    fields = toml.read_table(toml.keys_of(CameraTable), values, "[camera]", problems)
+    return {"[camera]": CameraTable(**fields)} if len(problems) == before else {}
+
+
+def _enclosing(
+    radius: float, corners: tuple[tuple[float, float], ...], problems: toml.Problems
+) -> float:
+    """The radius of the circle that encloses the body [m]."""
+    farthest = max((math.hypot(x, y) for x, y in corners), default=0.0)
+    if math.isnan(radius):
+        return farthest or USUAL_RADIUS
+    if radius < farthest - _SAME_LENGTH:
+        text = (
+            f"[body], key 'radius': {radius:g} m does not enclose the footprint, whose farthest "
+            f"corner is {farthest:.3f} m off; leave the radius out"
+        )
+        problems.add("[body]", text, "radius")
+    return radius
+
+
+def _located(named: str, folder: Path) -> str:
+    """A path in a robot file: relative to its folder; empty: none."""
+    return str(folder / os.path.expanduser(named)) if named else ""  # noqa: PTH111 - never raises
