@@ -14,6 +14,7 @@ from hub.gcm import (
     mission,
     navigation,
     pad,
+    ranges,
     supervision,
     vision,
 )
@@ -23,6 +24,7 @@ MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *common.MESSAGES,
     *body.MESSAGES,
     *navigation.MESSAGES,
+    *ranges.MESSAGES,
     *flight.MESSAGES,
     *vision.MESSAGES,
     *mapping.MESSAGES,

@@ -14,6 +14,7 @@ from hub.gcm import (
     mission,
     navigation,
     pad,
+    ranges,
     supervision,
     vision,
 )
@@ -30,6 +31,7 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     ),
     navigation.DRIVE_COMMAND.name: (Capability.NAV_MOVE, Capability.NAV_GOAL),
     navigation.DRIVE_STATE.name: (Capability.DRV_BASE,),
+    ranges.RANGES.name: (Capability.DRV_BASE,),
     navigation.GROUND_TRUTH.name: (Capability.SIM_TRUTH,),
     vision.IMAGE.name: (Capability.VIS_VID,),
     vision.CAMERA_STATE.name: (Capability.VIS_PTZ, Capability.VIS_VID, Capability.VIS_NIGHT),

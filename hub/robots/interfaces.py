@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import DriveState, GroundTruth
+from hub.gcm.ranges import LaserScan
 from hub.gcm.vision import CameraCommand, CameraState
 from hub.robots.left_alone import LeftAlone
 from hub.values import dataclass
@@ -27,6 +28,17 @@ class DriveBase(Protocol):
 
     def ground_truth(self) -> GroundTruth | None:
         """Its true pose; None: unknown."""
+
+
+@runtime_checkable
+class RangeSource(Protocol):
+    """A `DriveBase` with range sensors, as its robot file describes them."""
+
+    def ranges(self, stamp: float) -> tuple[LaserScan, ...] | None:
+        """The newest scan of each group, in the order of the description.
+
+        None: nothing is new since the last call. `stamp` is the time now [s since the epoch].
+        """
 
 
 @runtime_checkable

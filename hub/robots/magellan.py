@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import zlib
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.body import RangeGroup, RangeKind
 from hub.gcm.navigation import DriveState, GroundTruth
+from hub.gcm.ranges import LaserScan, scan_of
 from hub.gcm.vision import CameraCommand, CameraMotion, CameraState
 from hub.robots.cropping import cropped_fov, size_within, vertical_fov
 from hub.robots.interfaces import Picture
@@ -64,6 +67,7 @@ class SimulatedMagellan:
         seed: int = 0,
         linear_limit: float = 0.5,
         angular_limit: float = 1.0,
+        groups: Sequence[RangeGroup] = (),
     ) -> None:
         odometry_seed, sensor_seed = np.random.SeedSequence(seed).spawn(2)
         self._linear_limit = linear_limit
@@ -77,6 +81,8 @@ class SimulatedMagellan:
         self._angular = 0.0
         self._steps = 0
         self._time_left = 0.0
+        self._groups = {group.kind: group for group in groups}
+        self._is_new = True
         # Compute the contacts of the body at the start.
         start = moved(arena.start, 0.0, 0.0)  # its heading is in (-pi, pi]
         self._pose = self._body.move(start, start)
@@ -119,6 +125,14 @@ class SimulatedMagellan:
             battery_fraction=self._battery.fraction,
             origin=self._origin,
         )
+
+    def ranges(self, stamp: float) -> tuple[LaserScan, ...] | None:
+        """The newest ranges of its sonars and infrared sensors; None: nothing is new."""
+        if not self._is_new:
+            return None
+        self._is_new = False
+        measured = {RangeKind.SONAR: self._sonar, RangeKind.INFRARED: self._infrared}
+        return tuple(scan_of(group, measured[kind], stamp) for kind, group in self._groups.items())
 
     def ground_truth(self) -> GroundTruth:
         """Its true pose in the arena's frame."""
@@ -164,6 +178,7 @@ class SimulatedMagellan:
     def _scan(self) -> None:
         self._sonar = self._sensors.sonar(self._pose)
         self._infrared = self._sensors.infrared(self._pose)
+        self._is_new = True
 
 
 class SimulatedCamera:

@@ -41,6 +41,7 @@ def _simulated_base(robot: RobotDescription) -> DriveBase:
         seed=robot.seed,
         linear_limit=robot.linear_limit,
         angular_limit=robot.angular_limit,
+        groups=robot.body.ranges,
     )
 
 

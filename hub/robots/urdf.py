@@ -19,6 +19,7 @@ import numpy.typing as npt
 from hub.errors import RobotFileError
 from hub.files import read_regular
 from hub.gcm.body import BASE_LINK, MOST_CORNERS, BodyFrame
+from hub.gcm.frames import rotation
 from hub.plain_text import is_plain
 
 Matrix = npt.NDArray[np.float64]
@@ -165,13 +166,7 @@ def _origin(element: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
     if origin is not None:
         pose[:3, 3] = _numbers(origin, "xyz", "0 0 0", 3)
         roll, pitch, yaw = _numbers(origin, "rpy", "0 0 0", 3)
-        cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
-        cy, sy = math.cos(yaw), math.sin(yaw)
-        pose[:3, :3] = (
-            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
-            (-sp, cp * sr, cp * cr),
-        )
+        pose[:3, :3] = rotation(roll, pitch, yaw)
     return pose
 
 

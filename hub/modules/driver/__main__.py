@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 
 from hub.control_gate import follow_control
-from hub.gcm import navigation
+from hub.gcm import navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.ipc.client import Client
@@ -18,6 +18,7 @@ from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
+from hub.robots.interfaces import RangeSource
 from hub.robots.registry import kind_of
 from hub.runtime import run_module
 
@@ -45,9 +46,8 @@ class Driver:
         client.directory.follow(self._navigator.name, self._navigator.connected)
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
         follow_control(client, self._control_changed)
-        client.define(navigation.DRIVE_STATE, navigation.GROUND_TRUTH)
-        self._next_report = client.alarm(self._report)
-        self._report_at = self._next_report.due = self._stepped + _PERIOD
+        client.define(navigation.DRIVE_STATE, ranges.RANGES, navigation.GROUND_TRUTH)
+        client.every(_PERIOD, self._step)
 
     def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
         now = time.monotonic()
@@ -84,6 +84,13 @@ class Driver:
     def _advance(self, now: float) -> None:
         self._base.advance(min(now - self._stepped, _LONGEST_STEP))
         self._stepped = now
+        self._steps += 1
+        if isinstance(self._base, RangeSource):
+            scans = self._base.ranges(time.time())
+            if scans is not None:
+                self._client.publish(ranges.RANGES, ranges.RangeReadings(scans=scans), measured=now)
+        if self._steps % _STEPS_PER_REPORT == 0:
+            self._publish()
 
     def _publish(self) -> bool:
         """Publish each state that the hardware gives; returns whether it may rest."""

@@ -1,0 +1,95 @@
+"""The beams of a body's range sensors as arrays; pure."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.body import RangeKind, RobotBody
+from hub.gcm.frames import Floats, poses_of
+from hub.gcm.ranges import RangeReadings
+
+_COLUMNS = ("x", "y", "z", "bearing", "elevation", "opening", "ring", "nearest", "farthest")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Beams:
+    """All beams of a body's range sensors in `base_link`, in the order of its description.
+
+    A range counts from (x, y, z) along the beam. Arrays have the shape (n,).
+
+    Attributes:
+        x: Origin of the ranges [m].
+        y: Origin of the ranges [m].
+        z: Origin of the ranges [m].
+        bearing: Direction, seen from above [rad], counter-clockwise from x.
+        elevation: Angle above the xy-plane [rad].
+        opening: Whole angle of the cone [rad].
+        ring: Distance of the sensor itself from the origin of its ranges [m].
+        nearest: Least range [m].
+        farthest: Largest range [m].
+        kind: The `RangeKind`.
+        groups: Name of each group, and where its beams are.
+    """
+
+    x: Floats
+    y: Floats
+    z: Floats
+    bearing: Floats
+    elevation: Floats
+    opening: Floats
+    ring: Floats
+    nearest: Floats
+    farthest: Floats
+    kind: npt.NDArray[np.uint8]
+    groups: Mapping[str, slice]
+
+    def of_kind(self, *kinds: RangeKind) -> npt.NDArray[np.bool_]:
+        """Which beams are of one of these kinds, shape (n,)."""
+        return np.isin(self.kind, kinds)
+
+    def ranges(self, readings: RangeReadings) -> npt.NDArray[np.float32]:
+        """The range of each beam [m], shape (n,); NaN where the readings have none."""
+        ranges = np.full(len(self.kind), np.nan, np.float32)
+        for scan in readings.scans:
+            place = self.groups.get(scan.header.frame_id)
+            if place is not None and place.stop - place.start == len(scan.ranges):
+                ranges[place] = scan.ranges
+        return ranges
+
+
+@functools.lru_cache(maxsize=16)
+def beams_of(body: RobotBody) -> Beams:
+    """The beams of a body; its arrays must not be changed."""
+    poses = poses_of(body.frames)
+    parts: dict[str, list[Floats]] = {name: [] for name in _COLUMNS}
+    kinds: list[npt.NDArray[np.uint8]] = []
+    groups: dict[str, slice] = {}
+    count = 0
+    for group in body.ranges:
+        turn, place = poses.get(group.name, (np.eye(3), np.zeros(3)))
+        angles = group.first + group.step * np.arange(group.beams)
+        directions = np.stack([np.cos(angles), np.sin(angles), np.zeros(group.beams)])
+        ahead, left, up = turn @ directions
+        columns = (
+            *place,
+            np.arctan2(left, ahead),
+            np.arcsin(np.clip(up, -1.0, 1.0)),
+            group.opening,
+            group.ring,
+            group.nearest,
+            group.farthest,
+        )
+        for name, column in zip(_COLUMNS, columns, strict=True):
+            parts[name].append(np.broadcast_to(column, group.beams))
+        kinds.append(np.full(group.beams, group.kind, np.uint8))
+        groups[group.name] = slice(count, count + group.beams)
+        count += group.beams
+    arrays = {name: np.concatenate([np.empty(0), *each]) for name, each in parts.items()}
+    for array in arrays.values():
+        array.flags.writeable = False
+    return Beams(kind=np.concatenate([np.empty(0, np.uint8), *kinds]), groups=groups, **arrays)

@@ -1,0 +1,39 @@
+"""The frames of a body as matrices; axes and angles as in `hub.gcm.body`; pure."""
+
+from __future__ import annotations
+
+import math
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.body import BodyFrame
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+
+
+def poses_of(frames: tuple[BodyFrame, ...]) -> dict[str, tuple[Floats, Floats]]:
+    """The pose of each frame in `base_link`: rotation, shape (3, 3), and origin [m], shape (3,).
+
+    A frame whose parent is not among the frames before it counts from `base_link`.
+    """
+    poses: dict[str, tuple[Floats, Floats]] = {}
+    for frame in frames:
+        turn, origin = poses.get(frame.parent, (np.eye(3), np.zeros(3)))
+        own = turn @ rotation(frame.roll, frame.pitch, frame.yaw)
+        poses[frame.name] = own, origin + turn @ (frame.x, frame.y, frame.z)
+    return poses
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> Floats:
+    """The matrix that turns axes by yaw, then pitch, then roll, shape (3, 3)."""
+    cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    return np.array(
+        (
+            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+            (-sp, cp * sr, cp * cr),
+        )
+    )
