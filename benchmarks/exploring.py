@@ -19,9 +19,9 @@ from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.path_follower import PathFollower as Navigator
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
-from hub.robots.magellan import SimulatedMagellan
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import load_arena
+from tests.support.magellan import SimulatedMagellan
 
 STEP = 0.05
 """Time between two commands to the wheels, and two reports [s]."""

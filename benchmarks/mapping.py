@@ -11,7 +11,6 @@ from benchmarks.figures import report, say
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.pose import Pose
-from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
 from tests.hub.modules.mapping.touring import (
     MatchedPose,
@@ -24,6 +23,7 @@ from tests.hub.modules.mapping.touring import (
     tour,
     true_pose,
 )
+from tests.support.magellan import SimulatedMagellan
 
 SEEDS = (1, 2, 3)
 RESOLUTION, SIZE = 0.05, 40.0

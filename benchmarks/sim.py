@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from benchmarks.figures import median_ms, report
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
-from hub.sim.range_sensors import RangeSensors
 from tests.hub.sim.arenas import free_poses
+from tests.support.magellan import magellan_sensors
 
 POSES = 200
 
@@ -28,8 +26,8 @@ def main() -> None:
         value = median_ms(draw, POSES)
         report(f"sim.picture_{width}x{height}_ms", value, "ms", bar=bar, note=note)
 
-    sensors = RangeSensors(arena.footprints, np.random.SeedSequence(1))
-    value = median_ms(lambda number: sensors.sonar(poses[number % POSES]), 5 * POSES)
+    sensors = magellan_sensors(arena.footprints, 1)
+    value = median_ms(lambda number: sensors.measure("sonar", poses[number % POSES]), 5 * POSES)
     report("sim.sonar_scan_ms", value, "ms", bar=0.3, note=note + ", 16 sonars")
 
 

@@ -22,8 +22,8 @@ from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Measured, MotionSt
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
-from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
+from tests.support.magellan import SimulatedMagellan
 
 DRIVE_S = 0.05
 TELL_CAMERA_S = 0.1

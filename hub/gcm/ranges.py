@@ -48,9 +48,7 @@ class LaserScan:
     range_min: _Reach = 0.0
     range_max: _Reach
     ranges: Annotated[Ranges, Counted("range_count"), Most(MOST_BEAMS)]
-    intensities: Annotated[
-        npt.NDArray[np.float32], Counted("intensity_count"), Most(MOST_BEAMS)
-    ]
+    intensities: Annotated[npt.NDArray[np.float32], Counted("intensity_count"), Most(MOST_BEAMS)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

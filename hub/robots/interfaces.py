@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.navigation import DriveState, GroundTruth
+from hub.gcm.navigation import DriveState, GroundTruth, Twist
 from hub.gcm.ranges import LaserScan
 from hub.gcm.vision import CameraCommand, CameraState
 from hub.robots.left_alone import LeftAlone
@@ -17,8 +17,11 @@ from hub.values import dataclass
 class DriveBase(Protocol):
     """Wheels, range sensors, bumpers and battery; owned by the driver module."""
 
-    def set_velocity(self, linear: float, angular: float) -> None:
-        """Set the velocity: forward [m/s], counter-clockwise [rad/s]; limits apply."""
+    def command(self, twist: Twist) -> None:
+        """Set the velocity in `base_link` [m/s, rad/s]; limits apply.
+
+        A body leaves out the degrees of freedom that it does not have.
+        """
 
     def advance(self, seconds: float) -> None:
         """Advance a simulation; real hardware does nothing here."""

@@ -33,16 +33,10 @@ class RobotKind:
 
 
 def _simulated_base(robot: RobotDescription) -> DriveBase:
-    from hub.robots.magellan import SimulatedMagellan
+    from hub.robots.simulated_base import SimulatedBase
     from hub.sim.arena import load_arena
 
-    return SimulatedMagellan(
-        load_arena(robot.arena),
-        seed=robot.seed,
-        linear_limit=robot.linear_limit,
-        angular_limit=robot.angular_limit,
-        groups=robot.body.ranges,
-    )
+    return SimulatedBase(load_arena(robot.arena), robot.body, seed=robot.seed)
 
 
 def _simulated_camera(robot: RobotDescription) -> Camera:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.body import Bumper
 from hub.pose import Pose
-from hub.sim.arena import BODY_RADIUS, Footprints
+from hub.sim.arena import Footprints
 
 TOUCH = 1e-3
 """A bumper is pressed when something is this near [m]."""
-BUMPERS = 16
 _GAP = 1e-6
 """Distance that is left when the body is pushed out of something [m]."""
 _PUSHES = 6
@@ -26,8 +27,17 @@ class ContactBody:
         contacts: Number of new contacts with an obstacle.
     """
 
-    def __init__(self, footprints: Footprints) -> None:
+    def __init__(self, footprints: Footprints, radius: float, bumpers: Sequence[Bumper]) -> None:
+        """Stand clear of everything.
+
+        Args:
+            footprints: The obstacles.
+            radius: The body is this circle [m].
+            bumpers: Its bumpers.
+        """
         self._obstacles = footprints
+        self._radius = radius
+        self._bumpers = bumpers
         self._boxes = len(footprints.low)
         self._free = 0.0
         self.touched: frozenset[int] = frozenset()
@@ -44,19 +54,21 @@ class ContactBody:
             return wanted
         x, y = self._pushed_out(before, wanted)
         distances = self._obstacles.distances(x, y)
-        self._free = float(distances.min(initial=math.inf)) - BODY_RADIUS
-        touched = frozenset(np.flatnonzero(distances < BODY_RADIUS + TOUCH).tolist())
+        self._free = float(distances.min(initial=math.inf)) - self._radius
+        touched = frozenset(np.flatnonzero(distances < self._radius + TOUCH).tolist())
         self.contacts += len(touched - self.touched)
         self.touched = touched
         return Pose(x=x, y=y, theta=wanted.theta)
 
     def bumpers(self, pose: Pose) -> int:
-        """Bit i is set when bumper i, at 22.5 i degrees from ahead, is pressed."""
+        """Bit i is set when something touches bumper i."""
         bits = 0
         for number in self.touched:
             x, y = self._nearest_point(number, pose.x, pose.y)
             direction = math.atan2(y - pose.y, x - pose.x) - pose.theta
-            bits |= 1 << round(direction * BUMPERS / (2 * math.pi)) % BUMPERS
+            for place, bumper in enumerate(self._bumpers):
+                off = math.remainder(direction - bumper.direction, math.tau)
+                bits |= (abs(off) <= bumper.width / 2.0) << place
         return bits
 
     def _pushed_out(self, before: Pose, wanted: Pose) -> tuple[float, float]:
@@ -64,7 +76,7 @@ class ContactBody:
         x, y = wanted.x, wanted.y
         for _ in range(_PUSHES):
             distances = self._obstacles.distances(x, y)
-            if float(distances.min(initial=math.inf)) >= BODY_RADIUS:
+            if float(distances.min(initial=math.inf)) >= self._radius:
                 return x, y
             deepest = int(distances.argmin())
             near_x, near_y = self._nearest_point(deepest, x, y)
@@ -72,7 +84,7 @@ class ContactBody:
             length = float(np.hypot(away[0], away[1]))
             if length < _GAP:
                 break
-            scale = (BODY_RADIUS + _GAP) / length
+            scale = (self._radius + _GAP) / length
             x, y = near_x + float(away[0]) * scale, near_y + float(away[1]) * scale
         return before.x, before.y
 

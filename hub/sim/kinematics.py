@@ -1,4 +1,4 @@
-"""How wheels follow commands and move a differential-drive base; pure."""
+"""How wheels follow commands and move a wheeled base; pure."""
 
 from __future__ import annotations
 
@@ -45,12 +45,20 @@ def approach(velocity: float, target: float, accelerations: Accelerations, secon
     return velocity + max(-gain, min(gain, target - velocity))
 
 
-def moved(pose: Pose, distance: float, turn: float) -> Pose:
-    """The pose after an arc of the given length [m] and turn [rad]."""
+def moved(pose: Pose, distance: float, turn: float, sideways: float = 0.0) -> Pose:
+    """The pose after an arc of the given length [m] and turn [rad].
+
+    Args:
+        pose: The pose before.
+        distance: Ahead, along the arc [m].
+        turn: Counter-clockwise [rad].
+        sideways: To the left, along the arc [m].
+    """
     half = turn / 2.0
-    chord = distance * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+    chord = math.sin(half) / half if abs(half) > 1e-9 else 1.0
+    cosine, sine = math.cos(pose.theta + half), math.sin(pose.theta + half)
     return Pose(
-        x=pose.x + chord * math.cos(pose.theta + half),
-        y=pose.y + chord * math.sin(pose.theta + half),
+        x=pose.x + chord * (distance * cosine - sideways * sine),
+        y=pose.y + chord * (distance * sine + sideways * cosine),
         theta=wrapped(pose.theta + turn),
     )

@@ -56,10 +56,12 @@ class Odometry:
         self._chunk_left = 0.0
         self.pose = Pose(x=0.0, y=0.0, theta=0.0)
 
-    def moved(self, distance: float, turn: float, seconds: float) -> None:
-        """Add a motion of the wheels: distance [m] and turn [rad] in this time [s]."""
-        if distance == 0.0 and turn == 0.0:
+    def moved(self, ahead: float, turn: float, seconds: float, sideways: float = 0.0) -> None:
+        """Add a motion of the wheels in some time [s]: ahead and to the left [m], turn [rad]."""
+        if ahead == 0.0 and turn == 0.0 and sideways == 0.0:
             return
+        distance = math.copysign(math.hypot(ahead, sideways), ahead) if sideways else ahead
+        direction = math.atan2(sideways, ahead) if ahead >= 0.0 else math.atan2(-sideways, -ahead)
         if self._chunk_left <= 0.0:
             first, way, second = self._random.standard_normal(3).tolist()
             self._errors = (first, way, second)
@@ -77,7 +79,7 @@ class Odometry:
         driven = distance * self._way_slip + way_spread * way
         heading = self.pose.theta + first_turn
         self.pose = Pose(
-            x=self.pose.x + driven * math.cos(heading),
-            y=self.pose.y + driven * math.sin(heading),
+            x=self.pose.x + driven * math.cos(heading + direction),
+            y=self.pose.y + driven * math.sin(heading + direction),
             theta=wrapped(heading + second_turn),
         )

@@ -1,24 +1,21 @@
-"""Sonars and infrared sensors on the robot's rim, as rays in the plane."""
+"""Sonars, infrared sensors and lasers as rays in the plane, wherever a body has them."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.navigation import SENSOR_COUNT
+from hub.gcm.beams import Beams
+from hub.gcm.body import RangeKind
 from hub.pose import Pose
-from hub.sim.arena import BODY_RADIUS, Footprints
+from hub.sim.arena import Footprints
 
 Floats = npt.NDArray[np.float64]
 
-SONAR_RING = 0.200
-"""Radius of the ring of transducers [m], Player config/magellan.cfg."""
-SONAR_FARTHEST = 5.1
-"""Farthest echo, from the robot's centre [m]: 30 ms at the speed of sound."""
-SONAR_CONE = math.radians(27.0)
-"""Opening angle of a transducer's beam [rad]."""
 SONAR_INCIDENCE = math.radians(25.0)
 """A smooth wall hit at a larger angle than this sends no echo back [rad]."""
 SONAR_EDGE_FARTHEST = 1.0
@@ -30,12 +27,13 @@ The limit is our assumption; it keeps to the weak side.
 """
 SONAR_NOISE = 0.01
 """Standard deviation of a range, as a share of it."""
-INFRARED_NEAREST = 0.10
-"""Least range from the rim [m]."""
-INFRARED_FARTHEST = 0.80
-"""Largest range from the rim, even on a bright surface [m]."""
 INFRARED_NOISE = 0.02
 """Standard deviation of a range on a bright surface, as a share of the distance from the rim."""
+
+LASER_NOISE = 0.01
+"""Standard deviation of a near range [m]; our assumption, after small indoor scanners."""
+LASER_NOISE_SHARE = 0.002
+"""What each metre of a range adds to it."""
 
 _RAYS_PER_CONE = 13
 _DARKEST = 0.15
@@ -47,66 +45,127 @@ _EDGE_CLEARANCE = 0.005
 """Largest distance between a ray's hit and an edge that count as the same [m]."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Group:
+    """The sensors of one group in `base_link`, each array of shape (n,).
+
+    Attributes:
+        x: Origin of the ranges [m].
+        y: Origin of the ranges [m].
+        bearing: Direction [rad].
+        opening: Whole angle of a cone [rad].
+        ring: Distance of the sensors from the origin of their ranges [m].
+        nearest: Least range [m].
+        farthest: Largest range [m].
+    """
+
+    x: Floats
+    y: Floats
+    bearing: Floats
+    opening: float
+    ring: float
+    nearest: float
+    farthest: float
+
+    def placed(self, pose: Pose) -> tuple[Floats, Floats, Floats]:
+        """Directions [rad], their unit vectors, and places of the sensors [m] at a pose."""
+        bearing = self.bearing + pose.theta
+        towards = _unit(bearing)
+        x, y = pose.outward(self.x, self.y)
+        return bearing, towards, towards * self.ring + np.stack((x, y), axis=1)
+
+    def reach(self) -> float:
+        """The farthest point that a sensor can meet, from the robot's centre [m]."""
+        return self.farthest + float(np.hypot(self.x, self.y).max(initial=0.0))
+
+
+class _Sensors(Protocol):
+    """The sensors of one group; the obstacles are those within reach of the pose."""
+
+    def ranges(self, obstacles: Footprints, pose: Pose) -> Floats:
+        """Range of each from its origin [m], shape (n,); inf: nothing within reach."""
+
+
 class RangeSensors:
     """All range sensors of one robot among the obstacles of one arena."""
 
-    def __init__(self, obstacles: Footprints, seed: np.random.SeedSequence) -> None:
-        self._obstacles = obstacles
-        sonar_seed, infrared_seed = seed.spawn(2)
-        self._sonar_noise = np.random.default_rng(sonar_seed)
-        self._infrared_noise = np.random.default_rng(infrared_seed)
-        axes: Floats = np.arange(SENSOR_COUNT, dtype=np.float64)
-        axes *= 2 * math.pi / SENSOR_COUNT
-        within = np.linspace(-SONAR_CONE / 2, SONAR_CONE / 2, _RAYS_PER_CONE)
-        self._axes = axes
-        self._cone: Floats = (axes[:, None] + within).ravel()
-        self._edges = _upright_edges(obstacles)
-        # Without noise; a robot that stands casts no rays again.
-        self._seen_at: Pose | None = None
-        self._echoes: Floats = np.empty(0)
-        self._reflections: tuple[Floats, Floats] = (np.empty(0), np.empty(0))
+    def __init__(self, obstacles: Footprints, beams: Beams, seed: np.random.SeedSequence) -> None:
+        """Take the sensors that a body has.
 
-    def sonar(self, pose: Pose) -> npt.NDArray[np.float32]:
-        """Range of every sonar from the centre [m], shape (16,); inf where no echo returns.
-
-        The nearest ray of a cone that meets a surface squarely enough makes the echo, or an edge
-        that is nearer still.
+        Args:
+            obstacles: All obstacles of the arena.
+            beams: The body's beams; elevations count as 0.
+            seed: Of the noise.
         """
-        noise = self._sonar_noise.standard_normal(SENSOR_COUNT)
-        self._look(pose)
-        ranges = (self._echoes + SONAR_RING) * (1.0 + SONAR_NOISE * noise)
-        return np.where(ranges <= SONAR_FARTHEST, ranges, np.inf).astype(np.float32)
+        self._obstacles = obstacles
+        edges = _upright_edges(obstacles)
+        self._groups: dict[str, tuple[_Group, _Sensors]] = {}
+        seeds = seed.spawn(len(beams.groups))
+        for (name, place), own in zip(beams.groups.items(), seeds, strict=True):
+            group = _Group(
+                x=beams.x[place],
+                y=beams.y[place],
+                bearing=beams.bearing[place],
+                opening=float(beams.opening[place][0]),
+                ring=float(beams.ring[place][0]),
+                nearest=float(beams.nearest[place][0]),
+                farthest=float(beams.farthest[place][0]),
+            )
+            noise = np.random.default_rng(own)
+            kind = RangeKind(int(beams.kind[place][0]))
+            sensors: _Sensors
+            if kind is RangeKind.INFRARED:
+                sensors = _InfraredSensors(group, noise)
+            elif kind is RangeKind.LASER:
+                sensors = _Laser(group, noise)
+            else:
+                sensors = _Sonars(group, noise, edges)
+            self._groups[name] = group, sensors
 
-    def _look(self, pose: Pose) -> None:
-        """Cast the rays of all sensors, unless they were cast from this pose last time."""
-        if pose != self._seen_at:
-            self._seen_at = pose
-            self._echoes = self._nearest_echoes(pose)
-            self._reflections = self._infrared_hits(pose)
+    def measure(self, name: str, pose: Pose) -> npt.NDArray[np.float32]:
+        """Range of each sensor of a group from its origin [m], shape (n,); inf: nothing there."""
+        group, sensors = self._groups[name]
+        obstacles = _within(self._obstacles, pose, group.reach())
+        return sensors.ranges(obstacles, pose).astype(np.float32)
 
-    def _nearest_echoes(self, pose: Pose) -> Floats:
-        """Distance of the nearest echo of each sonar [m], inf for none, shape (16,)."""
-        directions = _unit(self._cone + pose.theta)
-        mounts = _unit(self._axes + pose.theta) * SONAR_RING + (pose.x, pose.y)
+
+class _Sonars:
+    """Sonars: the nearest ray of a cone that meets a surface squarely makes the echo.
+
+    An edge that is nearer still makes it instead.
+    """
+
+    def __init__(self, group: _Group, noise: np.random.Generator, edges: Floats) -> None:
+        self._group = group
+        self._noise = noise
+        self._edges = edges
+        within = np.linspace(-group.opening / 2, group.opening / 2, _RAYS_PER_CONE)
+        self._cone: Floats = (group.bearing[:, None] + within).ravel()
+
+    def ranges(self, obstacles: Footprints, pose: Pose) -> Floats:
+        group = self._group
+        noise = self._noise.standard_normal(len(group.bearing))
+        bearing, _, mounts = group.placed(pose)
         origins = mounts.repeat(_RAYS_PER_CONE, axis=0)
-        reach = SONAR_FARTHEST - SONAR_RING
-        obstacles = _within(self._obstacles, pose, SONAR_FARTHEST)
-        distance, squareness, _ = first_hits(obstacles, origins, directions)
+        distance, squareness, _ = first_hits(obstacles, origins, _unit(self._cone + pose.theta))
+        reach = group.farthest - group.ring
         echoes = (squareness >= math.cos(SONAR_INCIDENCE)) & (distance <= reach)
-        distance = np.where(echoes, distance, np.inf).reshape(SENSOR_COUNT, -1).min(axis=1)
-        nearest: Floats = np.minimum(distance, self._nearest_edges(obstacles, pose))
-        return nearest
+        distance = np.where(echoes, distance, np.inf).reshape(-1, _RAYS_PER_CONE).min(axis=1)
+        distance = np.minimum(distance, self._nearest_edges(obstacles, pose, bearing, mounts))
+        ranges = np.maximum((distance + group.ring) * (1.0 + SONAR_NOISE * noise), group.nearest)
+        return np.where(ranges <= group.farthest, ranges, np.inf)
 
-    def _nearest_edges(self, obstacles: Footprints, pose: Pose) -> Floats:
-        """Distance of the nearest edge that each sonar detects [m], inf for none, shape (16,)."""
-        nearest = np.full((SENSOR_COUNT,), np.inf)
-        reach = SONAR_RING + SONAR_EDGE_FARTHEST
+    def _nearest_edges(
+        self, obstacles: Footprints, pose: Pose, bearing: Floats, mounts: Floats
+    ) -> Floats:
+        """Distance of the nearest edge that each sonar detects [m], inf for none, shape (n,)."""
+        nearest = np.full(len(bearing), np.inf)
+        reach = self._group.reach() - self._group.farthest + self._group.ring + SONAR_EDGE_FARTHEST
         near = np.hypot(*(self._edges - (pose.x, pose.y)).T) <= reach
-        mounts = _unit(self._axes + pose.theta) * SONAR_RING + (pose.x, pose.y)
         ways = self._edges[near] - mounts[:, None]
         away = np.hypot(ways[..., 0], ways[..., 1])
-        off = np.arctan2(ways[..., 1], ways[..., 0]) - self._axes[:, None] - pose.theta
-        heard = (away <= SONAR_EDGE_FARTHEST) & (np.cos(off) >= math.cos(SONAR_CONE / 2))
+        off = np.arctan2(ways[..., 1], ways[..., 0]) - bearing[:, None]
+        heard = (away <= SONAR_EDGE_FARTHEST) & (np.cos(off) >= math.cos(self._group.opening / 2))
         sonar, edge = np.nonzero(heard & (away > 0.0))
         if len(sonar):
             length = away[sonar, edge]
@@ -115,28 +174,45 @@ class RangeSensors:
             np.minimum.at(nearest, sonar[clear], length[clear])
         return nearest
 
-    def infrared(self, pose: Pose) -> npt.NDArray[np.float32]:
-        """Range of every infrared sensor from the centre [m], shape (16,); inf: nothing seen.
 
-        Dark surfaces send little light back: they are seen less far and less exactly.
-        """
-        noise = self._infrared_noise.standard_normal(SENSOR_COUNT)
-        self._look(pose)
-        distance, strength = self._reflections
-        seen = distance <= INFRARED_FARTHEST * strength
-        measured = np.where(seen, distance, 0.0) * (1.0 + INFRARED_NOISE / strength * noise)
-        measured = np.clip(measured, INFRARED_NEAREST, INFRARED_FARTHEST)
-        return np.where(seen, measured + BODY_RADIUS, np.inf).astype(np.float32)
+class _InfraredSensors:
+    """Infrared sensors: dark surfaces are seen less far and less exactly."""
 
-    def _infrared_hits(self, pose: Pose) -> tuple[Floats, Floats]:
-        """Distance of the surface before each infrared sensor [m], and how well it reflects."""
-        directions = _unit(self._axes + pose.theta)
-        origins = directions * BODY_RADIUS + (pose.x, pose.y)
-        obstacles = _within(self._obstacles, pose, BODY_RADIUS + INFRARED_FARTHEST)
-        distance, _, number = first_hits(obstacles, origins, directions)
+    def __init__(self, group: _Group, noise: np.random.Generator) -> None:
+        self._group = group
+        self._noise = noise
+
+    def ranges(self, obstacles: Footprints, pose: Pose) -> Floats:
+        group = self._group
+        noise = self._noise.standard_normal(len(group.bearing))
+        _, towards, mounts = group.placed(pose)
+        distance, _, number = first_hits(obstacles, mounts, towards)
         brightness = np.append(obstacles.brightness, 1.0)[number]
         strength = np.sqrt(np.clip(brightness, _DARKEST, _FULL_BRIGHTNESS) / _FULL_BRIGHTNESS)
-        return distance, strength
+        seen = distance <= (group.farthest - group.ring) * strength
+        measured = np.where(seen, distance, 0.0) * (1.0 + INFRARED_NOISE / strength * noise)
+        ranges = np.clip(measured + group.ring, group.nearest, group.farthest)
+        return np.where(seen, ranges, np.inf)
+
+
+class _Laser:
+    """A laser scanner: narrow beams, and an error that grows little with the range."""
+
+    def __init__(self, group: _Group, noise: np.random.Generator) -> None:
+        self._group = group
+        self._noise = noise
+
+    def ranges(self, obstacles: Footprints, pose: Pose) -> Floats:
+        group = self._group
+        noise = self._noise.standard_normal(len(group.bearing))
+        _, towards, mounts = group.placed(pose)
+        distance, _, _ = first_hits(obstacles, mounts, towards)
+        ranges = distance + group.ring
+        error = (
+            LASER_NOISE + LASER_NOISE_SHARE * np.where(np.isfinite(ranges), ranges, 0.0)
+        ) * noise
+        within = (ranges >= group.nearest) & (ranges <= group.farthest)
+        return np.where(within, np.maximum(ranges + error, group.nearest), np.inf)
 
 
 def first_hits(

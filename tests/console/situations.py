@@ -33,7 +33,6 @@ from hub.gcm.occupancy_map import OccupancyMap
 from hub.pose import Pose
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
-from hub.sim.range_sensors import RangeSensors
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.picture import PictureFile
 from rune_tui.layout.spec import LayoutSpec
@@ -44,6 +43,7 @@ from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import described, robot_of
 from tests.support.footprints import distances
+from tests.support.magellan import magellan_sensors
 from tests.support.messages import robot_state
 
 ROOT: Final = Path(__file__).parents[2]
@@ -70,8 +70,8 @@ def _seen(pose: Pose) -> Picture:
 
 @functools.cache
 def _ranges(pose: Pose) -> tuple[Any, Any]:
-    sensors = RangeSensors(load_arena("yellow").footprints, np.random.SeedSequence(0))
-    return sensors.sonar(pose), sensors.infrared(pose)
+    sensors = magellan_sensors(load_arena("yellow").footprints, 0)
+    return sensors.measure("sonar", pose), sensors.measure("infrared", pose)
 
 
 @functools.cache

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from hub.robots.description import RobotDescription
 from hub.robots.left_alone import LeftAlone
-from hub.robots.magellan import SimulatedMagellan
 from hub.robots.registry import RobotKind
 from hub.sim.arena import load_arena
+from tests.support.magellan import SimulatedMagellan
 
 VARIABLE = "RUNE_TEST_DEEDS"
 """Names the file."""

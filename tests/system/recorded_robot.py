@@ -16,10 +16,12 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from hub.gcm.navigation import Twist
 from hub.robots.description import RobotDescription
-from hub.robots.magellan import STEP, SimulatedMagellan
 from hub.robots.registry import RobotKind
+from hub.robots.simulated_base import STEP
 from hub.sim.arena import load_arena
+from tests.support.magellan import SimulatedMagellan
 
 STILL = 1e-3
 """A robot that is slower stands [m/s, rad/s]."""
@@ -63,10 +65,10 @@ class RecordedMagellan(SimulatedMagellan):
         atexit.register(self._roll_out)
         self._write()
 
-    def set_velocity(self, linear: float, angular: float) -> None:
+    def command(self, twist: Twist) -> None:
         """As every base, and note it."""
         before = self._commanded
-        super().set_velocity(linear, angular)
+        super().command(twist)
         if self._commanded != before:
             self._write()
 
@@ -76,7 +78,9 @@ class RecordedMagellan(SimulatedMagellan):
         self._write()
 
     def _write(self) -> None:
-        row = Row(time.monotonic(), *self._commanded, self._linear, self._angular)
+        row = Row(
+            time.monotonic(), self._commanded[0], self._commanded[2], self._linear, self._angular
+        )
         os.write(self._file, _ROW.pack(*row))
 
     def _roll_out(self) -> None:

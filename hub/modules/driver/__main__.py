@@ -53,9 +53,7 @@ class Driver:
         now = time.monotonic()
         obeys = self._navigator.obeys(reception.publisher, now)
         if obeys and self._watchdog.allows(now - reception.age, now, neutral=twist.neutral):
-            self._silence.due = self._watchdog.deadline
-            self._advance(now)  # the time until now passes with the velocity before
-            self._base.set_velocity(twist.linear.x, twist.angular.z)
+            self._base.command(twist)
             if not twist.neutral:
                 self._loss.watch.moved(now)
                 self._report_by(now + _PERIOD)
@@ -68,20 +66,8 @@ class Driver:
         now = time.monotonic()
         self._advance(now)
         if self._watchdog.expired(now):
-            self._base.set_velocity(0.0, 0.0)
-
-    def _report(self) -> None:
-        self._watch()
-        self._loss.update(self._stepped)
-        rests = self._publish()
-        period = _RESTING_PERIOD if rests else _PERIOD
-        # After a pause the reports that were missed are left out.
-        self._next_report.due = self._report_at = max(self._report_at + period, self._stepped)
-
-    def _report_by(self, time: float) -> None:
-        self._next_report.due = self._report_at = min(self._report_at, time)
-
-    def _advance(self, now: float) -> None:
+            self._base.command(navigation.Twist())
+        self._loss.update(now)
         self._base.advance(min(now - self._stepped, _LONGEST_STEP))
         self._stepped = now
         self._steps += 1
@@ -106,7 +92,7 @@ class Driver:
 
     def finish(self) -> None:
         """Stop the wheels."""
-        self._base.set_velocity(0.0, 0.0)
+        self._base.command(navigation.Twist())
         self._publish()
 
 

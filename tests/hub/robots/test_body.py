@@ -24,7 +24,7 @@ def test_a_shipped_kind_brings_its_body(tmp_path: Path) -> None:
     assert not problems
     body = robot.body
     assert (body.name, body.kind) == ("crawler", "simulated-magellan")
-    assert (body.radius, body.footprint, body.height) == (0.205, (), 0.45)
+    assert (body.radius, body.footprint, body.height) == (0.203, (), 0.45)
     assert [(each.name, each.beams) for each in body.ranges] == [("sonar", 16), ("infrared", 16)]
     assert body.ranges[0].step == pytest.approx(math.tau / 16)
     assert len(body.bumpers) == 16
@@ -46,7 +46,7 @@ def test_a_robot_file_replaces_parts_of_the_body_of_its_kind(tmp_path: Path) -> 
     )
     assert not problems
     body = robot.body
-    assert (body.radius, body.height) == (0.205, 0.6)
+    assert (body.radius, body.height) == (0.203, 0.6)
     assert [motion.freedom for motion in body.motions] == [
         Freedom.SURGE,
         Freedom.SWAY,

@@ -10,12 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hub.pose import Pose, wrapped
-from hub.robots.magellan import LONGEST_ADVANCE, STEP, SimulatedMagellan
+from hub.robots.simulated_base import LONGEST_ADVANCE, STEP
 from hub.sim.arena import BODY_RADIUS, Arena, load_arena
 from hub.sim.battery import Battery
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
 from tests.hub.sim.arenas import VOID, arena_of
 from tests.support.cases import for_each
+from tests.support.magellan import SimulatedMagellan
 from tests.support.repetitions import repetitions
 
 YELLOW = load_arena("yellow")

@@ -9,7 +9,6 @@ import pytest
 
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.pose import Pose
-from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import Arena
 from tests.hub.modules.mapping.touring import (
     Floats,
@@ -23,6 +22,7 @@ from tests.hub.modules.mapping.touring import (
     true_pose,
 )
 from tests.hub.sim.arenas import arena_of
+from tests.support.magellan import SimulatedMagellan
 
 ROOM = """
 name = "room"

@@ -17,10 +17,10 @@ from hub.modules.mapping.scans import ScanSelector
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.pose import Pose, wrapped
-from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import BODY_RADIUS, Arena
 from hub.sim.range_sensors import first_hits
 from tests.support.footprints import distances
+from tests.support.magellan import SimulatedMagellan
 
 Floats = npt.NDArray[np.float64]
 

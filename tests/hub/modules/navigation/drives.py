@@ -11,9 +11,9 @@ from hub.gcm.navigation import GroundTruth
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.path_follower import PathFollower
 from hub.pose import Pose
-from hub.robots.magellan import SimulatedMagellan
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import BODY_RADIUS, Arena
+from tests.support.magellan import SimulatedMagellan
 
 BODY = body_of(read_description(find_robot_file("magellan"))[0])
 STEP = 0.01

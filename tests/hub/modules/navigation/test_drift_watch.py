@@ -17,7 +17,6 @@ from hub.modules.navigation.drift_watch import OLDEST_S, YOUNGEST_S, DriftWatch
 from hub.modules.navigation.matching import drift
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
-from hub.robots.magellan import SimulatedMagellan
 from hub.sim.arena import load_arena
 from tests.hub.modules.mapping.touring import (
     MatchedPose,
@@ -28,6 +27,7 @@ from tests.hub.modules.mapping.touring import (
     tour,
 )
 from tests.support.cases import for_each
+from tests.support.magellan import SimulatedMagellan
 
 ROUND = ((5.2, 4.6), (2.7, 4.35), (2.7, 1.9), (1.9, 1.5), (5.2, 1.4), (5.2, 4.6))
 """In the yellow arena's office and hall [m]."""

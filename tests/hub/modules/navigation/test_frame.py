@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from hub.gcm.navigation import DriveState
 from hub.modules.navigation.frame import FrameMemory, MapFrame, chosen
 from hub.pose import Pose
-from hub.robots.magellan import SimulatedMagellan
 from tests.hub.sim.arenas import arena_of
+from tests.support.magellan import SimulatedMagellan
 
 ROOM = """
 name = "room"

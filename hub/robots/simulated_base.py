@@ -1,0 +1,166 @@
+"""A simulated base on wheels, of any body: what its robot file describes."""
+
+from __future__ import annotations
+
+import math
+import zlib
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.beams import beams_of
+from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.navigation import SENSOR_COUNT, DriveState, GroundTruth, Twist
+from hub.gcm.ranges import LaserScan, scan_of
+from hub.pose import Pose
+from hub.sim.arena import Arena
+from hub.sim.battery import Battery
+from hub.sim.contact import ContactBody
+from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
+from hub.sim.odometry import Odometry
+from hub.sim.range_sensors import RangeSensors
+
+STEP = 0.01
+"""Length of a step of the simulation [s]."""
+STEPS_PER_SCAN = 10
+"""All range sensors measure together at 10 Hz."""
+LONGEST_ADVANCE = 5.0
+"""Longest advance of one call [s]; more is dropped, for example after a suspended process."""
+_ROUNDING = 1e-9
+_NO_SENSORS = np.full(SENSOR_COUNT, np.nan, np.float32)
+
+
+class SimulatedBase:
+    """Wheels, range sensors, bumpers and battery of any body in an arena; implements `DriveBase`.
+
+    The same seed and the same calls give the same values to the last bit. Reading a state changes
+    nothing. Sensors scan at 10 Hz of simulated time; between two scans they report the last ranges.
+    """
+
+    def __init__(self, arena: Arena, body: RobotBody, *, seed: int = 0) -> None:
+        """Stand at the start of the arena.
+
+        Args:
+            arena: Its arena.
+            body: Its outline (the circle counts), velocities, range sensors and bumpers.
+            seed: Of all noise.
+        """
+        odometry_seed, sensor_seed = np.random.SeedSequence(seed).spawn(2)
+        self._limits = {motion.freedom: motion.limit for motion in body.motions}
+        self._body = ContactBody(arena.footprints, body.radius, body.bumpers)
+        self._odometry = Odometry(odometry_seed)
+        self._groups = body.ranges
+        self._sensors = RangeSensors(arena.footprints, beams_of(body), sensor_seed)
+        self._battery = Battery()
+        self._commanded = (0.0, 0.0, 0.0)
+        self._linear = 0.0
+        self._sway = 0.0
+        self._angular = 0.0
+        self._steps = 0
+        self._time_left = 0.0
+        self._measured: dict[str, npt.NDArray[np.float32]] = {}
+        self._is_new = False
+        # Compute the contacts of the body at the start.
+        self._pose = self._body.move(arena.start, arena.start)
+        # Its world restarts with it, and it always starts at the same place of its arena.
+        self._origin = zlib.crc32(repr((arena.name, arena.start)).encode()) | 1
+        self._scan()
+
+    def command(self, twist: Twist) -> None:
+        """Set the velocity; NaN counts as 0, and what the body cannot do is left out."""
+        wanted = (
+            (Freedom.SURGE, twist.linear.x),
+            (Freedom.SWAY, twist.linear.y),
+            (Freedom.YAW, twist.angular.z),
+        )
+        surge, sway, yaw = (
+            limited(velocity, self._limits.get(freedom, 0.0)) for freedom, velocity in wanted
+        )
+        self._commanded = (surge, sway, yaw)
+
+    def advance(self, seconds: float) -> None:
+        """Advance the simulated time in whole steps; the rest counts in the next call."""
+        if not seconds > 0.0:
+            return
+        self._time_left += min(seconds, LONGEST_ADVANCE)
+        while self._time_left >= STEP - _ROUNDING:
+            self._time_left -= STEP
+            self._step()
+
+    def drive_state(self, stamp: float) -> DriveState:
+        """The present measurements of encoders, range sensors, bumpers and battery."""
+        pose = self._odometry.pose
+        return DriveState(
+            stamp=stamp,
+            x=pose.x,
+            y=pose.y,
+            theta=pose.theta,
+            linear=self._linear,
+            angular=self._angular,
+            commanded_linear=self._commanded[0],
+            commanded_angular=self._commanded[2],
+            sonar=self._sixteen("sonar"),
+            infrared=self._sixteen("infrared"),
+            bumpers=self._body.bumpers(self._pose),
+            battery_voltage=self._battery.voltage,
+            battery_fraction=self._battery.fraction,
+            origin=self._origin,
+        )
+
+    def _sixteen(self, name: str) -> npt.NDArray[np.float32]:
+        """The ranges of a ring of sixteen, for receivers that do not take `GCM_Ranges` yet."""
+        measured = self._measured.get(name, _NO_SENSORS)
+        return measured.copy() if measured.shape == _NO_SENSORS.shape else _NO_SENSORS
+
+    def ranges(self, stamp: float) -> tuple[LaserScan, ...] | None:
+        """The newest ranges of each group; None: nothing is new."""
+        if not self._is_new:
+            return None
+        self._is_new = False
+        return tuple(scan_of(group, self._measured[group.name], stamp) for group in self._groups)
+
+    def ground_truth(self) -> GroundTruth:
+        """Its true pose in the arena's frame."""
+        return GroundTruth(
+            time=self._steps * STEP,
+            x=self._pose.x,
+            y=self._pose.y,
+            theta=self._pose.theta,
+            linear=self._linear,
+            angular=self._angular,
+            commanded_linear=self._commanded[0],
+            commanded_angular=self._commanded[2],
+            contacts=self._body.contacts,
+            touching=int(bool(self._body.touched)),
+        )
+
+    def _step(self) -> None:
+        surge, sway, yaw = self._commanded
+        linear = approach(self._linear, surge, LINEAR, STEP)
+        sideways = approach(self._sway, sway, LINEAR, STEP)
+        angular = approach(self._angular, yaw, ANGULAR, STEP)
+        before = self._pose
+        wanted = moved(before, linear * STEP, angular * STEP, sideways * STEP)
+        self._pose = self._body.move(before, wanted)
+        if self._body.touched:
+            heading = before.theta + angular * STEP / 2
+            linear = self._held_back(linear, before, heading)
+            sideways = self._held_back(sideways, before, heading + math.pi / 2)
+        self._linear, self._sway, self._angular = linear, sideways, angular
+        self._odometry.moved(linear * STEP, angular * STEP, STEP, sideways * STEP)
+        self._battery = self._battery.after(STEP, math.hypot(linear, sideways), angular)
+        self._steps += 1
+        if self._steps % STEPS_PER_SCAN == 0:
+            self._scan()
+
+    def _held_back(self, velocity: float, before: Pose, heading: float) -> float:
+        """Velocity against an obstacle: wheels grip the floor, motors stall."""
+        away_x, away_y = self._pose.x - before.x, self._pose.y - before.y
+        along = away_x * math.cos(heading) + away_y * math.sin(heading)
+        return max(min(along / STEP, max(velocity, 0.0)), min(velocity, 0.0))
+
+    def _scan(self) -> None:
+        self._measured = {
+            group.name: self._sensors.measure(group.name, self._pose) for group in self._groups
+        }
+        self._is_new = True

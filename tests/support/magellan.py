@@ -1,0 +1,45 @@
+"""The simulated Magellan of the tests: the body of the shipped kind in any arena."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+
+import numpy as np
+
+from hub.gcm.beams import beams_of
+from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.navigation import Twist
+from hub.robots.robot_file import find_robot_file, read_description
+from hub.robots.simulated_base import SimulatedBase
+from hub.sim.arena import Arena, Footprints
+from hub.sim.range_sensors import RangeSensors
+
+
+@functools.cache
+def magellan_body() -> RobotBody:
+    return read_description(find_robot_file("magellan"))[0].body
+
+
+def magellan_sensors(obstacles: Footprints, seed: int) -> RangeSensors:
+    return RangeSensors(obstacles, beams_of(magellan_body()), np.random.SeedSequence(seed))
+
+
+class SimulatedMagellan(SimulatedBase):
+    def __init__(
+        self,
+        arena: Arena,
+        *,
+        seed: int = 0,
+        linear_limit: float = 0.5,
+        angular_limit: float = 1.0,
+    ) -> None:
+        limits = {Freedom.SURGE: linear_limit, Freedom.YAW: angular_limit}
+        motions = tuple(
+            dataclasses.replace(motion, limit=limits[motion.freedom])
+            for motion in magellan_body().motions
+        )
+        super().__init__(arena, dataclasses.replace(magellan_body(), motions=motions), seed=seed)
+
+    def set_velocity(self, linear: float, angular: float) -> None:
+        self.command(Twist.planar(linear, angular))
