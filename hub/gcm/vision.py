@@ -9,6 +9,7 @@ from typing import Annotated, TypeAlias
 from hub.gcm.fields import (
     Flag,
     MetresIfKnown,
+    Name,
     Octets,
     Radians,
     RadiansIfKnown,
@@ -60,6 +61,7 @@ class ImageRequest:
         height_px: Height wanted; the answer is never larger than the camera's.
         quality: 1 to 100, as in JPEG and WebP; RLE: 100 is exact, less keeps fewer shades.
         coding: Coding of the picture.
+        camera: Name of the camera; empty: the main one.
     """
 
     kind: ImageKind = ImageKind.COLOUR
@@ -67,6 +69,7 @@ class ImageRequest:
     height_px: Annotated[int, Range(1, 0x7FFF_FFFF)] = 120
     quality: Annotated[int, Range(1, 100)] = 60
     coding: ImageCoding = ImageCoding.RLE
+    camera: Name = ""
 
 
 IMAGE_REQUEST = MessageDefinition(name="GCM_Image_Request", type=ImageRequest)
@@ -93,6 +96,9 @@ class CameraState:
         robot_theta: Its heading then in `map` [rad]; NaN: not known.
         gain: Factor on the brightness of pictures; 1: unchanged.
         headlight: Brightness of the headlight, 0 to 1; NaN: none.
+        name: Name of the camera, as in `GCM_RobotDescription`.
+        mount_left: Camera to the left of the robot's centre [m].
+        mount_yaw: Direction in which it looks at pan 0, from straight ahead [rad].
     """
 
     stamp: Stamp
@@ -111,9 +117,13 @@ class CameraState:
     robot_theta: RadiansIfKnown = math.nan
     gain: Annotated[float, Range(0.0, 1e6), FLOAT32] = 1.0
     headlight: Annotated[ShareIfKnown, FLOAT32] = math.nan
+    name: Name = ""
+    mount_left: Mount = 0.0
+    mount_yaw: Radians = 0.0
 
 
 CAMERA_STATE = MessageDefinition(name="GCM_CameraState", type=CameraState, rate_hz=10.0)
+"""The state of the main camera; those of the others come with their pictures."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,12 +176,14 @@ class CameraCommand:
         pan: [rad], positive left; NaN leaves it.
         tilt: [rad], positive up; NaN leaves it.
         zoom: 0 to 1 (or the change of it); NaN leaves it.
+        camera: Name of the camera; empty: the main one.
     """
 
     motion: CameraMotion = CameraMotion.RELATIVE
     pan: RadiansIfKnown = 0.0
     tilt: RadiansIfKnown = 0.0
     zoom: Annotated[float, Range(-1.0, 1.0, nan=True)] = 0.0
+    camera: Name = ""
 
 
 CAMERA_COMMAND = MessageDefinition(
@@ -190,10 +202,12 @@ class NightCommand:
     Attributes:
         on: 1: brighten dark pictures, and switch the headlight on; 0: neither.
         headlight: Brightness of the headlight while on, 0 to 1; NaN: unchanged.
+        camera: Name of the camera; empty: all of them.
     """
 
     on: Flag = 0
     headlight: Annotated[ShareIfKnown, FLOAT32] = math.nan
+    camera: Name = ""
 
 
 NIGHT_COMMAND = MessageDefinition(

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from hub.errors import CameraError, UnknownKindError
 from hub.nearest import did_you_mean
-from hub.robots.body_tables import ROBOTS_OWN
+from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import Camera, DriveBase
 from hub.values import dataclass
@@ -20,15 +20,14 @@ class RobotKind:
 
     Attributes:
         open_base: Opens wheels, range sensors, bumpers, battery.
-        open_camera: Opens its own camera; None: it has none. Use the function `open_camera`.
-        pan_tilt_zoom: Whether its own camera has a head that moves.
+        open_camera: Opens a camera of its own, by its table in the robot file; None: it has none.
+            Use the function `open_camera`.
         imports: Python modules that the two functions import. The daemon imports them once, for
             all modules of the robot; they start no threads.
     """
 
     open_base: Callable[[RobotDescription], DriveBase]
-    open_camera: Callable[[RobotDescription], Camera] | None = None
-    pan_tilt_zoom: bool = False
+    open_camera: Callable[[RobotDescription, CameraTable], Camera] | None = None
     imports: tuple[str, ...] = ()
 
 
@@ -39,14 +38,14 @@ def _simulated_base(robot: RobotDescription) -> DriveBase:
     return SimulatedBase(load_arena(robot.arena), robot.body, seed=robot.seed)
 
 
-def _simulated_camera(robot: RobotDescription) -> Camera:
+def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
     from hub.robots.magellan import SimulatedCamera
     from hub.sim.arena import load_arena
 
     return SimulatedCamera(
         load_arena(robot.arena),
         light=robot.light,
-        headlight=robot.camera.headlight,
+        headlight=table.headlight,
         seed=robot.seed,
     )
 
@@ -55,7 +54,6 @@ KINDS = {
     "simulated-magellan": RobotKind(
         open_base=_simulated_base,
         open_camera=_simulated_camera,
-        pan_tilt_zoom=True,
         imports=("hub.robots.magellan", "numpy.random"),
     ),
 }
@@ -91,29 +89,33 @@ def kind_of(robot: RobotDescription) -> RobotKind:
     return kind
 
 
-def open_camera(robot: RobotDescription) -> Camera:
-    """The camera in a robot file: the robot's own, or another.
+def open_camera(robot: RobotDescription, table: CameraTable) -> Camera:
+    """A camera in a robot file: one of the robot's own, or another.
 
     Raises:
         CameraError: The robot has none, or the file names an address of an unknown kind.
         UnknownKindError: The robot is of no known kind.
     """
-    if robot.camera.source == ROBOTS_OWN:
+    if table.source == ROBOTS_OWN:
         open_own = kind_of(robot).open_camera
         if open_own is None:
             text = f"{robot.name} has no camera of its own; name one in [camera], key 'source'"
             raise CameraError(text)
-        return open_own(robot)
+        return open_own(robot, table)
     from hub.robots.video_camera import VideoCamera
 
     return VideoCamera(
-        robot.camera.source,
-        horizontal_fov=robot.camera.fov,
-        forward=robot.camera.forward,
-        height=robot.camera.height,
+        table.source,
+        horizontal_fov=table.fov,
+        forward=table.forward,
+        height=table.height,
     )
 
 
 def camera_moves(robot: RobotDescription) -> bool:
-    """Whether the camera in a robot file has a pan/tilt/zoom head."""
-    return robot.camera.source == ROBOTS_OWN and kind_of(robot).pan_tilt_zoom
+    """Whether a camera in a robot file has a head that moves."""
+    return any(
+        table.source == ROBOTS_OWN
+        and (table.pan_limit > 0.0 or table.tilt_lowest < table.tilt_highest or table.zoom > 1.0)
+        for table in robot.cameras
+    )

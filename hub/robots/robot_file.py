@@ -96,10 +96,6 @@ _BODY = ("frame", "range", "bumper", "camera")
 """The tables of the body that may occur several times."""
 
 
-_ANOTHER = {"body": {"radius", "footprint", "urdf"}, "camera": {"source"}}
-"""Keys by which a table describes another part than that of the kind."""
-
-
 def _add_body_of_kind(data: dict[str, Any]) -> None:
     """Add the body of a shipped kind where the robot file has none of its own."""
     file = next((each for each in BODIES.glob("*.toml") if each.stem == data.get("kind")), None)
@@ -107,8 +103,15 @@ def _add_body_of_kind(data: dict[str, Any]) -> None:
         return
     for name, values in toml.load(file, RobotFileError)[0].items():
         own = data.setdefault(name, values)
-        if isinstance(own, dict) and isinstance(values, dict) and not _ANOTHER[name] & own.keys():
+        if isinstance(own, dict) and isinstance(values, dict) and not _is_another(name, own):
             data[name] = {**values, **own}
+
+
+def _is_another(name: str, table: dict[str, Any]) -> bool:
+    """Whether a table of a robot file describes another part than that of its kind."""
+    if name == "camera":
+        return bool(table.get("source", ROBOTS_OWN) != ROBOTS_OWN)
+    return not table.keys().isdisjoint({"radius", "footprint", "urdf"})
 
 
 def _read_body(

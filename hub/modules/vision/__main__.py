@@ -1,46 +1,49 @@
-"""The vision process: answers image requests, moves the camera, and switches night mode."""
+"""The vision process: answers image requests, moves the cameras, and switches night mode."""
 
 from __future__ import annotations
 
-import dataclasses
-import math
+import logging
 import sys
 import time
 from collections.abc import Callable
 
 from hub.control_gate import ControlGate
-from hub.errors import HubError
+from hub.errors import CameraError
 from hub.gcm import navigation, vision
 from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
-from hub.modules.vision.coding import code
-from hub.modules.vision.night import NightMode
-from hub.modules.vision.picture import brightened, brightness, prepare
-from hub.modules.vision.pose_feed import PoseFeed, PoseSource
+from hub.modules.vision.camera_service import CameraService
 from hub.modules.vision.poses import PoseHistory
-from hub.robots.body_tables import ROBOTS_OWN
-from hub.robots.cropping import vertical_fov
+from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import RobotDescription
 from hub.robots.registry import camera_moves, open_camera
 from hub.runtime import publish_on_request, run_module
 
+_logger = logging.getLogger(__name__)
+
+_STEP_PERIOD = 0.02
 _STATE_PERIOD = 1.0 / vision.CAMERA_STATE.rate_hz
 _ASLEEP_PERIOD = 0.5
 """Time between two states of the camera while no client needs pictures [s]."""
 
 
 class Vision:
-    """Connects the camera to the bus."""
+    """Connects the cameras to the bus."""
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
-        self._clock = time.monotonic
-        self._camera = open_camera(robot)
-        self._night = NightMode()
         self._poses = PoseHistory()
-        self._advanced = self._clock()
+        tables = _tables(robot)
+        self._cameras = {
+            table.name: CameraService(table, open_camera(robot, table), self._poses)
+            for table in tables
+        }
+        self._main = tables[0].name
+        self._simulated = [
+            self._cameras[table.name].camera for table in tables if _simulated(robot, table)
+        ]
         self._gate = ControlGate(client)
         sources = [PoseSource(definition=navigation.ROBOT_STATE, handler=self._remember)]
         if _simulated(robot):
@@ -49,6 +52,9 @@ class Vision:
         client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._requested)
         client.subscribe(vision.CAMERA_COMMAND, self._move)
         client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
+        client.subscribe(navigation.ROBOT_STATE, self._remember)
+        if self._simulated:
+            client.subscribe(navigation.GROUND_TRUTH, self._place)
         client.define(vision.CAMERA_STATE)
         publish_on_request(client, vision.CAMERA_STATE, self._publish_state)
         self._feed_due = client.alarm(self._look)
@@ -57,14 +63,13 @@ class Vision:
         self._need()  # the first picture after the start must not wait
 
     def finish(self) -> None:
-        """Switch the headlight off and close the camera."""
-        self._camera.set_headlight(0.0)
-        self._camera.close()
+        """Switch headlights off and close the cameras."""
+        for each in self._cameras.values():
+            each.close()
 
     def _advance(self) -> None:
-        now = self._clock()
-        self._camera.advance(now - self._advanced)
-        self._advanced = now
+        for each in self._cameras.values():
+            each.advance()
 
     def _requested(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
         self._need(lambda: self._answer_or_fail(request, reply))
@@ -98,72 +103,65 @@ class Vision:
             reply.fail(str(error))
 
     def _answer(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
-        self._advance()
-        now = self._clock()
-        picture = self._camera.take(request.width_px, request.height_px, now)
-        gain = self._night.see(brightness(picture.pixels), now)
-        pixels = prepare(brightened(picture.pixels, gain), request.kind)
-        data = code(pixels, request.coding, request.quality)
-        state = dataclasses.replace(
-            self._state(picture.measured),
-            horizontal_fov=picture.horizontal_fov,
-            vertical_fov=vertical_fov(picture.horizontal_fov),
-        )
-        image = vision.Image(
-            camera=state,
-            coding=request.coding,
-            width_px=pixels.shape[1],
-            height_px=pixels.shape[0],
-            channels=1 if pixels.ndim == 2 else pixels.shape[2],
-            data=data,
-        )
-        reply.answer(image, measured=picture.measured)
-
-    def _state(self, measured: float) -> vision.CameraState:
-        """The state of the camera, with the robot's pose at `measured` [s]."""
-        place = self._poses.at(measured)
-        stamp = time.time() - (self._clock() - measured)
-        return dataclasses.replace(
-            self._camera.camera_state(stamp),
-            robot_x=place.x,
-            robot_y=place.y,
-            robot_theta=place.theta,
-            gain=self._night.gain,
-        )
+        camera = self._cameras.get(request.camera or self._main)
+        if camera is None:
+            known = ", ".join(self._cameras)
+            text = f"there is no camera {request.camera!r}; the robot has {known}"
+            raise CameraError(text)
+        image, measured = camera.picture(request)
+        reply.answer(image, measured=measured)
 
     def _publish_state(self) -> None:
         self._advance()
-        now = self._clock()
-        self._client.publish(vision.CAMERA_STATE, self._state(now), measured=now)
+        now = time.monotonic()
+        self._client.publish(
+            vision.CAMERA_STATE, self._cameras[self._main].state(now), measured=now
+        )
 
     def _move(self, command: vision.CameraCommand, reception: MessageInfo) -> None:
         if self._gate.admits(vision.CAMERA_COMMAND, reception):
-            self._advance()
-            self._camera.move(command)
+            for each in self._chosen(command.camera or self._main):
+                each.move(command)
+
+    def _chosen(self, name: str) -> list[CameraService]:
+        """The camera of a name, all without a name, none for an unknown one."""
+        if not name:
+            return [*self._cameras.values()]
+        if name not in self._cameras:
+            _logger.warning("a command for camera %r is ignored: there is none", name)
+            return []
+        return [self._cameras[name]]
 
     def _switch_night(self, command: vision.NightCommand, reception: MessageInfo) -> None:
         if not self._gate.admits(vision.NIGHT_COMMAND, reception):
             return
-        self._night.command(command)
-        self._camera.set_headlight(self._night.headlight)
+        for each in self._chosen(command.camera):
+            each.switch_night(command)
         self._publish_state()
 
     def _remember(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         self._poses.add(state, reception.measured)
 
     def _place(self, truth: navigation.GroundTruth, reception: MessageInfo) -> None:
-        self._camera.place(truth.x, truth.y, truth.theta, reception.measured)
+        for camera in self._simulated:
+            camera.place(truth.x, truth.y, truth.theta, reception.measured)
 
 
-def _simulated(robot: RobotDescription) -> bool:
-    """Whether the camera is simulated, so that it needs the robot's pose."""
-    return robot.simulated and robot.camera.source == ROBOTS_OWN
+def _tables(robot: RobotDescription) -> tuple[CameraTable, ...]:
+    """The cameras in the robot file; without any, one of the robot's own."""
+    return robot.cameras or (robot.camera,)
+
+
+def _simulated(robot: RobotDescription, table: CameraTable) -> bool:
+    """Whether a camera is simulated, so that it needs the robot's pose."""
+    return robot.simulated and table.source == ROBOTS_OWN
 
 
 def abilities(robot: RobotDescription) -> Abilities:
     """The abilities of vision on a robot."""
     head = (Capability.VIS_PTZ,) if camera_moves(robot) else ()
-    needs = (Capability.SIM_TRUTH,) if _simulated(robot) else ()
+    simulated = any(_simulated(robot, table) for table in _tables(robot))
+    needs = (Capability.SIM_TRUTH,) if simulated else ()
     return Abilities(provides=(Capability.VIS_VID, *head, Capability.VIS_NIGHT), needs=needs)
 
 

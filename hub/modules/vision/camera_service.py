@@ -1,0 +1,109 @@
+"""One camera of the robot: its pictures, its direction, its night mode."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable
+
+from hub.gcm import vision
+from hub.modules.vision.coding import code
+from hub.modules.vision.night import NightMode
+from hub.modules.vision.picture import brightened, brightness, prepare
+from hub.modules.vision.poses import PoseHistory
+from hub.robots.body_tables import CameraTable
+from hub.robots.cropping import vertical_fov
+from hub.robots.interfaces import Camera
+
+
+class CameraService:
+    """Takes pictures with a camera, and knows its state."""
+
+    def __init__(
+        self,
+        table: CameraTable,
+        camera: Camera,
+        poses: PoseHistory,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Take over an open camera.
+
+        Args:
+            table: The camera in the robot file.
+            camera: The camera itself.
+            poses: The robot's poses in the last seconds.
+            clock: Monotonic time [s].
+        """
+        self._table = table
+        self._poses = poses
+        self._clock = clock
+        self._night = NightMode()
+        self._advanced = clock()
+        self.camera = camera
+
+    @property
+    def name(self) -> str:
+        """Its name in the robot file."""
+        return self._table.name
+
+    def close(self) -> None:
+        """Switch the headlight off and release the camera."""
+        self.camera.set_headlight(0.0)
+        self.camera.close()
+
+    def advance(self) -> None:
+        """Let a simulated camera move until now."""
+        now = self._clock()
+        self.camera.advance(now - self._advanced)
+        self._advanced = now
+
+    def picture(self, request: vision.ImageRequest) -> tuple[vision.Image, float]:
+        """A picture as requested, and the time at which it was taken [s].
+
+        Raises:
+            CameraError: There is none; the text gives the reason and the remedy.
+        """
+        self.advance()
+        now = self._clock()
+        taken = self.camera.take(request.width_px, request.height_px, now)
+        gain = self._night.see(brightness(taken.pixels), now)
+        pixels = prepare(brightened(taken.pixels, gain), request.kind)
+        state = dataclasses.replace(
+            self.state(taken.measured),
+            horizontal_fov=taken.horizontal_fov,
+            vertical_fov=vertical_fov(taken.horizontal_fov),
+        )
+        image = vision.Image(
+            camera=state,
+            coding=request.coding,
+            width_px=pixels.shape[1],
+            height_px=pixels.shape[0],
+            channels=1 if pixels.ndim == 2 else pixels.shape[2],
+            data=code(pixels, request.coding, request.quality),
+        )
+        return image, taken.measured
+
+    def state(self, measured: float) -> vision.CameraState:
+        """Its state, with the robot's pose at `measured` [s]."""
+        place = self._poses.at(measured)
+        stamp = time.time() - (self._clock() - measured)
+        return dataclasses.replace(
+            self.camera.camera_state(stamp),
+            name=self._table.name,
+            mount_left=self._table.left,
+            mount_yaw=self._table.yaw,
+            robot_x=place.x,
+            robot_y=place.y,
+            robot_theta=place.theta,
+            gain=self._night.gain,
+        )
+
+    def move(self, command: vision.CameraCommand) -> None:
+        """Turn its head, if it has one."""
+        self.advance()
+        self.camera.move(command)
+
+    def switch_night(self, command: vision.NightCommand) -> None:
+        """Switch night mode, and the headlight with it."""
+        self._night.command(command)
+        self.camera.set_headlight(self._night.headlight)
