@@ -43,6 +43,7 @@ from hub.ipc.transport.heap import give_back
 from hub.nonblocking_logging import LEVELS, start_logging
 from hub.robots.description import RobotDescription, settings
 from hub.robots.robot_file import read_description
+from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +11,7 @@ import numpy.typing as npt
 from hub.gcm.body import RangeKind, RobotBody
 from hub.gcm.frames import Floats, poses_of
 from hub.gcm.ranges import RangeReadings
+from hub.values import dataclass
 
 _COLUMNS = ("x", "y", "z", "bearing", "elevation", "opening", "ring", "nearest", "farthest")
 

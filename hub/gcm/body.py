@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import Count, Flag, Length, LengthIfKnown, Metres, Name, Radians

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
 import numpy as np
@@ -14,6 +13,7 @@ from hub.gcm.standard import Header, Time
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.ranges import Most, Range
 from hub.ipc.formats.wire_types import FLOAT32, Counted
+from hub.values import dataclass
 
 _Angle: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="rad"), FLOAT32]
 _Duration: TypeAlias = Annotated[float, Range(0.0, 1e6, unit="s"), FLOAT32]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Annotated
 
 from hub.gcm.fields import Name
 from hub.ipc.formats.ranges import Range
 from hub.ipc.formats.wire_types import Uint32
+from hub.values import dataclass
 
 _NANOSECONDS = 1_000_000_000
 

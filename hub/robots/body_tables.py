@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import TypeVar
 
 from hub import toml_reader as toml
@@ -26,6 +25,7 @@ from hub.gcm.body import (
 from hub.nearest import did_you_mean
 from hub.robots.video_source import video_source
 from hub.toml_reader import choice, degrees, key, number, plain_name, text, truth, whole_number
+from hub.values import dataclass
 
 Table = TypeVar("Table")
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from hub.robots.body_tables import (
 )
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.toml_reader import choice, key, number, plain_name, text, whole_number
+from hub.values import dataclass
 
 NOTHING_NEW_S = 240.0
 NOTHING_NEW_SHARE = 0.02

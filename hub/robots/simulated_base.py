@@ -61,7 +61,8 @@ class SimulatedBase:
         self._measured: dict[str, npt.NDArray[np.float32]] = {}
         self._is_new = False
         # Compute the contacts of the body at the start.
-        self._pose = self._body.move(arena.start, arena.start)
+        start = moved(arena.start, 0.0, 0.0)  # its heading is in (-pi, pi]
+        self._pose = self._body.move(start, start)
         # Its world restarts with it, and it always starts at the same place of its arena.
         self._origin = zlib.crc32(repr((arena.name, arena.start)).encode()) | 1
         self._scan()
@@ -139,6 +140,16 @@ class SimulatedBase:
         linear = approach(self._linear, surge, LINEAR, STEP)
         sideways = approach(self._sway, sway, LINEAR, STEP)
         angular = approach(self._angular, yaw, ANGULAR, STEP)
+        if linear or sideways or angular:
+            linear, sideways = self._move(linear, sideways, angular)
+        self._linear, self._sway, self._angular = linear, sideways, angular
+        self._battery = self._battery.after(STEP, math.hypot(linear, sideways), angular)
+        self._steps += 1
+        if self._steps % STEPS_PER_SCAN == 0:
+            self._scan()
+
+    def _move(self, linear: float, sideways: float, angular: float) -> tuple[float, float]:
+        """Move for a step at these velocities; returns what contact allows of the first two."""
         before = self._pose
         wanted = moved(before, linear * STEP, angular * STEP, sideways * STEP)
         self._pose = self._body.move(before, wanted)
@@ -146,12 +157,8 @@ class SimulatedBase:
             heading = before.theta + angular * STEP / 2
             linear = self._held_back(linear, before, heading)
             sideways = self._held_back(sideways, before, heading + math.pi / 2)
-        self._linear, self._sway, self._angular = linear, sideways, angular
         self._odometry.moved(linear * STEP, angular * STEP, STEP, sideways * STEP)
-        self._battery = self._battery.after(STEP, math.hypot(linear, sideways), angular)
-        self._steps += 1
-        if self._steps % STEPS_PER_SCAN == 0:
-            self._scan()
+        return linear, sideways
 
     def _held_back(self, velocity: float, before: Pose, heading: float) -> float:
         """Velocity against an obstacle: wheels grip the floor, motors stall."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from hub.files import read_regular
 from hub.gcm.body import BASE_LINK, MOST_CORNERS, BodyFrame
 from hub.gcm.frames import rotation
 from hub.plain_text import is_plain
+from hub.values import dataclass
 
 Matrix = npt.NDArray[np.float64]
 """A pose as a matrix, shape (4, 4)."""

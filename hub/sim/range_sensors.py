@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +12,7 @@ from hub.gcm.beams import Beams
 from hub.gcm.body import RangeKind
 from hub.pose import Pose
 from hub.sim.arena import Footprints
+from hub.values import dataclass
 
 Floats = npt.NDArray[np.float64]
 
@@ -80,10 +80,13 @@ class _Group:
 
 
 class _Sensors(Protocol):
-    """The sensors of one group; the obstacles are those within reach of the pose."""
+    """The sensors of one group."""
 
-    def ranges(self, obstacles: Footprints, pose: Pose) -> Floats:
-        """Range of each from its origin [m], shape (n,); inf: nothing within reach."""
+    def look(self, obstacles: Footprints, pose: Pose) -> tuple[Floats, ...]:
+        """What they meet from a pose, without noise; the obstacles are those within reach."""
+
+    def ranges(self, met: tuple[Floats, ...]) -> Floats:
+        """One measurement: range of each from its origin [m], shape (n,); inf: nothing there."""
 
 
 class RangeSensors:
@@ -121,12 +124,19 @@ class RangeSensors:
             else:
                 sensors = _Sonars(group, noise, edges)
             self._groups[name] = group, sensors
+        self._met: dict[str, tuple[Pose, tuple[Floats, ...]]] = {}
 
     def measure(self, name: str, pose: Pose) -> npt.NDArray[np.float32]:
-        """Range of each sensor of a group from its origin [m], shape (n,); inf: nothing there."""
+        """Range of each sensor of a group from its origin [m], shape (n,); inf: nothing there.
+
+        A robot that stands casts no rays again.
+        """
         group, sensors = self._groups[name]
-        obstacles = _within(self._obstacles, pose, group.reach())
-        return sensors.ranges(obstacles, pose).astype(np.float32)
+        known = self._met.get(name)
+        if known is None or known[0] != pose:
+            obstacles = _within(self._obstacles, pose, group.reach())
+            known = self._met[name] = pose, sensors.look(obstacles, pose)
+        return sensors.ranges(known[1]).astype(np.float32)
 
 
 class _Sonars:
@@ -142,16 +152,21 @@ class _Sonars:
         within = np.linspace(-group.opening / 2, group.opening / 2, _RAYS_PER_CONE)
         self._cone: Floats = (group.bearing[:, None] + within).ravel()
 
-    def ranges(self, obstacles: Footprints, pose: Pose) -> Floats:
+    def look(self, obstacles: Footprints, pose: Pose) -> tuple[Floats, ...]:
+        """Distance of the nearest echo of each sonar [m], inf for none."""
         group = self._group
-        noise = self._noise.standard_normal(len(group.bearing))
         bearing, _, mounts = group.placed(pose)
         origins = mounts.repeat(_RAYS_PER_CONE, axis=0)
         distance, squareness, _ = first_hits(obstacles, origins, _unit(self._cone + pose.theta))
         reach = group.farthest - group.ring
         echoes = (squareness >= math.cos(SONAR_INCIDENCE)) & (distance <= reach)
         distance = np.where(echoes, distance, np.inf).reshape(-1, _RAYS_PER_CONE).min(axis=1)
-        distance = np.minimum(distance, self._nearest_edges(obstacles, pose, bearing, mounts))
+        return (np.minimum(distance, self._nearest_edges(obstacles, pose, bearing, mounts)),)
+
+    def ranges(self, met: tuple[Floats, ...]) -> Floats:
+        """One measurement."""
+        group, (distance,) = self._group, met
+        noise = self._noise.standard_normal(len(group.bearing))
         ranges = np.maximum((distance + group.ring) * (1.0 + SONAR_NOISE * noise), group.nearest)
         return np.where(ranges <= group.farthest, ranges, np.inf)
 
@@ -182,13 +197,18 @@ class _InfraredSensors:
         self._group = group
         self._noise = noise
 
-    def ranges(self, obstacles: Footprints, pose: Pose) -> Floats:
-        group = self._group
-        noise = self._noise.standard_normal(len(group.bearing))
-        _, towards, mounts = group.placed(pose)
+    def look(self, obstacles: Footprints, pose: Pose) -> tuple[Floats, ...]:
+        """Distance of the surface before each sensor [m], and how well it reflects."""
+        _, towards, mounts = self._group.placed(pose)
         distance, _, number = first_hits(obstacles, mounts, towards)
         brightness = np.append(obstacles.brightness, 1.0)[number]
         strength = np.sqrt(np.clip(brightness, _DARKEST, _FULL_BRIGHTNESS) / _FULL_BRIGHTNESS)
+        return distance, strength
+
+    def ranges(self, met: tuple[Floats, ...]) -> Floats:
+        """One measurement."""
+        group, (distance, strength) = self._group, met
+        noise = self._noise.standard_normal(len(group.bearing))
         seen = distance <= (group.farthest - group.ring) * strength
         measured = np.where(seen, distance, 0.0) * (1.0 + INFRARED_NOISE / strength * noise)
         ranges = np.clip(measured + group.ring, group.nearest, group.farthest)
@@ -202,11 +222,16 @@ class _Laser:
         self._group = group
         self._noise = noise
 
-    def ranges(self, obstacles: Footprints, pose: Pose) -> Floats:
-        group = self._group
-        noise = self._noise.standard_normal(len(group.bearing))
-        _, towards, mounts = group.placed(pose)
+    def look(self, obstacles: Footprints, pose: Pose) -> tuple[Floats, ...]:
+        """Distance of the surface before each beam [m], inf for none."""
+        _, towards, mounts = self._group.placed(pose)
         distance, _, _ = first_hits(obstacles, mounts, towards)
+        return (distance,)
+
+    def ranges(self, met: tuple[Floats, ...]) -> Floats:
+        """One measurement."""
+        group, (distance,) = self._group, met
+        noise = self._noise.standard_normal(len(group.bearing))
         ranges = distance + group.ring
         error = (
             LASER_NOISE + LASER_NOISE_SHARE * np.where(np.isfinite(ranges), ranges, 0.0)

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import math
 
-from hub.robots.description import LONGEST_EXPLORING_S, NOTHING_NEW_S, NOTHING_NEW_SHARE
+from hub.robots.description import (
+    LONGEST_EXPLORING_S,
+    NOTHING_NEW_S,
+    NOTHING_NEW_SHARE,
+)
+from hub.values import dataclass
 
 LEAST_DISTANCE = 2.0
 """Least distance driven without new ground [m]."""

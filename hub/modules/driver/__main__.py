@@ -39,6 +39,7 @@ class Driver:
         self._loss = OperatorLoss(self._base, robot)
         self._watchdog = CommandWatchdog()
         self._navigator = Navigator()
+        self._neutral = True
         self._stepped = time.monotonic()
         self._silence = client.alarm(self._watch)
         # Each process has its own number: after a crash the dead reckoning starts elsewhere.
@@ -47,13 +48,17 @@ class Driver:
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
         follow_control(client, self._control_changed)
         client.define(navigation.DRIVE_STATE, ranges.RANGES, navigation.GROUND_TRUTH)
-        client.every(_PERIOD, self._step)
+        self._next_report = client.alarm(self._report)
+        self._report_at = self._next_report.due = self._stepped + _PERIOD
 
     def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
         now = time.monotonic()
         obeys = self._navigator.obeys(reception.publisher, now)
         if obeys and self._watchdog.allows(now - reception.age, now, neutral=twist.neutral):
+            self._silence.due = self._watchdog.deadline
+            self._advance(now)  # the time until now passes with the velocity before
             self._base.command(twist)
+            self._neutral = twist.neutral
             if not twist.neutral:
                 self._loss.watch.moved(now)
                 self._report_by(now + _PERIOD)
@@ -66,24 +71,37 @@ class Driver:
         now = time.monotonic()
         self._advance(now)
         if self._watchdog.expired(now):
-            self._base.command(navigation.Twist())
-        self._loss.update(now)
+            self._stop()
+
+    def _stop(self) -> None:
+        self._base.command(navigation.Twist())
+        self._neutral = True
+
+    def _report(self) -> None:
+        self._watch()
+        self._loss.update(self._stepped)
+        rests = self._publish()
+        period = _RESTING_PERIOD if rests else _PERIOD
+        # After a pause the reports that were missed are left out.
+        self._next_report.due = self._report_at = max(self._report_at + period, self._stepped)
+
+    def _report_by(self, time: float) -> None:
+        self._next_report.due = self._report_at = min(self._report_at, time)
+
+    def _advance(self, now: float) -> None:
         self._base.advance(min(now - self._stepped, _LONGEST_STEP))
         self._stepped = now
-        self._steps += 1
-        if isinstance(self._base, RangeSource):
-            scans = self._base.ranges(time.time())
-            if scans is not None:
-                self._client.publish(ranges.RANGES, ranges.RangeReadings(scans=scans), measured=now)
-        if self._steps % _STEPS_PER_REPORT == 0:
-            self._publish()
 
     def _publish(self) -> bool:
         """Publish each state that the hardware gives; returns whether it may rest."""
         now = time.monotonic()
         state = numbered(self._base.drive_state(time.time()), self._odometry)
         self._client.publish(navigation.DRIVE_STATE, state, measured=now)
-        rests = _stands(state)
+        if isinstance(self._base, RangeSource):
+            scans = self._base.ranges(time.time())
+            if scans is not None:
+                self._client.publish(ranges.RANGES, ranges.RangeReadings(scans=scans), measured=now)
+        rests = self._neutral and _stands(state)
         truth = self._base.ground_truth()
         if truth is not None:
             self._client.publish(navigation.GROUND_TRUTH, truth, measured=now)
@@ -92,7 +110,7 @@ class Driver:
 
     def finish(self) -> None:
         """Stop the wheels."""
-        self._base.command(navigation.Twist())
+        self._stop()
         self._publish()
 
 

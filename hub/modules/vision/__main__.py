@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import logging
+import math
 import sys
 import time
 from collections.abc import Callable
 
 from hub.control_gate import ControlGate
-from hub.errors import CameraError
+from hub.errors import CameraError, HubError
 from hub.gcm import navigation, vision
 from hub.gcm.capability import Abilities, Capability
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
 from hub.modules.vision.camera_service import CameraService
+from hub.modules.vision.pose_feed import PoseFeed, PoseSource
 from hub.modules.vision.poses import PoseHistory
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import RobotDescription
@@ -23,7 +25,6 @@ from hub.runtime import publish_on_request, run_module
 
 _logger = logging.getLogger(__name__)
 
-_STEP_PERIOD = 0.02
 _STATE_PERIOD = 1.0 / vision.CAMERA_STATE.rate_hz
 _ASLEEP_PERIOD = 0.5
 """Time between two states of the camera while no client needs pictures [s]."""
@@ -34,6 +35,7 @@ class Vision:
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
+        self._clock = time.monotonic
         self._poses = PoseHistory()
         tables = _tables(robot)
         self._cameras = {
@@ -46,15 +48,12 @@ class Vision:
         ]
         self._gate = ControlGate(client)
         sources = [PoseSource(definition=navigation.ROBOT_STATE, handler=self._remember)]
-        if _simulated(robot):
+        if self._simulated:
             sources.append(PoseSource(definition=navigation.GROUND_TRUTH, handler=self._place))
         self._feed = PoseFeed(client, sources)
         client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._requested)
         client.subscribe(vision.CAMERA_COMMAND, self._move)
         client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
-        client.subscribe(navigation.ROBOT_STATE, self._remember)
-        if self._simulated:
-            client.subscribe(navigation.GROUND_TRUTH, self._place)
         client.define(vision.CAMERA_STATE)
         publish_on_request(client, vision.CAMERA_STATE, self._publish_state)
         self._feed_due = client.alarm(self._look)
@@ -66,10 +65,6 @@ class Vision:
         """Switch headlights off and close the cameras."""
         for each in self._cameras.values():
             each.close()
-
-    def _advance(self) -> None:
-        for each in self._cameras.values():
-            each.advance()
 
     def _requested(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
         self._need(lambda: self._answer_or_fail(request, reply))
@@ -112,16 +107,23 @@ class Vision:
         reply.answer(image, measured=measured)
 
     def _publish_state(self) -> None:
-        self._advance()
-        now = time.monotonic()
-        self._client.publish(
-            vision.CAMERA_STATE, self._cameras[self._main].state(now), measured=now
-        )
+        now = self._clock()
+        for each in self._cameras.values():
+            each.advance()
+        state = self._cameras[self._main].state(now)
+        self._client.publish(vision.CAMERA_STATE, state, measured=now)
 
     def _move(self, command: vision.CameraCommand, reception: MessageInfo) -> None:
         if self._gate.admits(vision.CAMERA_COMMAND, reception):
             for each in self._chosen(command.camera or self._main):
                 each.move(command)
+
+    def _switch_night(self, command: vision.NightCommand, reception: MessageInfo) -> None:
+        if not self._gate.admits(vision.NIGHT_COMMAND, reception):
+            return
+        for each in self._chosen(command.camera):
+            each.switch_night(command)
+        self._publish_state()
 
     def _chosen(self, name: str) -> list[CameraService]:
         """The camera of a name, all without a name, none for an unknown one."""
@@ -131,13 +133,6 @@ class Vision:
             _logger.warning("a command for camera %r is ignored: there is none", name)
             return []
         return [self._cameras[name]]
-
-    def _switch_night(self, command: vision.NightCommand, reception: MessageInfo) -> None:
-        if not self._gate.admits(vision.NIGHT_COMMAND, reception):
-            return
-        for each in self._chosen(command.camera):
-            each.switch_night(command)
-        self._publish_state()
 
     def _remember(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         self._poses.add(state, reception.measured)

@@ -12,10 +12,10 @@ import pytest
 from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, DriveState, GroundTruth, Twist
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.watchdog import SILENCE_S
-from hub.robots.description import find_robot_file, read_description
-from hub.robots.magellan import SimulatedMagellan
+from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import load_arena
 from tests.hub.modules.timed_bus import TimedBus
+from tests.support.magellan import SimulatedMagellan
 
 FORWARD, NEUTRAL = Twist.planar(0.4, 0.0), Twist.planar(0.0, 0.0)
 NOTHING = np.full(16, np.inf, np.float32)
@@ -35,8 +35,8 @@ class Wheels:
         self._clock = clock
         self._linear = 0.0
 
-    def set_velocity(self, linear: float, angular: float) -> None:
-        del angular
+    def command(self, twist: Twist) -> None:
+        linear = twist.linear.x
         if linear != self._linear:
             self.orders.append((self._clock(), linear))
         self._linear = linear

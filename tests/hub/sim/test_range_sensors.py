@@ -10,9 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.pose import Pose
-from hub.sim.arena import load_arena
+from hub.sim import range_sensors
+from hub.sim.arena import Footprints, load_arena
 from hub.sim.range_sensors import (
     SONAR_INCIDENCE,
+    Floats,
     RangeSensors,
     first_hits,
 )
@@ -48,13 +50,14 @@ def test_a_robot_that_stands_casts_no_rays_again(monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr(range_sensors, "first_hits", counted)
     sensors = sensors_before_a_wall(1.0)
-    first = sensors.sonar(CENTRE), sensors.infrared(CENTRE)
+    first = sensors.measure("sonar", CENTRE), sensors.measure("infrared", CENTRE)
     cast = len(casts)
-    again = sensors.sonar(CENTRE), sensors.infrared(CENTRE)
+    again = sensors.measure("sonar", CENTRE), sensors.measure("infrared", CENTRE)
     assert len(casts) == cast
     assert first[0][0] != again[0][0], "each measurement has its own noise"
-    assert sensors.sonar(Pose(x=0.5, y=0.0, theta=0.0))[0] == pytest.approx(0.5, rel=0.05)
-    assert sensors.sonar(CENTRE)[0] == pytest.approx(1.0, rel=0.05)
+    nearer = sensors.measure("sonar", Pose(x=0.5, y=0.0, theta=0.0))[0]
+    assert nearer == pytest.approx(0.5, rel=0.05)
+    assert sensors.measure("sonar", CENTRE)[0] == pytest.approx(1.0, rel=0.05)
 
 
 def test_sonars_in_a_void_hear_nothing_and_infrared_sees_nothing() -> None:

@@ -9,7 +9,7 @@ import pytest
 from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND, Twist
 from hub.modules.navigation.__main__ import Navigation
 from hub.modules.navigation.speed_governor import SILENCE_S
-from hub.robots.description import find_robot_file, read_description
+from hub.robots.robot_file import find_robot_file, read_description
 from tests.hub.modules.navigation.test_lost_place import AT_ORIGIN
 from tests.hub.modules.timed_bus import TimedBus
 
