@@ -11,17 +11,17 @@ from hub.gcm.vision import CameraCommand, CameraMotion, CameraState
 from hub.robots.cropping import cropped_fov, size_within, vertical_fov
 from hub.robots.interfaces import Picture
 from hub.sim.arena import Arena
-from hub.sim.image_noise import SensorNoise
-from hub.sim.kinematics import limited
-from hub.sim.lighting import Lighting
-from hub.sim.pan_tilt_zoom import (
+from hub.sim.camera.image_noise import SensorNoise
+from hub.sim.camera.lighting import Lighting
+from hub.sim.camera.pan_tilt_zoom import (
     PAN_LIMIT,
     TILT_LIMIT,
     PanTiltZoom,
     horizontal_fov,
 )
-from hub.sim.ray_caster import RayCaster
-from hub.sim.view import View
+from hub.sim.camera.ray_caster import RayCaster
+from hub.sim.camera.view import View
+from hub.sim.kinematics import limited
 
 MOUNT_FORWARD = 0.05
 """Camera ahead of the robot's centre [m]."""

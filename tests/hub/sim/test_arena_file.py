@@ -13,7 +13,7 @@ from hub.errors import ArenaError
 from hub.sim.arena import BODY_RADIUS, SHIPPED, load_arena, shipped_arenas
 from hub.sim.arena_file import MAX_OBJECTS, check_arena, read_arena_file
 from hub.sim.arena_specs import COLOURS, GAPS, SURFACE_TEXTURES
-from hub.sim.textures import TEXTURES
+from hub.sim.camera.textures import TEXTURES
 from tests.support.cases import for_each
 from tests.support.footprints import distances
 

@@ -7,10 +7,10 @@ import pytest
 
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
-from hub.sim.image_noise import DEVIATION, SensorNoise
-from hub.sim.lighting import Lighting
-from hub.sim.ray_caster import RayCaster
-from hub.sim.view import View
+from hub.sim.camera.image_noise import DEVIATION, SensorNoise
+from hub.sim.camera.lighting import Lighting
+from hub.sim.camera.ray_caster import RayCaster
+from hub.sim.camera.view import View
 from tests.hub.sim.arenas import VOID, arena_of
 
 YELLOW = load_arena("yellow")

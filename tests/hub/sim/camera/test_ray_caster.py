@@ -9,8 +9,8 @@ import numpy.typing as npt
 import pytest
 
 from hub.sim.arena import Arena, load_arena
-from hub.sim.ray_caster import RayCaster
-from hub.sim.view import BACKGROUND_DEPTH, View
+from hub.sim.camera.ray_caster import RayCaster
+from hub.sim.camera.view import BACKGROUND_DEPTH, View
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
 from tests.support.cases import for_each
 from tests.support.repetitions import repetitions

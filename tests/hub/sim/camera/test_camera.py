@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hub.gcm.vision import CameraCommand, CameraMotion
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
-from hub.sim.pan_tilt_zoom import (
+from hub.sim.camera.pan_tilt_zoom import (
     PAN_LIMIT,
     PAN_SPEED,
     TELE_FOV,

@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.sim.arena import Arena
-from hub.sim.faces import CEILING, FLOOR, PLANES, make_faces
-from hub.sim.lighting import FULL, Lighting
-from hub.sim.shading import Shader
-from hub.sim.view import BACKGROUND_DEPTH, CameraFrame, View
+from hub.sim.camera.faces import CEILING, FLOOR, PLANES, make_faces
+from hub.sim.camera.lighting import FULL, Lighting
+from hub.sim.camera.shading import Shader
+from hub.sim.camera.view import BACKGROUND_DEPTH, CameraFrame, View
 from hub.values import dataclass
 
 _NEAREST = 1e-6

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hub.sim.faces import PLANES, Faces
-from hub.sim.lighting import Lighting
-from hub.sim.textures import LEVELS
-from hub.sim.textures import SIDE as TEXELS
-from hub.sim.view import CameraFrame, View
+from hub.sim.camera.faces import PLANES, Faces
+from hub.sim.camera.lighting import Lighting
+from hub.sim.camera.textures import LEVELS
+from hub.sim.camera.textures import SIDE as TEXELS
+from hub.sim.camera.view import CameraFrame, View
 
 _HAZE = 74.0
 """Grey of very distant objects, 0 to 255."""

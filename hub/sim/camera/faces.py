@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.sim.arena import Arena
+from hub.sim.camera.textures import SIDE as TEXELS
+from hub.sim.camera.textures import Atlas, make_atlas
 from hub.sim.geometry import Box, Side, Surface
-from hub.sim.textures import SIDE as TEXELS
-from hub.sim.textures import Atlas, make_atlas
 from hub.values import dataclass
 
 FLOOR = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from hub.sim.view import CameraFrame
+from hub.sim.camera.view import CameraFrame
 from hub.values import dataclass
 
 _LAMP = 0.9
