@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import math
+import time
+
+import numpy as np
+
 from benchmarks.figures import median_ms, report
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
+from hub.sim.camera.ray_caster import RayCaster
+from hub.sim.camera.view import View
 from tests.hub.sim.arenas import free_poses
 from tests.support.magellan import magellan_sensors
 
@@ -26,9 +33,34 @@ def main() -> None:
         value = median_ms(draw, POSES)
         report(f"sim.picture_{width}x{height}_ms", value, "ms", bar=bar, note=note)
 
+    tilted_picture()
+
     sensors = magellan_sensors(arena.footprints, 1)
     value = median_ms(lambda number: sensors.measure("sonar", poses[number % POSES]), 5 * POSES)
     report("sim.sonar_scan_ms", value, "ms", bar=0.3, note=note + ", 16 sonars")
+
+
+def tilted_picture() -> None:
+    """A rover that pitches and rolls, and a blimp that looks steeply down, by turns."""
+    arena = load_arena("yellow")
+    caster = RayCaster(arena)
+    random = np.random.default_rng(1)
+    views = []
+    for number, pose in enumerate(free_poses(arena, POSES, 2003, 0.0, 10.0)):
+        z, pitch = ((0.37, -0.17), (2.2, -0.78), (2.2, -1.48))[number % 3]
+        roll = float(random.uniform(-0.3, 0.3))
+        fov = math.radians(60.0)
+        view = View(
+            x=pose.x, y=pose.y, z=z, yaw=pose.theta, pitch=pitch, roll=roll, horizontal_fov=fov
+        )
+        views.append(view)
+    value = median_ms(
+        lambda number: caster.picture(views[number % POSES], 160, 120),
+        POSES,
+        clock=time.thread_time,
+    )
+    note = f"thread time, median over {POSES} views at 160x120, rolled"
+    report("sim.picture_tilted_ms", value, "ms", bar=4.0, note=note)
 
 
 if __name__ == "__main__":

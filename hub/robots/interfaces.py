@@ -85,8 +85,28 @@ class Camera(Protocol):
     def camera_state(self, stamp: float) -> CameraState:
         """Its present direction; `stamp` [s since the epoch] is copied into it."""
 
-    def place(self, x: float, y: float, theta: float, measured: float) -> None:
-        """Set the robot's pose [m, m, rad] and its time [s]; only a simulated camera uses it."""
+    def place(
+        self,
+        x: float,
+        y: float,
+        theta: float,
+        measured: float,
+        *,
+        z: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+    ) -> None:
+        """Set the robot's pose and its time; only a simulated camera uses it.
+
+        Args:
+            x: Position in the arena's frame [m].
+            y: Position in the arena's frame [m].
+            theta: Heading [rad].
+            measured: Monotonic time of the pose [s].
+            z: Height of the robot's origin above the floor [m].
+            roll: About its x [rad]; positive: its right side is down.
+            pitch: About its y [rad]; positive: its nose is down.
+        """
 
     def take(self, width_px: int, height_px: int, now: float) -> Picture:
         """A picture of this size, at most as large as the camera's own.

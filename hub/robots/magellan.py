@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,7 @@ from hub.robots.interfaces import Picture
 from hub.sim.arena import Arena
 from hub.sim.camera.image_noise import SensorNoise
 from hub.sim.camera.lighting import Lighting
+from hub.sim.camera.mount import Stand, mounted_view
 from hub.sim.camera.pan_tilt_zoom import (
     PAN_LIMIT,
     TILT_LIMIT,
@@ -20,7 +22,6 @@ from hub.sim.camera.pan_tilt_zoom import (
     horizontal_fov,
 )
 from hub.sim.camera.ray_caster import RayCaster
-from hub.sim.camera.view import View
 from hub.sim.kinematics import limited
 
 MOUNT_FORWARD = 0.05
@@ -61,7 +62,7 @@ class SimulatedCamera:
         """
         self._caster = RayCaster(arena)
         self._head = PanTiltZoom()
-        self._robot = (arena.start.x, arena.start.y, arena.start.theta)
+        self._robot = Stand(x=arena.start.x, y=arena.start.y, theta=arena.start.theta)
         self._placed = -math.inf
         self._has_headlight = headlight
         self._lighting = Lighting(ambient=arena.light if light is None else light)
@@ -103,10 +104,23 @@ class SimulatedCamera:
             headlight=self._lighting.headlight if self._has_headlight else math.nan,
         )
 
-    def place(self, x: float, y: float, theta: float, measured: float = -math.inf) -> None:
-        """Set the robot's pose in the arena's frame [m, m, rad]; ignored when not finite."""
-        if math.isfinite(x) and math.isfinite(y) and math.isfinite(theta):
-            self._robot = (limited(x, _FARTHEST_PLACE), limited(y, _FARTHEST_PLACE), theta)
+    def place(
+        self,
+        x: float,
+        y: float,
+        theta: float,
+        measured: float = -math.inf,
+        *,
+        z: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+    ) -> None:
+        """Set the robot's pose in the arena's frame; ignored when not finite."""
+        stand = Stand(x=x, y=y, theta=theta, z=z, roll=roll, pitch=pitch)
+        if stand.finite:
+            self._robot = replace(
+                stand, x=limited(x, _FARTHEST_PLACE), y=limited(y, _FARTHEST_PLACE)
+            )
             self._placed = measured
 
     def take(self, width_px: int, height_px: int, now: float) -> Picture:
@@ -123,14 +137,13 @@ class SimulatedCamera:
 
     def capture(self, width_px: int, height_px: int) -> npt.NDArray[np.uint8]:
         """A picture, shape (height, width, 3), at least 1 by 1 and at most 320 by 240 pixels."""
-        x, y, theta = self._robot
         width, height = size_within(width_px, height_px, _SENSOR)
-        view = View(
-            x=x + MOUNT_FORWARD * math.cos(theta),
-            y=y + MOUNT_FORWARD * math.sin(theta),
-            z=MOUNT_HEIGHT,
-            yaw=theta + self._head.pan,
-            pitch=self._head.tilt,
+        view = mounted_view(
+            self._robot,
+            forward=MOUNT_FORWARD,
+            height=MOUNT_HEIGHT,
+            pan=self._head.pan,
+            tilt=self._head.tilt,
             horizontal_fov=cropped_fov(horizontal_fov(self._head.zoom), (width, height), _SENSOR),
         )
         pixels = self._caster.picture(view, width, height, self._lighting)

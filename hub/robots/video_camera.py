@@ -68,7 +68,17 @@ class VideoCamera:
             headlight=math.nan,
         )
 
-    def place(self, x: float, y: float, theta: float, measured: float) -> None:
+    def place(
+        self,
+        x: float,
+        y: float,
+        theta: float,
+        measured: float,
+        *,
+        z: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+    ) -> None:
         """Do nothing."""
 
     def take(self, width_px: int, height_px: int, _now: float) -> Picture:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import numpy.typing as npt
 
 from hub.sim.arena import Arena
 from hub.sim.camera.textures import SIDE as TEXELS
 from hub.sim.camera.textures import Atlas, make_atlas
-from hub.sim.geometry import Box, Side, Surface
+from hub.sim.geometry import Box, Cylinder, Side, Surface
 from hub.values import dataclass
 
 FLOOR = 0
@@ -39,6 +41,7 @@ class Faces:
         coordinate: That coordinate [m], shape (f,).
         sign: Whether a side faces along its axis (1) or against it (-1), shape (f,).
         cylinders: x, y, radius, low, high of each cylinder [m], shape (c, 5).
+        cylinder_corners: Corners of the upright box around each cylinder [m], shape (c, 8, 3).
         first_texel: Texel index of each thing's material at level 0, shape (things,).
         flat: Whether a thing's texture is horizontal, shape (things,).
         across_x: Whether the texture runs along x from left to right, shape (things,).
@@ -55,6 +58,7 @@ class Faces:
     coordinate: npt.NDArray[np.float64]
     sign: npt.NDArray[np.float64]
     cylinders: npt.NDArray[np.float64]
+    cylinder_corners: npt.NDArray[np.float64]
     first_texel: npt.NDArray[np.int32]
     flat: npt.NDArray[np.bool_]
     across_x: npt.NDArray[np.bool_]
@@ -123,6 +127,9 @@ def make_faces(arena: Arena) -> Faces:
             [(item.x, item.y, item.radius, item.low, item.high) for item in arena.cylinders],
             dtype=np.float64,
         ).reshape(-1, 5),
+        cylinder_corners=np.array(
+            [_corners_around(item) for item in arena.cylinders], dtype=np.float64
+        ).reshape(-1, 8, 3),
         first_texel=(material * levels_stride).astype(np.int32),
         flat=np.array([True, True, *(axis == 2), *(False for _ in arena.cylinders)]),
         across_x=np.array([True, True, *(axis != 0), *(True for _ in arena.cylinders)]),
@@ -135,6 +142,12 @@ def make_faces(arena: Arena) -> Faces:
         ),
         atlas=atlas,
     )
+
+
+def _corners_around(item: Cylinder) -> list[tuple[float, float, float]]:
+    x, y, radius = item.x, item.y, item.radius
+    sides = ((x - radius, x + radius), (y - radius, y + radius), (item.low, item.high))
+    return list(itertools.product(*sides))
 
 
 def _mapping(faces: list[_Face], tile: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -7,18 +7,21 @@ of pixels between linear edges; so a side costs a few operations on its bounding
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.sim.arena import Arena
+from hub.sim.camera.cylinders import draw_cylinders
 from hub.sim.camera.faces import CEILING, FLOOR, PLANES, make_faces
 from hub.sim.camera.lighting import FULL, Lighting
 from hub.sim.camera.shading import Shader
 from hub.sim.camera.view import BACKGROUND_DEPTH, CameraFrame, View
 from hub.values import dataclass
 
+_MARGIN = 0.01
+"""Least distance of the camera from floor and ceiling [m]."""
 _NEAREST = 1e-6
 _STEEP = 1e-12
 
@@ -59,12 +62,13 @@ class RayCaster:
         self, view: View, width_px: int, height_px: int, lighting: Lighting = FULL
     ) -> npt.NDArray[np.uint8]:
         """The camera's view, shape (height, width, 3), red, green, blue."""
+        view = self._inside(view)
         frame = self._cast(view, width_px, height_px)
         return self._shader.shade(view, frame, lighting)
 
     def depth(self, view: View, width_px: int, height_px: int) -> npt.NDArray[np.float32]:
         """Distance along the optical axis [m], shape (height, width), at most BACKGROUND_DEPTH."""
-        frame = self._cast(view, width_px, height_px)
+        frame = self._cast(self._inside(view), width_px, height_px)
         return 1.0 / frame.inverse_depth
 
     def _cast(self, view: View, width_px: int, height_px: int) -> CameraFrame:
@@ -77,19 +81,23 @@ class RayCaster:
         self._draw_planes(view, frame)
         if len(self._faces.axis):
             self._draw_faces(frame, self._candidates(view, frame))
-        for number, cylinder in enumerate(self._faces.cylinders.tolist()):
-            thing = PLANES + len(self._faces.axis) + number
-            _draw_cylinder(view, frame, cylinder, thing)
+        if len(self._faces.cylinders):
+            draw_cylinders(view, frame, self._faces)
         return frame
 
+    def _inside(self, view: View) -> View:
+        """The view, from just inside where it is below the floor or above the ceiling."""
+        z = min(max(view.z, _MARGIN), self._ceiling - _MARGIN)
+        return view if z == view.z else replace(view, z=z)
+
     def _draw_planes(self, view: View, frame: CameraFrame) -> None:
-        """Floor and ceiling: the camera does not roll, so each row shows one of them."""
+        """Floor and ceiling: a ray meets one of them, as it goes down or up."""
         down = -frame.ray_z
         to_floor = down / view.z
         to_ceiling = -down / (self._ceiling - view.z)
         inverse = np.maximum(np.maximum(to_floor, to_ceiling), 1.0 / BACKGROUND_DEPTH)
-        frame.inverse_depth[:] = inverse[:, None]
-        frame.thing[:] = np.where(down > 0.0, FLOOR, CEILING)[:, None]
+        frame.inverse_depth[:] = inverse
+        frame.thing[:] = np.where(down > 0.0, FLOOR, CEILING)
 
     def _candidates(self, view: View, frame: CameraFrame) -> _Candidates:
         """The sides that face the camera and reach into the picture."""
@@ -97,7 +105,7 @@ class RayCaster:
         distance = (view.eye[faces.axis] - faces.coordinate) * faces.sign
         facing = np.flatnonzero(distance > _NEAREST)
         corners = (faces.corners[facing] - view.eye) @ frame.basis.T
-        kept = _in_sight(corners, frame)
+        kept = frame.in_sight(corners)
         facing, corners = facing[kept], corners[kept]
         first, end = _row_spans(corners, frame)
         covered = end > first
@@ -151,14 +159,6 @@ class RayCaster:
             np.copyto(frame.thing[top:bottom, left:right], PLANES + face, where=drawn)
 
 
-def _in_sight(corners: npt.NDArray[np.float64], frame: CameraFrame) -> npt.NDArray[np.bool_]:
-    """False for sides with all corners beyond one edge of the picture, shape (n,)."""
-    x, y, z = corners[..., 0], corners[..., 1], corners[..., 2]
-    wide, high = frame.half_width * z, frame.half_height * z
-    beyond = np.stack((z <= 0.0, x > wide, x < -wide, y > high, y < -high))
-    return np.logical_not(beyond.all(axis=2).any(axis=0))
-
-
 def _row_spans(
     corners: npt.NDArray[np.float64], frame: CameraFrame
 ) -> tuple[npt.NDArray[np.int16], npt.NDArray[np.int16]]:
@@ -178,63 +178,3 @@ def _row_spans(
     first = np.ceil(np.clip(least * frame.focal + middle, 0, frame.width))
     end = np.floor(np.clip(greatest * frame.focal + middle, -1, frame.width - 1)) + 1
     return first.astype(np.int16), end.astype(np.int16)
-
-
-def _draw_cylinder(view: View, frame: CameraFrame, cylinder: list[float], thing: int) -> None:
-    """Mantle and top of an upright cylinder, within the columns it can cover."""
-    x, y, radius, low, high = cylinder
-    to_axis = np.array((x - view.x, y - view.y))
-    columns = _cylinder_columns(frame, to_axis, radius)
-    if columns.start >= columns.stop:
-        return
-    ray_x, ray_y = frame.ray_x[:, columns], frame.ray_y[:, columns]
-    ray_z = frame.ray_z[:, None]
-    # |depth * ray - to_axis| = radius, solved for the smaller depth.
-    squared = ray_x * ray_x + ray_y * ray_y
-    half = ray_x * to_axis[0] + ray_y * to_axis[1]
-    apart = float(to_axis @ to_axis) - radius * radius
-    inside = half * half - squared * apart
-    crosses = (inside > 0.0) & (half > 0.0)
-    depth = (half - np.sqrt(np.maximum(inside, 0.0))) / squared
-    at = view.z + depth * ray_z
-    known, things = frame.inverse_depth[:, columns], frame.thing[:, columns]
-    with np.errstate(divide="ignore"):
-        inverse = 1.0 / depth
-    drawn = crosses & (at >= low) & (at <= high) & (inverse > known)
-    np.copyto(known, inverse, where=drawn, casting="same_kind")
-    np.copyto(things, thing, where=drawn)
-    end = high if view.z > high else low
-    if not low <= view.z <= high:
-        inverse = np.broadcast_to(ray_z / (end - view.z), squared.shape)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            away = np.hypot(ray_x / inverse - to_axis[0], ray_y / inverse - to_axis[1])
-        drawn = (inverse > known) & (away <= radius)
-        np.copyto(known, inverse, where=drawn, casting="same_kind")
-        np.copyto(things, thing, where=drawn)
-
-
-def _cylinder_columns(
-    frame: CameraFrame, to_axis: npt.NDArray[np.float64], radius: float
-) -> slice[int, int, None]:
-    """Columns that may show a cylinder; all of them when it reaches beside the camera."""
-    right, _, forward = frame.basis
-    level = math.hypot(forward[0], forward[1])
-    across = float(right[:2] @ to_axis)
-    ahead = float(forward[:2] @ to_axis) / level
-    if ahead <= -radius:
-        return slice(0, 0)
-    # Tilting brings the top or bottom of a picture nearer: ahead counts for the steepest row.
-    steep = frame.half_height * math.sqrt(max(0.0, 1.0 - level * level))
-    if ahead <= radius:
-        return slice(0, frame.width)
-    least, most = level - steep, level + steep
-    edges = [
-        edge * scale / distance
-        for edge in (across - radius, across + radius)
-        for distance in (ahead - radius, ahead + radius)
-        for scale in (least, most)
-    ]
-    middle = frame.width / 2
-    first = min(max(math.floor(min(edges) * frame.focal + middle) - 1, 0), frame.width)
-    end = min(max(math.ceil(max(edges) * frame.focal + middle) + 1, 0), frame.width)
-    return slice(first, end)

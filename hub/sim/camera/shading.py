@@ -19,6 +19,8 @@ _LEAST_SHARE = 0.22
 """Share of an object's own colour: CLEAR - FADE * depth, from LEAST_SHARE to 1."""
 _GRAZING = 2.5
 """Floors are seen at a grazing angle: a pixel covers this many times more of them than of walls."""
+_STEEP = 0.5
+"""Sine of the camera's pitch from which on floors are seen less and less at a grazing angle."""
 _FOOT_LIGHT = 0.72
 _FOOT_SHADE_PER_METRE = 1.1
 """Share of light at the foot of an upright object, and its growth with height."""
@@ -80,7 +82,7 @@ class Shader:
         x += np.float32(view.x)
         y = frame.ray_y * depth
         y += np.float32(view.y)
-        z = frame.ray_z.astype(np.float32)[:, None] * depth
+        z = frame.ray_z.astype(np.float32, copy=False) * depth
         z += np.float32(view.z)
         return x, y, z
 
@@ -122,7 +124,7 @@ class Shader:
         column &= TEXELS - 1
         row = down.astype(np.int32)
         row &= TEXELS - 1
-        texels_per_pixel = self._texels_per_metre.take(thing)
+        texels_per_pixel = self._fineness(frame).take(thing)
         texels_per_pixel *= depth
         # A level is taken from half again as many texels as fit it without smoothing.
         texels_per_pixel *= np.float32(1.0 / (1.5 * frame.focal))
@@ -135,6 +137,14 @@ class Shader:
         level += column
         level += faces.first_texel.take(thing)
         return level.astype(np.intp)
+
+    def _fineness(self, frame: CameraFrame) -> npt.NDArray[np.float32]:
+        """Texels of each thing that a pixel covers at a depth of 1 m, times the focal length."""
+        steepness = max(0.0, abs(float(frame.basis[2, 2])) - _STEEP) / (1.0 - _STEEP)
+        if steepness == 0.0:
+            return self._texels_per_metre
+        less = np.float32(1.0 - steepness * (1.0 - 1.0 / _GRAZING))
+        return np.where(self._faces.flat, self._texels_per_metre * less, self._texels_per_metre)
 
 
 def _saturating_product(

@@ -15,7 +15,7 @@ BACKGROUND_DEPTH = 60.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class View:
-    """A camera that does not roll.
+    """The pose of a camera, and how wide it sees.
 
     Attributes:
         x: Position in the arena's frame [m].
@@ -24,6 +24,7 @@ class View:
         yaw: Its direction [rad], counter-clockwise from x.
         pitch: Upward from the horizontal [rad], within a right angle.
         horizontal_fov: Field of view from left to right [rad].
+        roll: About its direction [rad]; positive: its right side is down.
     """
 
     x: float
@@ -32,6 +33,7 @@ class View:
     yaw: float
     pitch: float
     horizontal_fov: float
+    roll: float = 0.0
 
     @property
     def eye(self) -> npt.NDArray[np.float64]:
@@ -42,12 +44,14 @@ class View:
         """Unit vectors to the right, up and forward in the arena's frame, shape (3, 3)."""
         cos_yaw, sin_yaw = math.cos(self.yaw), math.sin(self.yaw)
         cos_pitch, sin_pitch = math.cos(self.pitch), math.sin(self.pitch)
+        right = np.array((sin_yaw, -cos_yaw, 0.0))
+        up = np.array((-cos_yaw * sin_pitch, -sin_yaw * sin_pitch, cos_pitch))
+        forward = np.array((cos_yaw * cos_pitch, sin_yaw * cos_pitch, sin_pitch))
+        if self.roll == 0.0:
+            return np.array((right, up, forward))
+        cos_roll, sin_roll = math.cos(self.roll), math.sin(self.roll)
         return np.array(
-            (
-                (sin_yaw, -cos_yaw, 0.0),
-                (-cos_yaw * sin_pitch, -sin_yaw * sin_pitch, cos_pitch),
-                (cos_yaw * cos_pitch, sin_yaw * cos_pitch, sin_pitch),
-            )
+            (cos_roll * right - sin_roll * up, cos_roll * up + sin_roll * right, forward)
         )
 
 
@@ -66,7 +70,8 @@ class CameraFrame:
         up: Component of the rays upward in the camera's frame, shape (height,).
         ray_x: Component of the rays along the arena's x, shape (height, width).
         ray_y: Component of the rays along the arena's y, shape (height, width).
-        ray_z: Component of the rays along the arena's z, shape (height,).
+        ray_z: Component of the rays along the arena's z, shape (height, width); (height, 1) while
+            the camera does not roll, as all pixels of a row have the same then.
         inverse_depth: Inverse of the depth of each pixel [1/m], shape (height, width).
         thing: Object of each pixel, as numbered by `faces.Faces`, shape (height, width).
         scratch: Memory for one plane of numbers, shape (height, width).
@@ -85,7 +90,7 @@ class CameraFrame:
         self.up: npt.NDArray[np.floating] = np.zeros(height_px)
         self.ray_x = np.empty(shape, dtype=np.float32)
         self.ray_y = np.empty(shape, dtype=np.float32)
-        self.ray_z: npt.NDArray[np.float64] = np.zeros(height_px)
+        self.ray_z: npt.NDArray[np.floating] = np.zeros((height_px, 1))
         self.inverse_depth = np.empty(shape, dtype=np.float32)
         self.thing = np.empty(shape, dtype=np.intp)
         self.scratch = np.empty(shape, dtype=np.float32)
@@ -102,4 +107,21 @@ class CameraFrame:
         for rays, axis in ((self.ray_x, 0), (self.ray_y, 1)):
             down = (self.up * upward[axis] + forward[axis]).astype(np.float32)
             np.add(down[:, None], (self.across * right[axis]).astype(np.float32), out=rays)
-        self.ray_z = self.up * upward[2] + forward[2]
+        self.ray_z = (self.up * upward[2] + forward[2])[:, None]
+        if view.roll != 0.0:
+            aside = (self.across * right[2]).astype(np.float32)
+            self.ray_z = self.ray_z.astype(np.float32) + aside
+
+    def in_sight(self, corners: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+        """False for solids with all corners beyond one edge of the picture.
+
+        Args:
+            corners: In the camera's frame: right, up, forward [m], shape (solids, corners, 3).
+
+        Returns:
+            Shape (solids,).
+        """
+        x, y, z = corners[..., 0], corners[..., 1], corners[..., 2]
+        wide, high = self.half_width * z, self.half_height * z
+        beyond = np.stack((z <= 0.0, x > wide, x < -wide, y > high, y < -high))
+        return np.logical_not(beyond.all(axis=2).any(axis=0))

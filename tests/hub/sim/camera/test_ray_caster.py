@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
-from hub.sim.arena import Arena, load_arena
+from hub.sim.arena import load_arena
 from hub.sim.camera.ray_caster import RayCaster
-from hub.sim.camera.view import BACKGROUND_DEPTH, View
+from hub.sim.camera.view import View
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
+from tests.hub.sim.camera.slow_rays import slow_depth
 from tests.support.cases import for_each
 from tests.support.repetitions import repetitions
 
@@ -21,34 +21,6 @@ HEIGHT = 0.37
 
 def view_of(x: float, y: float, yaw: float, pitch: float = 0.0, fov: float = WIDE) -> View:
     return View(x=x, y=y, z=HEIGHT, yaw=yaw, pitch=pitch, horizontal_fov=fov)
-
-
-def slow_depth(arena: Arena, view: View, width: int, height: int) -> npt.NDArray[np.float64]:
-    """Every ray against every solid: slabs for boxes, the quadratic equation for cylinders."""
-    focal = width / 2 / math.tan(view.horizontal_fov / 2)
-    right, up, forward = view.basis()
-    columns = (np.arange(width) + 0.5 - width / 2) / focal
-    rows = (height / 2 - np.arange(height) - 0.5) / focal
-    rays = forward + columns[None, :, None] * right + rows[:, None, None] * up
-    eye = view.eye
-    with np.errstate(divide="ignore", invalid="ignore"):
-        depth = np.where(rays[..., 2] < 0, -eye[2], arena.ceiling - eye[2]) / rays[..., 2]
-        depth = np.minimum(depth, BACKGROUND_DEPTH)
-        for box in arena.boxes:
-            first, second = (np.array(box.low) - eye) / rays, (np.array(box.high) - eye) / rays
-            enter = np.minimum(first, second).max(axis=2)
-            leave = np.maximum(first, second).min(axis=2)
-            depth = np.where((enter <= leave) & (enter > 0) & (enter < depth), enter, depth)
-        for item in arena.cylinders:
-            from_x, from_y = eye[0] - item.x, eye[1] - item.y
-            a = rays[..., 0] ** 2 + rays[..., 1] ** 2
-            b = rays[..., 0] * from_x + rays[..., 1] * from_y
-            root = np.sqrt(b * b - a * (from_x**2 + from_y**2 - item.radius**2))
-            ends = [(item.low - eye[2]) / rays[..., 2], (item.high - eye[2]) / rays[..., 2]]
-            enter = np.maximum((-b - root) / a, np.minimum(*ends))
-            leave = np.minimum((-b + root) / a, np.maximum(*ends))
-            depth = np.where((enter <= leave) & (enter > 0) & (enter < depth), enter, depth)
-    return depth
 
 
 @pytest.mark.parametrize(("width", "height"), [(80, 60), (61, 33)])
