@@ -13,6 +13,7 @@ from hub.sim.arena import load_arena
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
 from tests.hub.sim.arenas import free_poses
+from tests.hub.sim.camera.rough_ground import rough_ground
 from tests.support.magellan import magellan_sensors
 
 POSES = 200
@@ -34,6 +35,7 @@ def main() -> None:
         report(f"sim.picture_{width}x{height}_ms", value, "ms", bar=bar, note=note)
 
     tilted_picture()
+    terrain_picture()
 
     sensors = magellan_sensors(arena.footprints, 1)
     value = median_ms(lambda number: sensors.measure("sonar", poses[number % POSES]), 5 * POSES)
@@ -61,6 +63,34 @@ def tilted_picture() -> None:
     )
     note = f"thread time, median over {POSES} views at 160x120, rolled"
     report("sim.picture_tilted_ms", value, "ms", bar=4.0, note=note)
+
+
+def terrain_picture() -> None:
+    """A rover that tilts on rough ground between walls, and a blimp above it, by turns."""
+    ground = rough_ground()
+    caster = RayCaster(load_arena("yellow"), ground)
+    random = np.random.default_rng(2)
+    views = []
+    for number in range(POSES):
+        x, y = random.uniform(1.0, 9.0, 2).tolist()
+        above, pitch = ((0.37, -0.1), (2.2, -0.78), (2.2, -1.4))[number % 3]
+        view = View(
+            x=x,
+            y=y,
+            z=float(ground.heights[int(y / ground.cell), int(x / ground.cell)]) + above,
+            yaw=float(random.uniform(-3.0, 3.0)),
+            pitch=pitch + float(random.uniform(-0.15, 0.15)),
+            roll=float(random.uniform(-0.2, 0.2)),
+            horizontal_fov=math.radians(60.0),
+        )
+        views.append(view)
+    value = median_ms(
+        lambda number: caster.picture(views[number % POSES], 160, 120),
+        POSES,
+        clock=time.thread_time,
+    )
+    note = f"thread time, median over {POSES} views at 160x120, rolled, {ground.heights.size} cells"
+    report("sim.picture_terrain_ms", value, "ms", bar=6.0, note=note)
 
 
 if __name__ == "__main__":

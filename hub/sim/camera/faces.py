@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.sim.arena import Arena
+from hub.sim.camera.height_map import GROUND_SIDES, HeightMap
 from hub.sim.camera.textures import SIDE as TEXELS
 from hub.sim.camera.textures import Atlas, make_atlas
 from hub.sim.geometry import Box, Cylinder, Side, Surface
@@ -22,6 +23,8 @@ CEILING_SURFACE = Surface(texture="ceiling", colour=(122, 126, 134))
 
 _BRIGHTNESS = {0: 1.0, 1: 0.84, 2: 1.08}
 """Light from above and from the east, so that two walls that meet differ, by axis."""
+_GROUND_BRIGHTNESS = (1.1, 0.78, 0.64)
+"""Of the ground's tops, sides that face x, and sides that face y."""
 _POSITIVE = 128.0 * TEXELS
 """Added to texel coordinates [texels]: a whole number of tiles that makes all of them positive."""
 _SHRINK = 0.998
@@ -30,10 +33,10 @@ _SHRINK = 0.998
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Faces:
-    """Everything that is drawn: f sides of boxes, c cylinders.
+    """Everything that is drawn: f sides of boxes, c cylinders, s surfaces of the ground.
 
     Arrays of "things" have one entry for floor, ceiling, each side and each cylinder, in this
-    order, so 2 + f + c.
+    order, and `GROUND_SIDES` for each surface of a height map, so 2 + f + c + 3 s.
 
     Attributes:
         corners: Corners of each side, counter-clockwise from outside [m], shape (f, 4, 3).
@@ -50,6 +53,7 @@ class Faces:
         row_scale: Texels per metre of the downward coordinate, shape (things,).
         row_offset: Texel row at coordinate 0, shape (things,).
         brightness: Share of light each thing gets, shape (things,).
+        first_ground: Number of the first thing that is ground.
         atlas: The textures.
     """
 
@@ -67,6 +71,7 @@ class Faces:
     row_scale: npt.NDArray[np.float32]
     row_offset: npt.NDArray[np.float32]
     brightness: npt.NDArray[np.float32]
+    first_ground: int
     atlas: Atlas
 
 
@@ -96,8 +101,8 @@ class _Face:
         return corners if sign > 0 else corners[::-1]
 
 
-def make_faces(arena: Arena) -> Faces:
-    """Prepare an arena for drawing."""
+def make_faces(arena: Arena, ground: HeightMap | None = None) -> Faces:
+    """Prepare an arena for drawing, with the ground that stands out of its floor."""
     # The undersides of objects on the floor are never seen.
     faces = [
         _Face(box, side)
@@ -111,6 +116,10 @@ def make_faces(arena: Arena) -> Faces:
         *(face.surface for face in faces),
         *(item.surface for item in arena.cylinders),
     ]
+    first_ground = len(surfaces)
+    if ground is not None:
+        surfaces += [surface for surface in ground.surfaces for _ in range(GROUND_SIDES)]
+    cylinders, grounds = len(arena.cylinders), 0 if ground is None else len(ground.surfaces)
     atlas = make_atlas(surfaces)
     material = np.array([atlas.index[surface] for surface in surfaces])
     levels_stride = len(atlas.planes[0]) // len(atlas.index)
@@ -131,15 +140,21 @@ def make_faces(arena: Arena) -> Faces:
             [_corners_around(item) for item in arena.cylinders], dtype=np.float64
         ).reshape(-1, 8, 3),
         first_texel=(material * levels_stride).astype(np.int32),
-        flat=np.array([True, True, *(axis == 2), *(False for _ in arena.cylinders)]),
-        across_x=np.array([True, True, *(axis != 0), *(True for _ in arena.cylinders)]),
+        flat=np.array(
+            [True, True, *(axis == 2), *(False,) * cylinders, *(True, False, False) * grounds]
+        ),
+        across_x=np.array(
+            [True, True, *(axis != 0), *(True,) * cylinders, *(True, False, True) * grounds]
+        ),
         column_scale=mapping[:, 0].astype(np.float32),
         column_offset=mapping[:, 1].astype(np.float32),
         row_scale=mapping[:, 2].astype(np.float32),
         row_offset=mapping[:, 3].astype(np.float32),
         brightness=np.array(
-            [1.24, 1.0, *wall_light, *(1.0 for _ in arena.cylinders)], dtype=np.float32
+            [1.24, 1.0, *wall_light, *(1.0,) * cylinders, *_GROUND_BRIGHTNESS * grounds],
+            dtype=np.float32,
         ),
+        first_ground=first_ground,
         atlas=atlas,
     )
 

@@ -15,8 +15,10 @@ import numpy.typing as npt
 from hub.sim.arena import Arena
 from hub.sim.camera.cylinders import draw_cylinders
 from hub.sim.camera.faces import CEILING, FLOOR, PLANES, make_faces
+from hub.sim.camera.height_map import HeightMap
 from hub.sim.camera.lighting import FULL, Lighting
 from hub.sim.camera.shading import Shader
+from hub.sim.camera.terrain_view import TerrainView
 from hub.sim.camera.view import BACKGROUND_DEPTH, CameraFrame, View
 from hub.values import dataclass
 
@@ -52,10 +54,18 @@ class _Candidates:
 class RayCaster:
     """Draws one arena; keeps its working memory between pictures, so it belongs to one thread."""
 
-    def __init__(self, arena: Arena) -> None:
-        self._faces = make_faces(arena)
+    def __init__(self, arena: Arena, ground: HeightMap | None = None) -> None:
+        """Prepare it.
+
+        Args:
+            arena: What is drawn.
+            ground: What stands out of its floor.
+        """
+        self._faces = make_faces(arena, ground)
         self._ceiling = arena.ceiling
-        self._shader = Shader(self._faces)
+        self._terrain = None if ground is None else TerrainView(ground, self._faces.first_ground)
+        light = None if self._terrain is None else self._terrain.light
+        self._shader = Shader(self._faces, light)
         self._frames: dict[tuple[int, int], CameraFrame] = {}
 
     def picture(
@@ -79,6 +89,8 @@ class RayCaster:
             frame = self._frames[size] = CameraFrame(width_px, height_px)
         frame.aim(view)
         self._draw_planes(view, frame)
+        if self._terrain is not None:
+            self._terrain.draw(view, frame)
         if len(self._faces.axis):
             self._draw_faces(frame, self._candidates(view, frame))
         if len(self._faces.cylinders):

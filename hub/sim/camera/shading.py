@@ -32,8 +32,16 @@ _FAR_SIDE_LIGHT = 0.62
 class Shader:
     """Colours frames of one arena; owns its working memory, so it belongs to one thread."""
 
-    def __init__(self, faces: Faces) -> None:
+    def __init__(self, faces: Faces, ground_light: npt.NDArray[np.float32] | None = None) -> None:
+        """Prepare it.
+
+        Args:
+            faces: What is drawn.
+            ground_light: Share of light of each cell of the height map, as `CameraFrame.cell`
+                counts them; None without a height map.
+        """
         self._faces = faces
+        self._ground_light = ground_light
         self._first_cylinder = PLANES + len(faces.axis)
         fineness = np.abs(faces.column_scale)
         self._texels_per_metre = np.where(faces.flat, _GRAZING * fineness, fineness).astype(
@@ -49,6 +57,11 @@ class Shader:
         across = np.where(faces.across_x[thing], x, y)
         down = np.where(faces.flat[thing], y, z)
         brightness = faces.brightness.take(thing)
+        if self._ground_light is not None:
+            on_ground = thing >= faces.first_ground
+            np.multiply(
+                brightness, self._ground_light.take(frame.cell), out=brightness, where=on_ground
+            )
         if len(faces.cylinders):
             self._wrap_cylinders(frame, x, y, across, brightness)
         # Little light reaches the foot of a wall; z is not needed any more.
@@ -95,11 +108,12 @@ class Shader:
         brightness: npt.NDArray[np.float32],
     ) -> None:
         """Measure textures around cylinders, and light the side that faces the light."""
-        where = np.nonzero(frame.thing >= self._first_cylinder)
+        thing = frame.thing
+        where = np.nonzero((thing >= self._first_cylinder) & (thing < self._faces.first_ground))
         if not len(where[0]):
             return
         centre_x, centre_y, radius = self._faces.cylinders[
-            frame.thing[where] - self._first_cylinder, :3
+            thing[where] - self._first_cylinder, :3
         ].T
         from_x, from_y = x[where] - centre_x, y[where] - centre_y
         across[where] = np.arctan2(from_y, from_x) * radius

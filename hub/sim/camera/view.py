@@ -74,6 +74,8 @@ class CameraFrame:
             the camera does not roll, as all pixels of a row have the same then.
         inverse_depth: Inverse of the depth of each pixel [1/m], shape (height, width).
         thing: Object of each pixel, as numbered by `faces.Faces`, shape (height, width).
+        cell: Cell of the height map that each pixel would show, shape (height, width); only set
+            where there is a height map, and only of use for things that are ground.
         scratch: Memory for one plane of numbers, shape (height, width).
     """
 
@@ -93,6 +95,7 @@ class CameraFrame:
         self.ray_z: npt.NDArray[np.floating] = np.zeros((height_px, 1))
         self.inverse_depth = np.empty(shape, dtype=np.float32)
         self.thing = np.empty(shape, dtype=np.intp)
+        self.cell = np.empty(0, dtype=np.int32)
         self.scratch = np.empty(shape, dtype=np.float32)
 
     def aim(self, view: View) -> None:

@@ -1,0 +1,35 @@
+"""A height map with a ramp, posts, a hill and stairs, made without the simulator's own ground."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hub.sim.camera.height_map import HeightMap
+from hub.sim.geometry import Surface
+
+CELL = 0.025
+SURFACES = (
+    Surface(texture="wood", colour=(200, 150, 90)),
+    Surface(texture="plain", colour=(190, 150, 100)),
+    Surface(texture="concrete", colour=(150, 150, 160)),
+)
+
+
+def rough_ground(origin: tuple[float, float] = (0.0, 0.0)) -> HeightMap:
+    """10 by 10 m: a ramp of 15 degrees, posts of 10 cm, a hill of them, stairs of 20 cm."""
+    heights = np.zeros((400, 400), dtype=np.float32)
+    surface = np.zeros((400, 400), dtype=np.uint8)
+    x = (np.arange(400, dtype=np.float32) + 0.5) * CELL
+    heights[40:100, 120:216] = (x[120:216] - 3.0) * 0.268  # a ramp that rises to the east
+    random = np.random.default_rng(3)
+    posts = random.integers(0, 4, (24, 24)).astype(np.float32) * 0.1
+    heights[150:246, 60:156] = np.kron(posts, np.ones((4, 4), dtype=np.float32))
+    surface[150:246, 60:156] = 1
+    rows, columns = np.indices((11, 11))
+    hill = 0.4 - 0.1 * np.minimum(np.abs(columns - 5), 4) + 0.05 * ((rows + columns) % 2)
+    heights[260:304, 200:244] = np.kron(hill, np.ones((4, 4))).astype(np.float32)
+    surface[260:304, 200:244] = 1
+    for step in range(5):
+        heights[150:200, 260 + 10 * step : 330] = 0.2 * (step + 1)
+    surface[150:200, 260:330] = 2
+    return HeightMap(heights=heights, cell=CELL, origin=origin, surface=surface, surfaces=SURFACES)

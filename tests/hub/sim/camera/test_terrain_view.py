@@ -1,0 +1,148 @@
+"""Pictures of rough ground against rays that march in steps of 4 mm."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hub.sim.camera.height_map import HeightMap
+from hub.sim.camera.ray_caster import RayCaster
+from hub.sim.camera.view import View
+from hub.sim.geometry import Surface
+from tests.hub.sim.arenas import VOID, arena_of
+from tests.hub.sim.camera.rough_ground import CELL, rough_ground
+from tests.hub.sim.camera.slow_rays import rays_of
+
+GROUND = rough_ground()
+FOV = math.radians(48.8)
+FARTHEST = 7.0
+WALLS = VOID + "[[wall]]\nfrom=[9,0]\nto=[9,9]\nheight=2\n"
+
+
+def marched(ground: HeightMap, eyes: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Depth [m] at which each ray enters the ground, and the height of it there; shape (rays,)."""
+    depth, height = np.full(len(rays), np.nan), np.zeros(len(rays))
+    level = np.hypot(rays[:, 0], rays[:, 1])
+    rows, columns = ground.heights.shape
+    left = np.arange(len(rays))
+    for way in np.arange(0.03, FARTHEST, 0.004):
+        at = eyes[left] + rays[left] * (way / level[left])[:, None]
+        column = np.clip(np.floor((at[:, 0] - ground.origin[0]) / CELL), 0, columns - 1).astype(int)
+        row = np.clip(np.floor((at[:, 1] - ground.origin[1]) / CELL), 0, rows - 1).astype(int)
+        here = ground.heights[row, column]
+        hit = at[:, 2] <= here
+        depth[left[hit]] = way / level[left[hit]]
+        height[left[hit]] = here[hit]
+        left = left[~hit]
+    return depth, height
+
+
+@pytest.mark.parametrize(
+    ("above", "pitch"), [(0.37, -0.1), (1.5, -0.8), (2.2, -1.4)], ids=["rover", "ahead", "below"]
+)
+def test_depth_of_the_ground_is_that_of_marching_rays(above: float, pitch: float) -> None:
+    caster = RayCaster(arena_of(VOID), GROUND)
+    random = np.random.default_rng(2)
+    drawn, eyes, rays = [], [], []
+    for _ in range(8):
+        x, y = random.uniform(1.5, 8.0, 2).tolist()
+        view = View(
+            x=x,
+            y=y,
+            z=float(GROUND.heights[int(y / CELL), int(x / CELL)]) + above,
+            yaw=float(random.uniform(-3.0, 3.0)),
+            pitch=pitch + float(random.uniform(-0.2, 0.15)),
+            roll=float(random.uniform(-0.3, 0.3)),
+            horizontal_fov=FOV,
+        )
+        picked = random.integers(0, 160 * 120, 60)
+        drawn.append(caster.depth(view, 160, 120).ravel()[picked])
+        eyes.append(np.tile(view.eye, (60, 1)))
+        rays.append(rays_of(view, 160, 120).reshape(-1, 3)[picked])
+    true, height = marched(GROUND, np.concatenate(eyes), np.concatenate(rays))
+    met = np.isfinite(true)
+    error = np.abs(np.concatenate(drawn) - true)[met]
+    raised = error[height[met] > 0.0]
+    assert len(raised) > 100
+    assert np.median(raised) < 0.008
+    assert np.percentile(raised, 90) < 0.06
+    assert (error > 0.2).mean() < 0.06
+
+
+def test_a_rolled_picture_of_the_ground_is_the_turned_picture() -> None:
+    caster = RayCaster(arena_of(VOID), GROUND)
+    level = View(x=1.0, y=4.9, z=0.7, yaw=0.2, pitch=-0.2, horizontal_fov=FOV)
+    turned = caster.depth(replace(level, roll=math.pi), 80, 60)[::-1, ::-1]
+    assert (np.abs(turned - caster.depth(level, 80, 60)) > 0.05).mean() < 0.02
+
+
+def test_a_wall_hides_the_ground_behind_it_and_posts_hide_the_wall() -> None:
+    stairs = View(x=5.5, y=4.4, z=0.5, yaw=0.0, pitch=0.1, horizontal_fov=FOV)
+    near_wall, far_wall = WALLS.replace("[9,", "[6.2,"), WALLS
+    before_stairs = RayCaster(arena_of(near_wall), GROUND).depth(stairs, 80, 60)
+    behind = RayCaster(arena_of(far_wall), GROUND).depth(stairs, 80, 60)
+    bare = RayCaster(arena_of(far_wall)).depth(stairs, 80, 60)
+    assert before_stairs[20:40].max() < 0.8
+    # The second riser is 1.25 m ahead; the wall shows above the last step.
+    assert behind[50, 40] == pytest.approx(1.25, abs=0.05)
+    assert behind[2, 40] == bare[2, 40]
+
+
+def test_the_floor_shows_where_the_map_has_no_height_and_beyond_the_map() -> None:
+    flat = HeightMap(
+        heights=np.zeros((40, 40), dtype=np.float32),
+        cell=CELL,
+        origin=(0.0, 0.0),
+        surface=np.zeros((40, 40), dtype=np.uint8),
+        surfaces=(Surface(texture="plain", colour=(255, 0, 0)),),
+    )
+    edge = replace(flat, heights=np.pad(flat.heights[:, 20:], ((0, 0), (0, 20)), constant_values=1))
+    arena = arena_of(VOID)
+    away = View(x=0.5, y=0.5, z=1.5, yaw=math.pi, pitch=-0.5, horizontal_fov=FOV)
+    for ground in (flat, edge):
+        seen = RayCaster(arena, ground).picture(away, 80, 60)
+        assert np.array_equal(seen, RayCaster(arena).picture(away, 80, 60))
+
+
+def test_a_map_may_lie_anywhere() -> None:
+    view = View(x=1.0, y=4.9, z=0.7, yaw=0.2, pitch=-0.2, roll=0.1, horizontal_fov=FOV)
+    arena = arena_of(VOID)
+    here = RayCaster(arena, GROUND).depth(view, 80, 60)
+    moved = RayCaster(arena, rough_ground((-20.0, 12.0)))
+    there = moved.depth(replace(view, x=view.x - 20.0, y=view.y + 12.0), 80, 60)
+    assert (np.abs(here - there) > 0.05).mean() < 0.02
+
+
+def test_each_cell_shows_its_surface_and_tops_are_brighter_than_sides() -> None:
+    heights = np.zeros((80, 80), dtype=np.float32)
+    heights[20:60, 40:60] = 0.3
+    surface = np.zeros((80, 80), dtype=np.uint8)
+    surface[40:60] = 1
+    colours = ((200, 20, 20), (20, 20, 200))
+    ground = HeightMap(
+        heights=heights,
+        cell=CELL,
+        origin=(0.0, 0.0),
+        surface=surface,
+        surfaces=tuple(Surface(texture="plain", colour=colour) for colour in colours),
+    )
+    caster = RayCaster(arena_of(VOID), ground)
+    ahead = View(x=0.2, y=1.0, z=0.7, yaw=0.0, pitch=-0.45, horizontal_fov=FOV)
+    picture = caster.picture(ahead, 160, 120).astype(int)
+    # North, with the larger y, is at the left.
+    left, right = picture[:, 60], picture[:, 100]
+    assert (left[:, 2] - left[:, 0]).max() > 80
+    assert (right[:, 0] - right[:, 2]).max() > 80
+    red = right[right[:, 0] - right[:, 2] > 30][:, 0]
+    assert red.max() > 1.3 * red.min()
+
+
+def test_the_light_on_slopes_says_which_way_they_rise() -> None:
+    slope = (np.arange(40, dtype=np.float32) * 0.25 * CELL)[None, :].repeat(40, axis=0)
+    east = replace(GROUND, heights=slope, surface=np.zeros((40, 40), dtype=np.uint8))
+    west = replace(east, heights=np.ascontiguousarray(slope[:, ::-1]))
+    assert west.light()[20, 20] > 1.0 > east.light()[20, 20]
+    assert np.isfinite(replace(east, heights=slope[:1]).light()).all()
