@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 
 from benchmarks.figures import median_ms, report
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.arena import load_arena
+from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
 from tests.hub.sim.arenas import free_poses
@@ -36,6 +38,7 @@ def main() -> None:
 
     tilted_picture()
     terrain_picture()
+    water_picture()
 
     sensors = magellan_sensors(arena.footprints, 1)
     value = median_ms(lambda number: sensors.measure("sonar", poses[number % POSES]), 5 * POSES)
@@ -91,6 +94,39 @@ def terrain_picture() -> None:
     )
     note = f"thread time, median over {POSES} views at 160x120, rolled, {ground.heights.size} cells"
     report("sim.picture_terrain_ms", value, "ms", bar=6.0, note=note)
+
+
+def water_picture() -> None:
+    """What water and a lamp add to a picture of the pool: each view wet, then dry."""
+    arena = load_arena("pool")
+    wet, dry = RayCaster(arena), RayCaster(replace(arena, water=None))
+    random = np.random.default_rng(4)
+    lamp = Lighting(headlight=0.8)
+    added = []
+    for _ in range(POSES):
+        view = View(
+            x=float(random.uniform(0.6, 5.4)),
+            y=float(random.uniform(0.6, 7.4)),
+            z=float(random.uniform(0.4, 2.0)),
+            yaw=float(random.uniform(-3.0, 3.0)),
+            pitch=-0.2,
+            roll=0.05,
+            horizontal_fov=math.radians(64.0),
+        )
+        wet_ms, dry_ms = (
+            median_ms(
+                lambda _, view=view, caster=caster, light=light: caster.picture(
+                    view, 160, 120, light
+                ),
+                5,
+                warmup=1,
+                clock=time.thread_time,
+            )
+            for caster, light in ((wet, lamp), (dry, Lighting()))
+        )
+        added.append(wet_ms - dry_ms)
+    note = f"thread time, median over {POSES} views at 160x120 with lamp, less the dry picture"
+    report("sim.water_ms", float(np.median(added)), "ms", bar=0.6, note=note)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from hub.errors import ArenaError
 from hub.nearest import did_you_mean
 from hub.pose import Pose
 from hub.sim.arena_file import read_arena_file
-from hub.sim.arena_specs import ArenaSpec
+from hub.sim.arena_specs import AirSpec, ArenaSpec, BerthSpec, WaterSpec
 from hub.sim.building import build
 from hub.sim.geometry import Box, Cylinder, Surface
 from hub.values import dataclass
@@ -70,6 +71,9 @@ class Arena:
         ceiling: Height of the ceiling [m].
         floor: The surface of the floor.
         light: Brightness, 0 (dark) to 1.
+        berths: Where robots of other kinds than the rover start.
+        water: The water that stands on the floor; None: it is dry.
+        air: How the air moves; None: it stands.
     """
 
     name: str
@@ -80,6 +84,13 @@ class Arena:
     ceiling: float
     floor: Surface
     light: float
+    berths: tuple[BerthSpec, ...] = ()
+    water: WaterSpec | None = None
+    air: AirSpec | None = None
+
+    def berth(self, robot: str) -> BerthSpec | None:
+        """Where a kind of robot starts; None: the arena does not say."""
+        return next((berth for berth in self.berths if berth.robot == robot), None)
 
 
 def shipped_arenas() -> tuple[str, ...]:
@@ -103,9 +114,10 @@ def load_arena(name_or_path: str) -> Arena:
             text = f"no arena of this name; give a .toml file or one of {', '.join(known)}{hint}"
             raise ArenaError(name_or_path, [text])
     arena = arena_from_spec(read_arena_file(path))
-    touched = _touched_at_start(arena)
-    if touched:
-        raise ArenaError(str(path), [f"start: the robot would touch {name}" for name in touched])
+    problems = [f"start: the robot would touch {name}" for name in _touched_at_start(arena)]
+    problems += _berth_problems(arena)
+    if problems:
+        raise ArenaError(str(path), problems)
     return arena
 
 
@@ -123,6 +135,9 @@ def arena_from_spec(spec: ArenaSpec) -> Arena:
         ceiling=spec.hall.ceiling,
         floor=Surface(texture=spec.hall.floor_texture, colour=spec.hall.floor_colour),
         light=spec.hall.light,
+        berths=spec.berths,
+        water=spec.water,
+        air=spec.air,
     )
 
 
@@ -161,3 +176,21 @@ def _touched_at_start(arena: Arena) -> list[str]:
     distances = arena.footprints.distances(arena.start.x, arena.start.y)
     touched = (arena.footprints.origin[index] for index in np.flatnonzero(distances < BODY_RADIUS))
     return list(dict.fromkeys(touched))
+
+
+def _berth_problems(arena: Arena) -> Iterator[str]:
+    """A berth has to be below the ceiling, and in no solid."""
+    for number, berth in enumerate(arena.berths, start=1):
+        place = (*berth.at, berth.height)
+        if berth.height >= arena.ceiling:
+            yield f"berth {number}: it is not below the ceiling, at {arena.ceiling:g} m"
+        within = any(
+            all(low <= at <= high for low, at, high in zip(box.low, place, box.high, strict=True))
+            for box in arena.boxes
+        ) or any(
+            math.dist(berth.at, (item.x, item.y)) <= item.radius
+            and item.low <= berth.height <= item.high
+            for item in arena.cylinders
+        )
+        if within:
+            yield f"berth {number}: it is inside a solid"

@@ -15,7 +15,9 @@ from hub.errors import ArenaError
 from hub.nearest import did_you_mean
 from hub.sim.arena_specs import (
     MAX_DOORWAYS,
+    AirSpec,
     ArenaSpec,
+    BerthSpec,
     BoxSpec,
     CylinderSpec,
     DoorwaySpec,
@@ -25,6 +27,7 @@ from hub.sim.arena_specs import (
     StartSpec,
     VictimSpec,
     WallSpec,
+    WaterSpec,
 )
 from hub.values import dataclass
 
@@ -35,11 +38,15 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """A kind of table: its class, its field of `ArenaSpec`, and its number there."""
+    """A kind of table: its class, its field of `ArenaSpec`, its number there.
+
+    Of an optional one that is not there, the field is None.
+    """
 
     spec: Callable[..., Any]
     field: str
     repeated: bool = True
+    optional: bool = False
 
 
 _TABLES: Mapping[str, _Table] = {
@@ -51,6 +58,9 @@ _TABLES: Mapping[str, _Table] = {
     "victim": _Table(VictimSpec, "victims"),
     "landmark": _Table(LandmarkSpec, "landmarks"),
     "ring": _Table(RingSpec, "rings"),
+    "berth": _Table(BerthSpec, "berths"),
+    "water": _Table(WaterSpec, "water", repeated=False, optional=True),
+    "air": _Table(AirSpec, "air", repeated=False, optional=True),
 }
 _DOORWAY = _Table(DoorwaySpec, "doorways")
 
@@ -93,6 +103,8 @@ def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
 
 
 def _read_single(name: str, table: _Table, data: Mapping[str, Any], problems: toml.Problems) -> Any:  # noqa: ANN401 - the table's spec
+    if name not in data and table.optional:
+        return None
     keys = toml.keys_of(table.spec).values()
     if name not in data and any(key.default is toml.REQUIRED for key in keys):
         problems.append(f"table [{name}] is missing")
@@ -159,10 +171,11 @@ def _wall_problems(wall: WallSpec) -> Iterable[str]:
 
 
 def _check_names(fields: Mapping[str, Any], problems: toml.Problems) -> None:
-    """Names identify victims and landmarks, so each occurs once."""
-    for kind in ("victim", "landmark"):
+    """Names identify victims, landmarks and berths, so each occurs once."""
+    for kind, key in (("victim", "name"), ("landmark", "name"), ("berth", "robot")):
         seen: set[str] = set()
         for spec in fields[_TABLES[kind].field]:
-            if spec.name in seen:
-                problems.append(f"{kind} {toml.shorten(spec.name)}: two have this name")
-            seen.add(spec.name)
+            name = getattr(spec, key)
+            if name in seen:
+                problems.append(f"{kind} {toml.shorten(name)}: two have this name")
+            seen.add(name)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from hub.nearest import did_you_mean
 from hub.sim.geometry import Colour, Side
-from hub.toml_reader import RefusedError, choice, key, number, numbers, shorten, text
+from hub.toml_reader import RefusedError, choice, degrees, key, number, numbers, shorten, text
 from hub.values import dataclass
 
 COLOURS: Mapping[str, Colour] = {
@@ -35,8 +35,22 @@ SURFACE_TEXTURES = ("plain", "brick", "panel", "wood", "concrete", "fabric", "ch
 FACINGS = {side.name.lower(): side for side in (Side.EAST, Side.NORTH, Side.WEST, Side.SOUTH)}
 GAPS = ("right", "up-right", "up", "up-left", "left", "down-left", "down", "down-right")
 POSES = ("sitting", "lying")
+WATER_TYPES: Mapping[str, tuple[float, float, float]] = {
+    "I": (0.235, 0.043, 0.019),
+    "II": (0.26, 0.076, 0.068),
+    "III": (0.295, 0.116, 0.135),
+    "1C": (0.30, 0.13, 0.25),
+    "3C": (0.33, 0.20, 0.39),
+    "5C": (0.40, 0.31, 0.56),
+    "7C": (0.48, 0.49, 0.89),
+    "9C": (0.60, 0.78, 1.6),
+}
+"""Loss of daylight on its way down, at 600, 525 and 450 nm [1/m] (Jerlov 1976, table XXVII): I to
+III are oceans, 1C to 9C coasts."""
 
 Point = tuple[float, float]
+Area = tuple[Point, Point]
+"""South-west and north-east corner."""
 
 
 MAX_DOORWAYS = 16
@@ -85,6 +99,68 @@ class HallSpec:
         1.0,
         "how bright it is; in the dark, at 0, a camera sees nothing without a headlight",
     )
+
+
+def _corners(value: object) -> Area:
+    if not isinstance(value, list) or len(value) != 2:
+        reason = f"{shorten(value)} is not a list of two corners"
+        raise RefusedError(reason)
+    (west, south), (east, north) = _PLACE(value[0]), _PLACE(value[1])
+    if not (west < east and south < north):
+        reason = f"{shorten(value)} is not the south-west corner and the north-east one"
+        raise RefusedError(reason)
+    return (west, south), (east, north)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WaterSpec:
+    """Water that stands on the floor."""
+
+    surface: float = key(number(0.1, 20.0), meaning="height of the surface above the floor")
+    area: Area | None = key(
+        _corners,
+        None,
+        "x and y of its south-west and of its north-east corner: `[[0, 0], [6, 8]]`",
+        without="everywhere",
+    )
+    type: str = key(
+        choice(tuple(WATER_TYPES)),
+        "1C",
+        "its colour, after Jerlov: oceans, `I` to `III`, and ever murkier coasts, `1C` to `9C`",
+    )
+    visibility: float = key(
+        number(0.2, 50.0), 8.0, "distance at which 2 % of the contrast is left in daylight"
+    )
+    current: Point = key(
+        numbers(2, -3.0, 3.0),
+        (0.0, 0.0),
+        "velocity of the water along x and y [m/s]",
+        without="it stands",
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AirSpec:
+    """How the air moves."""
+
+    draft: float = key(
+        number(0.0, 2.0),
+        0.04,
+        "standard deviation of drafts [m/s]: 0.04 in a still room, 0.15 in a drafty one",
+    )
+    wind: Point = key(
+        numbers(2, -5.0, 5.0), (0.0, 0.0), "steady wind along x and y [m/s]", without="none"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BerthSpec:
+    """Where a robot of another kind than the rover starts."""
+
+    robot: str = key(text(64), meaning="kind of the robot, such as `blimp`, which stands once")
+    at: Point = key(_PLACE, meaning="x and y")
+    height: float = key(number(0.0, 20.0), 0.0, "of the robot's origin above the floor")
+    heading: float = key(degrees(-360.0, 360.0), 0.0, "the way it looks", at="heading_deg")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,3 +269,6 @@ class ArenaSpec:
     victims: tuple[VictimSpec, ...]
     landmarks: tuple[LandmarkSpec, ...]
     rings: tuple[RingSpec, ...]
+    berths: tuple[BerthSpec, ...]
+    water: WaterSpec | None
+    air: AirSpec | None

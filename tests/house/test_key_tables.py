@@ -32,6 +32,9 @@ _ARENA = {
     "`[[victim]]`": arena_specs.VictimSpec,
     "`[[landmark]]`": arena_specs.LandmarkSpec,
     "`[[ring]]`": arena_specs.RingSpec,
+    "`[water]`": arena_specs.WaterSpec,
+    "`[air]`": arena_specs.AirSpec,
+    "`[[berth]]`": arena_specs.BerthSpec,
 }
 _BODY = {
     "`[[frame]]`": FrameTable,

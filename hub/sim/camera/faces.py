@@ -36,7 +36,7 @@ class Faces:
     """Everything that is drawn: f sides of boxes, c cylinders, s surfaces of the ground.
 
     Arrays of "things" have one entry for floor, ceiling, each side and each cylinder, in this
-    order, and `GROUND_SIDES` for each surface of a height map, so 2 + f + c + 3 s.
+    order. `GROUND_SIDES` for each surface of a height map follow, so they have 2 + f + c + 3 s.
 
     Attributes:
         corners: Corners of each side, counter-clockwise from outside [m], shape (f, 4, 3).

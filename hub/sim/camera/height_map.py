@@ -11,7 +11,7 @@ from hub.values import dataclass
 GROUND_SIDES = 3
 """A surface of the ground is drawn as three things: tops, sides that face x, sides that face y."""
 _TONES = (0.94, 1.04, 0.98, 1.08, 0.9)
-"""Shares of light on the tops of neighbouring heights, so that steps can be told apart."""
+"""Shares of light on the tops of neighbouring heights, so that steps show."""
 _TONE_HEIGHT = 0.05
 """Difference of height from one tone to the next [m]."""
 _SLOPE_LIGHT = 0.45

@@ -20,6 +20,7 @@ from hub.sim.camera.lighting import FULL, Lighting
 from hub.sim.camera.shading import Shader
 from hub.sim.camera.terrain_view import TerrainView
 from hub.sim.camera.view import BACKGROUND_DEPTH, CameraFrame, View
+from hub.sim.camera.water_view import WaterView
 from hub.values import dataclass
 
 _MARGIN = 0.01
@@ -66,6 +67,7 @@ class RayCaster:
         self._terrain = None if ground is None else TerrainView(ground, self._faces.first_ground)
         light = None if self._terrain is None else self._terrain.light
         self._shader = Shader(self._faces, light)
+        self._water = None if arena.water is None else WaterView(arena.water)
         self._frames: dict[tuple[int, int], CameraFrame] = {}
 
     def picture(
@@ -74,6 +76,8 @@ class RayCaster:
         """The camera's view, shape (height, width, 3), red, green, blue."""
         view = self._inside(view)
         frame = self._cast(view, width_px, height_px)
+        if self._water is not None:
+            return self._water.picture(view, frame, self._shader, lighting)
         return self._shader.shade(view, frame, lighting)
 
     def depth(self, view: View, width_px: int, height_px: int) -> npt.NDArray[np.float32]:

@@ -48,8 +48,17 @@ class Shader:
             np.float32
         )
 
-    def shade(self, view: View, frame: CameraFrame, lighting: Lighting) -> npt.NDArray[np.uint8]:
-        """The picture of a frame, shape (height, width, 3)."""
+    def shade(
+        self, view: View, frame: CameraFrame, lighting: Lighting, *, haze: bool = True
+    ) -> npt.NDArray[np.uint8]:
+        """The picture of a frame, shape (height, width, 3).
+
+        Args:
+            view: The camera.
+            frame: Its frame, with all that is drawn.
+            lighting: The light.
+            haze: Whether the air of the hall makes distant things grey.
+        """
         faces = self._faces
         thing = frame.thing
         depth = 1.0 / frame.inverse_depth
@@ -72,18 +81,21 @@ class Shader:
         if not lighting.plain:
             brightness *= lighting.share(frame, depth)
 
-        depth *= -_FADE_PER_METRE
-        depth += _CLEAR
-        share = np.clip(depth, _LEAST_SHARE, 1.0, out=depth)
-        haze = ((1.0 - share) * (_HAZE * 256.0 * lighting.ambient)).astype(np.uint16)
-        share *= brightness
+        if haze:
+            depth *= -_FADE_PER_METRE
+            depth += _CLEAR
+            share = np.clip(depth, _LEAST_SHARE, 1.0, out=depth)
+            grey = ((1.0 - share) * (_HAZE * 256.0 * lighting.ambient)).astype(np.uint16)
+            share *= brightness
+        else:
+            share, grey = brightness, np.zeros_like(brightness, dtype=np.uint16)
         share *= 256.0
         light = share.astype(np.uint16)
         picture = np.empty((frame.height, frame.width, 3), dtype=np.uint8)
         for channel, plane in enumerate(faces.atlas.planes):
             colour = plane.take(texel)
             # At most 255 * 256: brightness above 1 is clipped where it would not fit.
-            shaded = _saturating_product(colour, light, haze)
+            shaded = _saturating_product(colour, light, grey)
             np.right_shift(shaded, 8, out=picture[..., channel], casting="unsafe")
         return picture
 
@@ -162,10 +174,10 @@ class Shader:
 
 
 def _saturating_product(
-    colour: npt.NDArray[np.uint16], light: npt.NDArray[np.uint16], haze: npt.NDArray[np.uint16]
+    colour: npt.NDArray[np.uint16], light: npt.NDArray[np.uint16], grey: npt.NDArray[np.uint16]
 ) -> npt.NDArray[np.uint16]:
-    """`colour * light + haze`, at most 65535."""
+    """`colour * light + grey`, at most 65535."""
     total = colour.astype(np.uint32)
     total *= light
-    total += haze
+    total += grey
     return np.minimum(total, 65535, out=total).astype(np.uint16)

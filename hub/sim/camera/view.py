@@ -72,6 +72,7 @@ class CameraFrame:
         ray_y: Component of the rays along the arena's y, shape (height, width).
         ray_z: Component of the rays along the arena's z, shape (height, width); (height, 1) while
             the camera does not roll, as all pixels of a row have the same then.
+        length: Length of each ray, shape (height, width); along the optical axis it is 1.
         inverse_depth: Inverse of the depth of each pixel [1/m], shape (height, width).
         thing: Object of each pixel, as numbered by `faces.Faces`, shape (height, width).
         cell: Cell of the height map that each pixel would show, shape (height, width); only set
@@ -83,7 +84,7 @@ class CameraFrame:
         shape = (height_px, width_px)
         self.width = width_px
         self.height = height_px
-        self.focal = 1.0
+        self.focal = 0.0
         self.half_width = 1.0
         self.half_height = 1.0
         self.basis = np.eye(3)
@@ -93,6 +94,7 @@ class CameraFrame:
         self.ray_x = np.empty(shape, dtype=np.float32)
         self.ray_y = np.empty(shape, dtype=np.float32)
         self.ray_z: npt.NDArray[np.floating] = np.zeros((height_px, 1))
+        self.length = np.ones(shape, dtype=np.float32)
         self.inverse_depth = np.empty(shape, dtype=np.float32)
         self.thing = np.empty(shape, dtype=np.intp)
         self.cell = np.empty(0, dtype=np.int32)
@@ -102,10 +104,14 @@ class CameraFrame:
         """Compute the rays of all pixels' centres; pixels are square."""
         self.half_width = math.tan(view.horizontal_fov / 2)
         self.half_height = self.half_width * self.height / self.width
-        self.focal = self.width / 2 / self.half_width
+        focal = self.width / 2 / self.half_width
         self.basis = view.basis()
-        self.across = (np.arange(self.width) + 0.5 - self.width / 2) / self.focal
-        self.up = (self.height / 2 - 0.5 - np.arange(self.height)) / self.focal
+        if focal != self.focal:
+            self.focal = focal
+            self.across = (np.arange(self.width) + 0.5 - self.width / 2) / focal
+            self.up = (self.height / 2 - 0.5 - np.arange(self.height)) / focal
+            squared = 1.0 + self.across**2 + (self.up**2)[:, None]
+            self.length = np.sqrt(squared).astype(np.float32)
         right, upward, forward = self.basis
         for rays, axis in ((self.ray_x, 0), (self.ray_y, 1)):
             down = (self.up * upward[axis] + forward[axis]).astype(np.float32)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
+import tempfile
 import tomllib
 from pathlib import Path
 
@@ -47,6 +49,16 @@ at = [1.5, 1.95]
 facing = "south"
 gap_mm = 5
 gap = "up"
+[water]
+surface = 1.5
+area = [[-1.0, -1.0], [1.0, 1.0]]
+[air]
+wind = [0.5, 0.0]
+[[berth]]
+robot = "blimp"
+at = [0.0, 0.5]
+height = 1.0
+heading_deg = 90
 """
 
 
@@ -94,6 +106,19 @@ def test_a_good_file_has_no_problems() -> None:
             '[[victim]]\nname="one"\nat=[3,3]\nfacing="east"\n[[landmark]]',
             "victim 'one': two have this name",
         ),
+        ("[[berth]]", '[[berth]]\nrobot="blimp"\nat=[3,3]\n[[berth]]', "berth 'blimp': two have"),
+        ("[[berth]]", "[berth]", "berth has to be a list of tables: [[berth]]"),
+        ("surface = 1.5", "", "water: key 'surface' is missing"),
+        ("surface = 1.5", "surface = 0", "water, key 'surface': 0 is not between 0.1 and 20"),
+        ("surface = 1.5", 'surface = 1.5\ntype = "1D"', "water, key 'type': '1D' is none of I, II"),
+        (
+            "[1.0, 1.0]]",
+            "[1.0, 1.0], []]",
+            "is not a list of two corners",
+        ),
+        ("[1.0, 1.0]]", "[1.0, -3.0]]", "is not the south-west corner and the north-east one"),
+        ("[1.0, 1.0]]", "[1.0]]", "water, key 'area': [1.0] is not a list of 2 numbers"),
+        ("wind = [0.5, 0.0]", "wind = 3", "air, key 'wind': 3 is not a list of 2 numbers"),
     ],
 )
 def test_each_mistake_is_told_with_its_place(old: str, new: str, problem: str) -> None:
@@ -112,6 +137,44 @@ def test_all_mistakes_of_a_file_are_told_at_once(tmp_path: Path) -> None:
     for place in ("wall 1: unknown key 'too'", "wall 1: key 'to'", "cylinder 1", "victim 1"):
         assert any(problem.startswith(place) for problem in found)
     assert str(caught.value).count(str(path)) == 4
+
+
+def test_water_air_and_berths_are_read_and_are_absent_where_the_file_has_none(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "arena.toml"
+    path.write_text(GOOD)
+    arena = load_arena(str(path))
+    assert arena.water is not None
+    assert (arena.water.surface, arena.water.type) == (1.5, "1C")
+    assert arena.water.area == ((-1.0, -1.0), (1.0, 1.0))
+    assert arena.air is not None
+    assert (arena.air.draft, arena.air.wind) == (0.04, (0.5, 0.0))
+    berth = arena.berth("blimp")
+    assert berth is not None
+    assert (berth.at, berth.height, berth.heading) == ((0.0, 0.5), 1.0, math.pi / 2)
+    assert arena.berth("rov") is None
+    dry = load_arena("yellow")
+    assert (dry.water, dry.air, dry.berths) == (None, None, ())
+
+
+@for_each(
+    ("old", "new", "problem"),
+    [
+        ("height = 1.0\nheading", "height = 3.5\nheading", "berth 1: it is not below the ceiling"),
+        ("[0.0, 0.5]", "[0.0, 2.0]", "berth 1: it is inside a solid"),
+        ("at = [0.0, 0.5]\nheight = 1.0", "at = [-2.1, 0.1]", "berth 1: it is inside a solid"),
+    ],
+)
+def test_a_berth_in_a_solid_or_above_the_ceiling_is_refused(
+    old: str, new: str, problem: str
+) -> None:
+    assert old in GOOD
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "arena.toml"
+        path.write_text(GOOD.replace(old, new))
+        with pytest.raises(ArenaError, match=problem):
+            load_arena(str(path))
 
 
 def test_too_many_objects_are_refused() -> None:
@@ -153,18 +216,19 @@ def test_a_misspelt_shipped_name_is_told_the_nearest() -> None:
 
 
 def test_every_shipped_arena_loads_and_has_room_for_the_robot() -> None:
-    assert set(shipped_arenas()) == {"empty", "yellow"}
+    assert set(shipped_arenas()) == {"empty", "pool", "yellow"}
     for name in shipped_arenas():
         arena = load_arena(name)
         assert read_arena_file(SHIPPED / f"{name}.toml").landmarks
         assert arena.footprints.distances(arena.start.x, arena.start.y).min() > 2 * BODY_RADIUS
 
 
-def test_every_room_of_the_yellow_arena_can_be_reached() -> None:
+@pytest.mark.parametrize(("name", "size"), [("yellow", (10.0, 10.0)), ("pool", (6.0, 8.0))])
+def test_every_room_of_a_shipped_arena_can_be_reached(name: str, size: tuple[float, float]) -> None:
     """Flood the places where the robot fits, in steps of 5 cm, from its start."""
-    arena = load_arena("yellow")
-    step, count = 0.05, 200
-    x, y = np.indices((count, count)) * step
+    arena = load_arena(name)
+    step = 0.05
+    x, y = np.indices((round(size[0] / step), round(size[1] / step))) * step
     free = distances(arena.footprints, x, y) > BODY_RADIUS + 0.05
     reached = np.zeros_like(free)
     reached[round(arena.start.x / step), round(arena.start.y / step)] = True
@@ -178,7 +242,7 @@ def test_every_room_of_the_yellow_arena_can_be_reached() -> None:
         if (grown == reached).all():
             break
         reached = grown
-    for victim in read_arena_file(SHIPPED / "yellow.toml").victims:
+    for victim in read_arena_file(SHIPPED / f"{name}.toml").victims:
         x, y = victim.at
         near = reached[
             round((x - 1.2) / step) : round((x + 1.2) / step),
