@@ -15,7 +15,7 @@ from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
 from tests.hub.sim.arenas import free_poses
-from tests.hub.sim.camera.rough_ground import rough_ground
+from tests.hub.sim.camera.rough_ground import on, rough_ground
 from tests.support.magellan import magellan_sensors
 
 POSES = 200
@@ -71,7 +71,7 @@ def tilted_picture() -> None:
 def terrain_picture() -> None:
     """A rover that tilts on rough ground between walls, and a blimp above it, by turns."""
     ground = rough_ground()
-    caster = RayCaster(load_arena("yellow"), ground)
+    caster = RayCaster(on(ground, load_arena("yellow")))
     random = np.random.default_rng(2)
     views = []
     for number in range(POSES):

@@ -16,6 +16,7 @@ from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import AirSpec, ArenaSpec, BerthSpec, WaterSpec
 from hub.sim.building import build
 from hub.sim.geometry import Box, Cylinder, Surface
+from hub.sim.height_map import HeightMap
 from hub.values import dataclass
 
 SHIPPED = Path(__file__).parent / "arenas"
@@ -71,6 +72,7 @@ class Arena:
         ceiling: Height of the ceiling [m].
         floor: The surface of the floor.
         light: Brightness, 0 (dark) to 1.
+        ground: What stands out of the floor; None: it is level.
         berths: Where robots of other kinds than the rover start.
         water: The water that stands on the floor; None: it is dry.
         air: How the air moves; None: it stands.
@@ -84,6 +86,7 @@ class Arena:
     ceiling: float
     floor: Surface
     light: float
+    ground: HeightMap | None = None
     berths: tuple[BerthSpec, ...] = ()
     water: WaterSpec | None = None
     air: AirSpec | None = None

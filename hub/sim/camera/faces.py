@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.sim.arena import Arena
-from hub.sim.camera.height_map import GROUND_SIDES, HeightMap
 from hub.sim.camera.textures import SIDE as TEXELS
 from hub.sim.camera.textures import Atlas, make_atlas
 from hub.sim.geometry import Box, Cylinder, Side, Surface
@@ -18,6 +17,9 @@ FLOOR = 0
 CEILING = 1
 PLANES = 2
 """Index of the first side: floor and ceiling come first, then boxes' sides, then cylinders."""
+
+GROUND_SIDES = 3
+"""A surface of the ground is drawn as three things: tops, sides that face x, sides that face y."""
 
 CEILING_SURFACE = Surface(texture="ceiling", colour=(122, 126, 134))
 
@@ -101,8 +103,8 @@ class _Face:
         return corners if sign > 0 else corners[::-1]
 
 
-def make_faces(arena: Arena, ground: HeightMap | None = None) -> Faces:
-    """Prepare an arena for drawing, with the ground that stands out of its floor."""
+def make_faces(arena: Arena) -> Faces:
+    """Prepare an arena for drawing."""
     # The undersides of objects on the floor are never seen.
     faces = [
         _Face(box, side)
@@ -117,6 +119,7 @@ def make_faces(arena: Arena, ground: HeightMap | None = None) -> Faces:
         *(item.surface for item in arena.cylinders),
     ]
     first_ground = len(surfaces)
+    ground = arena.ground
     if ground is not None:
         surfaces += [surface for surface in ground.surfaces for _ in range(GROUND_SIDES)]
     cylinders, grounds = len(arena.cylinders), 0 if ground is None else len(ground.surfaces)

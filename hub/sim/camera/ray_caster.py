@@ -15,7 +15,6 @@ import numpy.typing as npt
 from hub.sim.arena import Arena
 from hub.sim.camera.cylinders import draw_cylinders
 from hub.sim.camera.faces import CEILING, FLOOR, PLANES, make_faces
-from hub.sim.camera.height_map import HeightMap
 from hub.sim.camera.lighting import FULL, Lighting
 from hub.sim.camera.shading import Shader
 from hub.sim.camera.terrain_view import TerrainView
@@ -55,16 +54,12 @@ class _Candidates:
 class RayCaster:
     """Draws one arena; keeps its working memory between pictures, so it belongs to one thread."""
 
-    def __init__(self, arena: Arena, ground: HeightMap | None = None) -> None:
-        """Prepare it.
-
-        Args:
-            arena: What is drawn.
-            ground: What stands out of its floor.
-        """
-        self._faces = make_faces(arena, ground)
+    def __init__(self, arena: Arena) -> None:
+        self._faces = make_faces(arena)
         self._ceiling = arena.ceiling
-        self._terrain = None if ground is None else TerrainView(ground, self._faces.first_ground)
+        self._terrain = None
+        if arena.ground is not None:
+            self._terrain = TerrainView(arena.ground, self._faces.first_ground)
         light = None if self._terrain is None else self._terrain.light
         self._shader = Shader(self._faces, light)
         self._water = None if arena.water is None else WaterView(arena.water)

@@ -12,8 +12,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from hub.sim.camera.height_map import GROUND_SIDES, HeightMap
+from hub.sim.camera.faces import GROUND_SIDES
+from hub.sim.camera.ground_light import ground_light
 from hub.sim.camera.view import CameraFrame, View
+from hub.sim.height_map import HeightMap
 
 _NEAREST = 0.04
 """Distance of the first sample [m]."""
@@ -30,6 +32,7 @@ _MOST_AZIMUTHS = 2.5
 _SIDE_HEIGHT = 0.02
 """Least step between two samples that is drawn as a side [m]; smaller ones are a slope."""
 _BEYOND = 1.02
+_IN_PLANE = 0.9999
 
 _Floats = npt.NDArray[np.float32]
 _Integers = npt.NDArray[np.int32]
@@ -51,8 +54,10 @@ class TerrainView:
         self._rows = padded.shape[0]
         self._height = np.ascontiguousarray(padded, dtype=np.float32).ravel()
         self._top = float(padded.max())
-        surface = np.pad(ground.surface, 1).ravel().astype(np.int32)
-        self._top_thing = first_thing + GROUND_SIDES * surface
+        appearance = np.pad(ground.appearance, 1).ravel().astype(np.int32)
+        # Level cells with the floor's own surface are left to the floor.
+        self._drawn = (self._height > 0.0) | (appearance > 0)
+        self._top_thing = first_thing + GROUND_SIDES * appearance
         self._per_metre = np.float32(1.0 / ground.cell)
         self._origin = (ground.origin[0] - ground.cell, ground.origin[1] - ground.cell)
         distances = []
@@ -61,7 +66,9 @@ class TerrainView:
             distances.append(distance)
             distance += max(_CELLS_A_SAMPLE * ground.cell, _GROWTH * distance)
         self._distance = np.array(distances, dtype=np.float32)
-        self.light = np.pad(ground.light(), 1, constant_values=1.0).ravel()
+        self.light = np.pad(
+            ground_light(ground.heights, ground.cell), 1, constant_values=1.0
+        ).ravel()
         """Share of light that each cell gets, shape (cells,)."""
 
     def draw(self, view: View, frame: CameraFrame) -> None:
@@ -80,7 +87,7 @@ class TerrainView:
         azimuth += at
         cell = cells.take(azimuth)
         height = self._height.take(cell)
-        seen &= height > 0.0
+        seen &= self._drawn.take(cell)
         azimuth -= at > 0
         before = cells.take(azimuth)
         near = distance.take(np.maximum(at - 1, 0))
@@ -100,7 +107,8 @@ class TerrainView:
             way.ravel()[sides] = np.clip(ways, near.ravel()[sides], far.ravel()[sides])
             things.ravel()[sides] += kinds
         inverse = np.divide(level, way, out=way)
-        seen &= inverse > frame.inverse_depth
+        # A level cell with a surface of its own lies in the plane of the floor.
+        seen &= inverse > frame.inverse_depth * np.float32(_IN_PLANE)
         np.copyto(frame.inverse_depth, inverse, where=seen)
         np.copyto(frame.thing, things, where=seen)
         frame.cell = cell

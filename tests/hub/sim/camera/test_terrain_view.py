@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hub.sim.camera.height_map import HeightMap
+from hub.sim.camera.ground_light import ground_light
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
 from hub.sim.geometry import Surface
 from tests.hub.sim.arenas import VOID, arena_of
-from tests.hub.sim.camera.rough_ground import CELL, rough_ground
+from tests.hub.sim.camera.rough_ground import CELL, Ground, on, rough_ground
 from tests.hub.sim.camera.slow_rays import rays_of
 
 GROUND = rough_ground()
@@ -22,7 +22,7 @@ FARTHEST = 7.0
 WALLS = VOID + "[[wall]]\nfrom=[9,0]\nto=[9,9]\nheight=2\n"
 
 
-def marched(ground: HeightMap, eyes: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def marched(ground: Ground, eyes: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Depth [m] at which each ray enters the ground, and the height of it there; shape (rays,)."""
     depth, height = np.full(len(rays), np.nan), np.zeros(len(rays))
     level = np.hypot(rays[:, 0], rays[:, 1])
@@ -44,7 +44,7 @@ def marched(ground: HeightMap, eyes: np.ndarray, rays: np.ndarray) -> tuple[np.n
     ("above", "pitch"), [(0.37, -0.1), (1.5, -0.8), (2.2, -1.4)], ids=["rover", "ahead", "below"]
 )
 def test_depth_of_the_ground_is_that_of_marching_rays(above: float, pitch: float) -> None:
-    caster = RayCaster(arena_of(VOID), GROUND)
+    caster = RayCaster(on(GROUND, arena_of(VOID)))
     random = np.random.default_rng(2)
     drawn, eyes, rays = [], [], []
     for _ in range(8):
@@ -73,7 +73,7 @@ def test_depth_of_the_ground_is_that_of_marching_rays(above: float, pitch: float
 
 
 def test_a_rolled_picture_of_the_ground_is_the_turned_picture() -> None:
-    caster = RayCaster(arena_of(VOID), GROUND)
+    caster = RayCaster(on(GROUND, arena_of(VOID)))
     level = View(x=1.0, y=4.9, z=0.7, yaw=0.2, pitch=-0.2, horizontal_fov=FOV)
     turned = caster.depth(replace(level, roll=math.pi), 80, 60)[::-1, ::-1]
     assert (np.abs(turned - caster.depth(level, 80, 60)) > 0.05).mean() < 0.02
@@ -82,8 +82,8 @@ def test_a_rolled_picture_of_the_ground_is_the_turned_picture() -> None:
 def test_a_wall_hides_the_ground_behind_it_and_posts_hide_the_wall() -> None:
     stairs = View(x=5.5, y=4.4, z=0.5, yaw=0.0, pitch=0.1, horizontal_fov=FOV)
     near_wall, far_wall = WALLS.replace("[9,", "[6.2,"), WALLS
-    before_stairs = RayCaster(arena_of(near_wall), GROUND).depth(stairs, 80, 60)
-    behind = RayCaster(arena_of(far_wall), GROUND).depth(stairs, 80, 60)
+    before_stairs = RayCaster(on(GROUND, arena_of(near_wall))).depth(stairs, 80, 60)
+    behind = RayCaster(on(GROUND, arena_of(far_wall))).depth(stairs, 80, 60)
     bare = RayCaster(arena_of(far_wall)).depth(stairs, 80, 60)
     assert before_stairs[20:40].max() < 0.8
     # The second riser is 1.25 m ahead; the wall shows above the last step.
@@ -92,26 +92,23 @@ def test_a_wall_hides_the_ground_behind_it_and_posts_hide_the_wall() -> None:
 
 
 def test_the_floor_shows_where_the_map_has_no_height_and_beyond_the_map() -> None:
-    flat = HeightMap(
+    flat = Ground(
         heights=np.zeros((40, 40), dtype=np.float32),
-        cell=CELL,
-        origin=(0.0, 0.0),
-        surface=np.zeros((40, 40), dtype=np.uint8),
-        surfaces=(Surface(texture="plain", colour=(255, 0, 0)),),
+        appearance=np.zeros((40, 40), dtype=np.uint16),
     )
     edge = replace(flat, heights=np.pad(flat.heights[:, 20:], ((0, 0), (0, 20)), constant_values=1))
     arena = arena_of(VOID)
     away = View(x=0.5, y=0.5, z=1.5, yaw=math.pi, pitch=-0.5, horizontal_fov=FOV)
     for ground in (flat, edge):
-        seen = RayCaster(arena, ground).picture(away, 80, 60)
+        seen = RayCaster(on(ground, arena)).picture(away, 80, 60)
         assert np.array_equal(seen, RayCaster(arena).picture(away, 80, 60))
 
 
 def test_a_map_may_lie_anywhere() -> None:
     view = View(x=1.0, y=4.9, z=0.7, yaw=0.2, pitch=-0.2, roll=0.1, horizontal_fov=FOV)
     arena = arena_of(VOID)
-    here = RayCaster(arena, GROUND).depth(view, 80, 60)
-    moved = RayCaster(arena, rough_ground((-20.0, 12.0)))
+    here = RayCaster(on(GROUND, arena)).depth(view, 80, 60)
+    moved = RayCaster(on(rough_ground((-20.0, 12.0)), arena))
     there = moved.depth(replace(view, x=view.x - 20.0, y=view.y + 12.0), 80, 60)
     assert (np.abs(here - there) > 0.05).mean() < 0.02
 
@@ -119,17 +116,15 @@ def test_a_map_may_lie_anywhere() -> None:
 def test_each_cell_shows_its_surface_and_tops_are_brighter_than_sides() -> None:
     heights = np.zeros((80, 80), dtype=np.float32)
     heights[20:60, 40:60] = 0.3
-    surface = np.zeros((80, 80), dtype=np.uint8)
-    surface[40:60] = 1
-    colours = ((200, 20, 20), (20, 20, 200))
-    ground = HeightMap(
+    appearance = np.ones((80, 80), dtype=np.uint16)
+    appearance[40:60] = 2
+    colours = ((150, 150, 150), (200, 20, 20), (20, 20, 200))
+    ground = Ground(
         heights=heights,
-        cell=CELL,
-        origin=(0.0, 0.0),
-        surface=surface,
+        appearance=appearance,
         surfaces=tuple(Surface(texture="plain", colour=colour) for colour in colours),
     )
-    caster = RayCaster(arena_of(VOID), ground)
+    caster = RayCaster(on(ground, arena_of(VOID)))
     ahead = View(x=0.2, y=1.0, z=0.7, yaw=0.0, pitch=-0.45, horizontal_fov=FOV)
     picture = caster.picture(ahead, 160, 120).astype(int)
     # North, with the larger y, is at the left.
@@ -142,7 +137,22 @@ def test_each_cell_shows_its_surface_and_tops_are_brighter_than_sides() -> None:
 
 def test_the_light_on_slopes_says_which_way_they_rise() -> None:
     slope = (np.arange(40, dtype=np.float32) * 0.25 * CELL)[None, :].repeat(40, axis=0)
-    east = replace(GROUND, heights=slope, surface=np.zeros((40, 40), dtype=np.uint8))
-    west = replace(east, heights=np.ascontiguousarray(slope[:, ::-1]))
-    assert west.light()[20, 20] > 1.0 > east.light()[20, 20]
-    assert np.isfinite(replace(east, heights=slope[:1]).light()).all()
+    east, west = (ground_light(heights, CELL) for heights in (slope, slope[:, ::-1]))
+    assert west[20, 20] > 1.0 > east[20, 20]
+    assert np.isfinite(ground_light(slope[:1], CELL)).all()
+
+
+def test_a_level_patch_shows_its_own_surface() -> None:
+    appearance = np.zeros((80, 80), dtype=np.uint16)
+    appearance[:, 40:60] = 1
+    red = (GROUND.surfaces[0], Surface(texture="plain", colour=(220, 20, 20)))
+    patch = Ground(heights=np.zeros((80, 80), np.float32), appearance=appearance, surfaces=red)
+    view = View(x=0.2, y=1.0, z=0.7, yaw=0.0, pitch=-0.45, roll=0.1, horizontal_fov=FOV)
+    arena = arena_of(VOID)
+    picture = RayCaster(on(patch, arena)).picture(view, 80, 60).astype(int)
+    reddish = picture[..., 0] - picture[..., 1] > 40
+    assert 0.05 < reddish.mean() < 0.5
+    assert np.array_equal(
+        RayCaster(on(patch, arena)).depth(view, 80, 60) < 1.0,
+        RayCaster(arena).depth(view, 80, 60) < 1.0,
+    )
