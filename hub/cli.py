@@ -83,6 +83,8 @@ def run_command(options: argparse.Namespace) -> int:
         return _run_mission_command(options)
     if options.command in ("check", "doctor", "service"):
         return _run_machine_command(options)
+    if options.command == "arena":
+        return _show_arena(options)
     from hub.inspection import message_commands
 
     client = message_commands.connect(options.hub, options.command, options.keys)
@@ -211,6 +213,16 @@ def _run_machine_command(options: argparse.Namespace) -> int:
     from hub.robomon import systemd_unit
 
     return systemd_unit.write_unit(load_robot_table(options.robot), options.robot, options.user)
+
+
+def _show_arena(options: argparse.Namespace) -> int:
+    from hub.inspection import arena_command
+
+    if options.arena is None:
+        return arena_command.list_all(as_json=options.json)
+    return arena_command.show(
+        options.arena, options.output, size=options.size, as_json=options.json
+    )
 
 
 def _run_key_command(options: argparse.Namespace) -> int:
@@ -352,6 +364,33 @@ def _add_machine_commands(commands: Commands) -> None:
     doctor = commands.add_parser("doctor", help="say what is wrong on this machine, and what to do")
     doctor.add_argument("robot", nargs="?", default="magellan", help="robot file (%(default)s)")
     doctor.add_argument("--json", action="store_true", help="JSON, one line a finding")
+    arena = commands.add_parser(
+        "arena",
+        help="what is in an arena of simulated robots, and its picture from above",
+        description="Show what is in an arena, and draw it from above, north up. In the picture, a "
+        "green disc is the rover's start, blue arrows are the berths of other robots, numbered red "
+        "discs are victims, diamonds are landmarks, rings are rings to read. Lines are a metre "
+        "apart. Without an arena: list those that come with the hub.",
+    )
+    arena.add_argument(
+        "arena", nargs="?", help="an arena file (TOML), or the name of a shipped one"
+    )
+    arena.add_argument("-o", "--output", type=_png_file, metavar="FILE.png", help="draw it there")
+    arena.add_argument(
+        "--size",
+        type=number_type(int, 64, 4096, "number of pixels from 64 to 4096"),
+        default=720,
+        help="longer side of the picture in pixels (%(default)s)",
+    )
+    arena.add_argument("--json", action="store_true", help="JSON, one line a thing")
+
+
+def _png_file(text: str) -> Path:
+    path = Path(text)
+    if path.suffix.lower() != ".png":
+        message = f"{text!r} does not end in .png"
+        raise argparse.ArgumentTypeError(message)
+    return path
 
 
 def _add_supervision(commands: Commands, look: CommandParser) -> list[CommandParser]:

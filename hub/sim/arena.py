@@ -101,21 +101,30 @@ def shipped_arenas() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in SHIPPED.glob("*.toml")))
 
 
+def arena_path(name_or_path: str) -> Path:
+    """The file of an arena that comes with the hub, by name, or the path itself.
+
+    Raises:
+        ArenaError: There is no arena of this name.
+    """
+    if name_or_path in shipped_arenas():
+        return SHIPPED / f"{name_or_path}.toml"
+    path = Path(name_or_path)
+    if path.suffix != ".toml" and path.name == name_or_path:
+        known = shipped_arenas()
+        hint = did_you_mean(name_or_path, known)
+        text = f"no arena of this name; give a .toml file or one of {', '.join(known)}{hint}"
+        raise ArenaError(name_or_path, [text])
+    return path
+
+
 def load_arena(name_or_path: str) -> Arena:
     """An arena that comes with the hub, by name, or any arena file, by path.
 
     Raises:
         ArenaError: There is no such arena, or its file has mistakes, which are all listed.
     """
-    if name_or_path in shipped_arenas():
-        path = SHIPPED / f"{name_or_path}.toml"
-    else:
-        path = Path(name_or_path)
-        if path.suffix != ".toml" and path.name == name_or_path:
-            known = shipped_arenas()
-            hint = did_you_mean(name_or_path, known)
-            text = f"no arena of this name; give a .toml file or one of {', '.join(known)}{hint}"
-            raise ArenaError(name_or_path, [text])
+    path = arena_path(name_or_path)
     arena = arena_from_spec(read_arena_file(path))
     problems = [f"start: the robot would touch {name}" for name in _touched_at_start(arena)]
     problems += _berth_problems(arena)

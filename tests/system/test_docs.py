@@ -54,7 +54,7 @@ CHANGING = [
 """After these, a hub has other processes than before."""
 MISSION = [command for command in EVERY if command.startswith("rune-hub mission ")]
 """These are about one mission, and come in the order of the page."""
-ALONE = ("run", "keys", "doctor", "service", "completion")
+ALONE = ("run", "keys", "doctor", "service", "arena", "completion")
 """Commands of `rune-hub` that ask no hub."""
 
 
