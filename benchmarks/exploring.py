@@ -11,6 +11,7 @@ from collections.abc import Callable
 from hub.gcm.autonomy import AutonomyCommand, Behaviour
 from hub.gcm.navigation import GoalCommand, MotionState
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.modules.autonomy.autonomy_driver import AutonomyDriver as Autonomy
 from hub.modules.mapping.grid import OccupancyGrid
@@ -50,7 +51,7 @@ class Exploration:
         """
         self.robot = SimulatedMagellan(load_arena(arena), seed=seed)
         self.now = 0.0
-        self.navigator = Navigator(BODY)
+        self.navigator = Navigator(BODY, ROBOT.body)
         self.autonomy = Autonomy(radius=BODY.radius + BODY.margin, seed=seed)
         self.occupancy = OccupancyGrid(ROBOT.map_resolution, ROBOT.map_size)
         self._governor = SpeedGovernor(BODY.linear_limit, BODY.angular_limit, 0.0)
@@ -86,7 +87,10 @@ class Exploration:
         self._steps += 1
         drive = self.robot.drive_state(self.now)
         self._governor.driver_reported(self.now)
-        self.navigator.reported(drive, self.now)
+        self.navigator.reported(drive, self.now, self.now)
+        scans = self.robot.ranges(self.now)
+        if scans is not None:
+            self.navigator.scanned(RangeReadings(scans=scans), self.now, self.now)
         state = robot_state(drive, self.navigator, self._governor, 0, 1, self.now)
         scan = self._scans.scan(state, self.now)
         if scan is not None:

@@ -1,4 +1,4 @@
-"""Navigation: worlds full of cylinders, time of a choice, and a stick pushed straight at walls.
+"""Navigation: worlds full of cylinders, times of a choice and a scan, and pushes towards walls.
 
 The worlds run as a kinematic simulation with the very functions of the navigation module. Compared
 with the Gazebo runs that are recorded beside them, sensing is perfect within 1.5 m, the map is
@@ -17,15 +17,25 @@ import numpy as np
 from benchmarks.barn import BODY, Outcome, World, drive, load, ours
 from benchmarks.figures import median_ms, report, say
 from benchmarks.peers.reference_window import ReferenceWindow
+from hub.gcm.body import BodyFrame, RangeGroup, RangeKind, RobotBody
+from hub.gcm.ranges import RangeReadings, scan_of
 from hub.ipc.transport import heap
+from hub.modules.navigation.beam_rules import BeamRules
+from hub.modules.navigation.beam_scans import ScanReader
+from hub.modules.navigation.correction import PoseCorrection
+from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import DynamicWindow
+from hub.modules.navigation.obstacle_memory import ObstacleMemory
+from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import load_arena
 from tests.hub.modules.navigation.drives import Drive, random_start
+from tests.support.messages import drive_state
 
 STARTS = 1000
 PUSH_S = 15.0
 POINTS = 300
 PROCESSES = 2
+MAGELLAN = read_description(find_robot_file("magellan"))[0].body
 _NOTE = "25 worlds, kinematic, perfect sensing within 1.5 m; the recorded runs are Gazebo's"
 
 
@@ -129,6 +139,58 @@ def cycle() -> None:
     report("nav.teleop_cycle_ms", teleop, "ms", bar=3.0, note=note + ", nearest to the operator's")
 
 
+def scans() -> None:
+    """Time of taking one scan of a laser in a room, and of a Magellan's rings."""
+    heap.keep_heap()
+    for beams, bar in ((360, 0.5), (1080, None)):
+        laser = RangeGroup(
+            name="laser", kind=RangeKind.LASER, beams=beams, step=math.tau / beams, farthest=8.0
+        )
+        body = RobotBody(
+            name="laser", kind="", radius=0.25, frames=(BodyFrame(name="laser"),), ranges=(laser,)
+        )
+        note = f"{beams} beams in a room of 2.4 by 5 m, from a robot that drives a circle"
+        report(f"nav.scan_{beams}_ms", _scan_ms(body), "ms", bar=bar, note=note)
+    report("nav.scan_magellan_ms", _scan_ms(MAGELLAN), "ms", note="16 sonars and 16 infrareds")
+
+
+def _scan_ms(body: RobotBody) -> float:
+    """Median time for the obstacle memory and the drift watch to take a scan [ms]."""
+    reader = ScanReader(body)
+    rules = BeamRules(body, reader.beams)
+    memory = ObstacleMemory(body, rules)
+    watch = DriftWatch(PoseCorrection(), rules)
+    readings, drives = [], []
+    for number in range(300):
+        drive = drive_state(
+            x=0.3 * math.cos(number / 50), y=0.3 * math.sin(number / 50), theta=number / 30
+        )
+        bearing = reader.beams.bearing + drive.theta
+        ahead, left = np.cos(bearing), np.sin(bearing)
+        with np.errstate(divide="ignore"):
+            side = (np.copysign(1.2, ahead) - drive.x) / ahead
+            end = (np.copysign(2.5, left) - drive.y) / left
+        away = np.minimum(side, end).astype(np.float32)
+        away[away > np.float32(reader.beams.farthest)] = np.inf
+        scans = (
+            scan_of(group, away[place], 1.0 + number / 10)
+            for group, place in zip(body.ranges, reader.beams.groups.values(), strict=True)
+        )
+        readings.append(RangeReadings(scans=tuple(scans)))
+        drives.append(drive)
+
+    def take(number: int) -> None:
+        now = number / 10
+        reader.moved(drives[number], now)
+        memory.moved(drives[number], now)
+        scan = reader.read(readings[number], now)
+        if scan is not None:
+            memory.scanned(scan, now)
+            watch.scanned(scan, now)
+
+    return median_ms(take, len(readings))
+
+
 def pushes() -> None:
     """Full speed straight ahead from random starts in the yellow arena, with its real sensors."""
     results = []
@@ -146,7 +208,7 @@ def pushes() -> None:
 
 
 def main() -> None:
-    parts = {"worlds": worlds, "cycle": cycle, "pushes": pushes}
+    parts = {"worlds": worlds, "cycle": cycle, "scans": scans, "pushes": pushes}
     for name in sys.argv[1:] or parts:
         parts[name]()
 

@@ -52,6 +52,22 @@ class Beams:
         """Which beams are of one of these kinds, shape (n,)."""
         return np.isin(self.kind, kinds)
 
+    def hits(
+        self, numbers: npt.NDArray[np.intp], ranges: Floats, aside: Floats | float = 0.0
+    ) -> tuple[Floats, Floats]:
+        """Points on some beams, seen from above.
+
+        Args:
+            numbers: Of the beams, shape (k,).
+            ranges: Of all beams, finite for these [m], shape (n,).
+            aside: Angles between each beam and its point [rad], shape (k,).
+
+        Returns:
+            Ahead and left [m], shape (k,).
+        """
+        away, bearing = ranges[numbers], self.bearing[numbers] + aside
+        return self.x[numbers] + away * np.cos(bearing), self.y[numbers] + away * np.sin(bearing)
+
     def ranges(self, readings: RangeReadings) -> npt.NDArray[np.float32]:
         """The range of each beam [m], shape (n,); NaN where the readings have none."""
         ranges = np.full(len(self.kind), np.nan, np.float32)

@@ -6,13 +6,22 @@ from typing import Any
 
 import numpy as np
 
-from hub.gcm.navigation import SENSOR_COUNT, MotionState, RobotState
+from hub.gcm.navigation import SENSOR_COUNT, DriveState, MotionState, RobotState
 from hub.gcm.vision import CameraState
 
 
 def robot_state(**changes: Any) -> RobotState:
     """Standing in the open: every sonar reads 2 m, infrared sees nothing."""
-    values: dict[str, Any] = {
+    return RobotState(**_measured() | {"motion": MotionState.STANDING, "refused": 0} | changes)
+
+
+def drive_state(**changes: Any) -> DriveState:
+    """The same, as the driver reports it."""
+    return DriveState(**_measured() | changes)
+
+
+def _measured() -> dict[str, Any]:
+    return {
         "stamp": 0.0,
         "x": 0.0,
         "y": 0.0,
@@ -26,10 +35,7 @@ def robot_state(**changes: Any) -> RobotState:
         "bumpers": 0,
         "battery_voltage": 24.1,
         "battery_fraction": 0.87,
-        "motion": MotionState.STANDING,
-        "refused": 0,
     }
-    return RobotState(**values | changes)
 
 
 def camera_state(**changes: Any) -> CameraState:

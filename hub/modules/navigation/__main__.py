@@ -10,7 +10,7 @@ import time
 
 from hub.control_gate import ControlGate
 from hub.errors import CodecError, HubError
-from hub.gcm import mapping, navigation
+from hub.gcm import flight, mapping, navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.navigation import Assistance, Cause, DriveState, MotionState, Task
@@ -48,6 +48,8 @@ _STATE_PERIOD = 1.0 / navigation.ROBOT_STATE.rate_hz
 _STATUS_PERIOD = 1.0 / navigation.NAVIGATION_STATUS.rate_hz
 _MAP_PERIOD = 1.5
 _MAP_TIMEOUT = 1.0
+_MENTION_TILT_S = 10.0
+"""Time between two log lines about tilt [s]."""
 
 
 class Navigation:
@@ -60,7 +62,8 @@ class Navigation:
         self._governor = SpeedGovernor(
             robot.linear_limit, robot.angular_limit, self._clock(), stops=random.getrandbits(32)
         )
-        self.pilot = PathFollower(body_of(robot))
+        self.pilot = PathFollower(body_of(robot), robot.body)
+        self._mention_tilt = -math.inf
         self._frames = FrameMemory(for_pose(robot.name))
         self._commanded = (0.0, 0.0)
         self._newest: tuple[navigation.DriveState, float] | None = None
@@ -72,6 +75,8 @@ class Navigation:
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
         client.subscribe(navigation.DRIVE_STATE, self.reported)
+        client.subscribe(ranges.RANGES, self._scanned)
+        client.subscribe(flight.ATTITUDE, self._tilted)
         client.subscribe(navigation.GOAL_COMMAND, self.go)
         client.subscribe(navigation.TURN_COMMAND, self._turn)
         client.subscribe(navigation.ASSISTANCE_COMMAND, self._assist)
@@ -137,7 +142,21 @@ class Navigation:
             self.pilot.restart(frame.odom)
         self._newest = (state, reception.measured)
         self._governor.driver_reported(now)
-        self.pilot.reported(state, now)
+        self.pilot.reported(state, reception.measured, now)
+
+    def _scanned(self, readings: ranges.RangeReadings, reception: MessageInfo) -> None:
+        """Take ranges of the driver whose poses are known."""
+        if reception.publisher != self._driver:
+            return
+        self.pilot.scanned(readings, reception.measured, self._clock())
+        now, tilt = self._clock(), self.pilot.tilt
+        if tilt and now >= self._mention_tilt:
+            text = "the robot is tilted by %.0f degrees: its ranges are not used"
+            _logger.warning(text, math.degrees(tilt))
+            self._mention_tilt = now + _MENTION_TILT_S
+
+    def _tilted(self, attitude: flight.Attitude, reception: MessageInfo) -> None:
+        self.pilot.tilted(attitude, reception.measured)
 
     def _lose_place(self, why: str, now: float) -> None:
         """End the task: coordinates from before the loss are wrong now."""

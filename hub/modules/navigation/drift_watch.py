@@ -7,6 +7,8 @@ from collections import deque
 
 from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
+from hub.modules.navigation.beam_rules import BeamRules
+from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.matching import FARTHEST, Sightings, drift
 from hub.modules.navigation.pose_uncertainty import PoseUncertainty, Spread
@@ -18,31 +20,29 @@ OLDEST_S = 10.0
 """Largest age of the map; an older one may be outdated [s]."""
 APART_S = 1.0
 """Least time between two matches, so that the same points do not count again [s]."""
-BLIND = 0.11
-"""Infrared sensors cannot measure distances to the rim below this [m]."""
 
 
 class DriftWatch:
     """Keeps recent points, recent maps and the uncertainty of the pose."""
 
-    def __init__(self, correction: PoseCorrection, radius: float) -> None:
+    def __init__(self, correction: PoseCorrection, rules: BeamRules) -> None:
         """Start without points and maps.
 
         Args:
             correction: The transform that it corrects.
-            radius: The robot's radius [m].
+            rules: What the robot's beams show.
         """
         self._correction = correction
-        self._blind = radius + BLIND
+        self._rules = rules
         self._uncertainty = PoseUncertainty()
-        self._sightings = Sightings()
+        self._sightings = Sightings(rules)
         self._maps: deque[tuple[float, Grid]] = deque()
         self._matched = -math.inf
 
     def restart(self) -> None:
         """Forget points and maps: the robot has lost its place."""
         self._uncertainty = PoseUncertainty()
-        self._sightings = Sightings()
+        self._sightings = Sightings(self._rules)
         self._maps.clear()
         self._matched = -math.inf
 
@@ -51,13 +51,16 @@ class DriftWatch:
         """The uncertainty of the pose in the map."""
         return self._uncertainty.whole
 
-    def reported(self, drive: DriveState, now: float) -> None:
-        """Take a report of the hardware; a pose that is not valid is left out."""
+    def moved(self, drive: DriveState, now: float) -> None:
+        """Take a pose by dead reckoning; one that is not valid is left out."""
         here = Pose(x=drive.x, y=drive.y, theta=drive.theta)
-        if not all(abs(each) < FARTHEST for each in (here.x, here.y, here.theta)):
-            return
-        self._uncertainty.moved(here, now)
-        self._sightings.scanned(here, drive.sonar, drive.infrared, self._blind, now)
+        if _valid(here):
+            self._uncertainty.moved(here, now)
+
+    def scanned(self, scan: BeamScan, now: float) -> None:
+        """Take new ranges; those at a pose that is not valid are left out."""
+        if _valid(scan.pose):
+            self._sightings.scanned(scan, now)
 
     def met_landmark(self) -> None:
         """Note that a landmark corrected the pose."""
@@ -90,3 +93,7 @@ class DriftWatch:
         self._correction.shift(here, there)
         self._uncertainty.matched(match.spread)
         self._matched = now
+
+
+def _valid(pose: Pose) -> bool:
+    return all(abs(each) < FARTHEST for each in (pose.x, pose.y, pose.theta))

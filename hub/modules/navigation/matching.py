@@ -20,6 +20,8 @@ import numpy.typing as npt
 
 from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
+from hub.modules.navigation.beam_rules import BeamRules
+from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
 from hub.values import dataclass
@@ -138,48 +140,26 @@ def _cells(grid: Grid, x: Floats, y: Floats) -> tuple[npt.NDArray[np.intp], npt.
 class Sightings:
     """Collects the points that range sensors measure, in `odom`."""
 
-    SONAR_REACH = 3.0
-    """Echoes from farther away are not used: their arc is too wide [m]."""
+    LONGEST_ARC = 1.42
+    """Echoes on a longer arc of their cone are not used [m]."""
     KEPT_S = 4.0
     """Older points are dropped [s]: dead reckoning has drifted since."""
 
-    def __init__(self) -> None:
+    def __init__(self, rules: BeamRules) -> None:
+        self._rules = rules
         self._scans: deque[tuple[float, Floats, Floats]] = deque()
-        self._ranges: npt.NDArray[np.float32] = np.full(32, np.nan, np.float32)
 
-    def scanned(
-        self,
-        pose: Pose,
-        sonar: npt.NDArray[np.float32],
-        infrared: npt.NDArray[np.float32],
-        blind: float,
-        now: float,
-    ) -> None:
-        """Take the ranges measured at a pose in `odom`.
-
-        Args:
-            pose: The pose.
-            sonar: Ranges [m], shape (16,).
-            infrared: The same.
-            blind: Infrared ranges up to this are not valid [m].
-            now: Monotonic time [s].
-        """
+    def scanned(self, scan: BeamScan, now: float) -> None:
+        """Take new ranges."""
         while self._scans and self._scans[0][0] < now - self.KEPT_S:
             self._scans.popleft()
-        ranges = np.concatenate((sonar, infrared))
-        fresh = ranges != self._ranges
-        if not fresh.any():  # a driver reports more often than its sensors measure
-            return
-        self._ranges = ranges
-        ranges = ranges.astype(np.float64)
-        usable = fresh & np.isfinite(ranges) & (ranges > 0.0)
-        usable[:16] &= ranges[:16] < self.SONAR_REACH
-        usable[16:] &= ranges[16:] > blind
-        bearings = np.tile(np.arange(16) * (math.pi / 8.0), 2)[usable] + pose.theta
-        if usable.any():
-            ranges = ranges[usable]
-            x, y = pose.x + ranges * np.cos(bearings), pose.y + ranges * np.sin(bearings)
-            self._scans.append((now, x, y))
+        rules, beams = self._rules, self._rules.beams
+        used = np.flatnonzero(scan.fresh & np.isfinite(scan.ranges) & (scan.ranges > rules.blind))
+        arcs = scan.ranges[used] * np.where(rules.narrow, 0.0, beams.opening)[used]
+        used = used[arcs < self.LONGEST_ARC]
+        if len(used):
+            used = used[:: 1 + len(used) // _MOST]
+            self._scans.append((now, *scan.pose.outward(*beams.hits(used, scan.ranges))))
 
     def since(self, start: float) -> tuple[Floats, Floats]:
         """The points measured after that time [s] that are still kept [m], shapes (n,)."""

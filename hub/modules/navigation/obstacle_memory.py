@@ -1,9 +1,9 @@
 """Recent points of range sensors and bumpers around the robot, in `odom`; pure.
 
-Sixteen thin rays and sixteen cones see little at once: one scan misses a table's leg between two
-rays, and the next one sees it. So points are remembered, in the cells of a small grid that moves
-with the robot. A point is forgotten when several rays have passed through it, after some seconds,
-or when it is some metres away.
+A ring of sensors sees little at once: one scan misses a table's leg between two rays, and the next
+one sees it. So points are remembered, in the cells of a small grid that moves with the robot. A
+point is forgotten when several rays have passed through it, after some seconds, or when it is some
+metres away. `beam_rules` says what each kind of beam shows.
 """
 
 from __future__ import annotations
@@ -13,17 +13,22 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.navigation import SENSOR_COUNT, DriveState
+from hub.gcm.body import Bumper, RobotBody
+from hub.gcm.navigation import DriveState
+from hub.modules.navigation.beam_rules import LONGEST_ARC, RIM, BeamRules
+from hub.modules.navigation.beam_scans import BeamScan
+from hub.modules.navigation.outline import exits
 from hub.pose import Pose, each_wrapped, wrapped
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 
 RESOLUTION = 0.03
 """Edge of a cell [m]; one point is remembered in each."""
 CELLS = 128
 """Cells along each edge of the grid, which is 3.84 m wide."""
 RAY_S = 20.0
-"""Life of a point of a thin ray [s]: drift of the odometry stays below 10 cm."""
+"""Life of a point of a narrow beam [s]: drift of the odometry stays below 10 cm."""
 CONE_S = 2.0
 """Life of a point of a cone [s]; its place within the cone is not known."""
 GUESS_S = 1.0
@@ -31,48 +36,43 @@ GUESS_S = 1.0
 BUMP_S = 20.0
 """Life of a point of a bumper [s]."""
 
+_FARTHEST = 0.5 * CELLS * RESOLUTION
+"""Points farther from the robot than this are forgotten [m]."""
 _CLEARED_BY = 3
 """Number of scans through a point after which it is forgotten."""
 _BESIDE = 0.01
-"""A ray within this distance of a point would have met it [m]."""
-_BESIDE_GUESS = 0.01
-"""The same for an assumed point, which one ray removes [m]."""
+"""A ray within this distance of a point would have met it [m]; it removes an assumed point."""
 _BEFORE = 0.10
 """The last part of a ray clears nothing [m]."""
-_SURE = 0.40
-"""An infrared ray without a hit is free for this length [m], also before dark surfaces."""
-_CONE_FAR = 1.5
-"""Echoes from farther away are not used: their arc is too wide [m]."""
-_CONE_SPREAD: Floats = np.radians((-9.0, -4.5, 0.0, 4.5, 9.0))
-"""Bearings of assumed obstacles on the arc of an echo [rad]; its middle is the likely part."""
-_BLIND = 0.103
-"""An infrared sensor cannot measure distances to the rim below this [m]."""
+_SPREAD: Floats = np.array((-1.0, -0.5, 0.0, 0.5, 1.0)) / 3.0
+"""Bearings of assumed obstacles on the arc of an echo, as shares of its cone; its middle is the
+likely part."""
 _EXPLAINS = 0.12
 """A remembered point within this angle of a ray [rad] explains its hit."""
+_EXPLAINS_FAR = 0.02
+"""It may be farther away than what the ray cannot measure by this [m]."""
 _CORNER = 0.8
 """Distance of an edge between two rays, as a share of the nearer range: a surface that a ray meets
 at 45 degrees has this distance 18 degrees beside the ray."""
 _CORNER_FAR = 0.7
 """Edges beside rays with a longer range than this [m] are left out."""
-_RIM = 0.005
-"""Assumed distance of a point at the rim from it [m]."""
+_BUMPER_PIECE = 0.1
+"""A bumper longer than this [m] is several points."""
 _GUESSES = 512
-_ASSUME_S = 0.1
-"""Guesses are renewed after this time while the ranges do not change [s]."""
 _MOVING = 0.1
 """From this velocity on [m/s] points age in real time."""
 _TURNING = 0.2
 """From this turn rate on [rad/s] too."""
 _STANDING = 0.1
 """Share of real time at which points age while the robot stands."""
-_AXES: Floats = np.arange(SENSOR_COUNT, dtype=np.float64) * (2.0 * math.pi / SENSOR_COUNT)
 
 
 class ObstacleMemory:
     """Remembers points; every method gets the present monotonic time [s]."""
 
-    def __init__(self, radius: float) -> None:
-        self._radius = radius
+    def __init__(self, body: RobotBody, rules: BeamRules) -> None:
+        self._rules = rules
+        self._bumpers = [_bumper_points(body, bumper) for bumper in body.bumpers]
         shape = (CELLS * CELLS,)
         self._x = np.zeros(shape)
         self._y = np.zeros(shape)
@@ -82,38 +82,36 @@ class ObstacleMemory:
         self._guessed_y = np.zeros(_GUESSES)
         self._guessed_until = np.full(_GUESSES, -np.inf)
         self._guesses = 0
-        self._assume_at = -math.inf
         self._time = 0.0
-        self._last: tuple[DriveState, float] | None = None
-        self._looked: tuple[DriveState, float] | None = None
-        self._sonar = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
-        self._infrared = np.full(SENSOR_COUNT, np.nan, dtype=np.float32)
+        self._last: tuple[Pose, float] | None = None
+        self._looked = {sparse: (Pose(), -math.inf) for sparse in (True, False)}
+        self._ranges: Floats = np.full(len(rules.narrow), np.nan)
 
-    def scanned(self, scan: DriveState, now: float) -> None:
-        """Take a scan; a sensor with the same range as before has not measured again."""
-        self._age(scan, now)
-        fresh_infrared = scan.infrared != self._infrared
-        fresh_sonar = scan.sonar != self._sonar
-        self._sonar[:], self._infrared[:] = scan.sonar, scan.infrared
-        if scan.bumpers:
-            pressed = _AXES[[bool(scan.bumpers >> i & 1) for i in range(SENSOR_COUNT)]]
-            self._meet(scan, np.full(len(pressed), self._radius), pressed, self._time + BUMP_S)
-        if self._looked is None or _elsewhere(scan, now, *self._looked):
-            self._looked = scan, now
-            self._look_through(scan)
-        fresh = bool(fresh_infrared.any() or fresh_sonar.any())
-        # A driver reports more often than its sensors measure.
-        if not fresh and now < self._assume_at:
-            return
-        self._assume_at = now + _ASSUME_S
-        near = fresh_sonar & (scan.sonar < _CONE_FAR)
-        ranges = np.repeat(scan.sonar[near].astype(np.float64), len(_CONE_SPREAD))
-        bearings = (_AXES[near][:, None] + _CONE_SPREAD).reshape(-1)
-        self._meet(scan, ranges, bearings, self._time + CONE_S)
-        blind = scan.infrared <= self._radius + _BLIND
-        met = fresh_infrared & np.isfinite(scan.infrared) & ~blind
-        self._meet(scan, scan.infrared[met].astype(np.float64), _AXES[met], self._time + RAY_S)
-        self._assume(scan, blind)
+    def moved(self, drive: DriveState, now: float) -> None:
+        """Take the pose and the bumpers."""
+        pose = Pose(x=drive.x, y=drive.y, theta=drive.theta)
+        self._age(pose, now)
+        # The thin rays of a ring sweep over the ground between two measurements.
+        self._look_through(pose, self._rules.sparse, now)
+        for number, (x, y) in enumerate(self._bumpers):
+            if drive.bumpers >> number & 1:
+                self._meet(pose, x, y, self._time + BUMP_S)
+
+    def scanned(self, scan: BeamScan, now: float) -> None:
+        """Take new ranges."""
+        self._ranges = scan.ranges
+        for which in (self._rules.sparse, scan.fresh & ~self._rules.sparse):
+            self._look_through(scan.pose, which, now)
+        rules, beams = self._rules, self._rules.beams
+        met = scan.fresh & (scan.ranges > rules.blind) & (scan.ranges < _FARTHEST)
+        arcs = np.flatnonzero(met & ~rules.narrow)
+        arcs = arcs[scan.ranges[arcs] * beams.opening[arcs] < LONGEST_ARC]
+        aside = (beams.opening[arcs][:, None] * _SPREAD).ravel()
+        arcs = np.repeat(arcs, len(_SPREAD))
+        self._meet(scan.pose, *beams.hits(arcs, scan.ranges, aside), self._time + CONE_S)
+        rays = np.flatnonzero(met & rules.narrow)
+        self._meet(scan.pose, *beams.hits(rays, scan.ranges), self._time + RAY_S)
+        self._assume(scan)
 
     def points(self, x: float, y: float, theta: float, reach: float) -> tuple[Floats, Floats]:
         """The points around a pose in `odom`, in `base_link` [m]; shapes (n,).
@@ -131,61 +129,65 @@ class ObstacleMemory:
         near = np.square(all_x - x) + np.square(all_y - y) <= reach * reach
         return Pose(x=x, y=y, theta=theta).inward(all_x[near], all_y[near])
 
-    def forget(self) -> None:
-        """Forget all points."""
-        self._until[:] = -np.inf
-        self._guessed_until[:] = -np.inf
-
-    def _meet(self, scan: DriveState, ranges: Floats, bearings: Floats, until: float) -> None:
-        """Remember points in directions from the robot [m, rad], shape (k,)."""
-        directions = bearings + scan.theta
-        x = scan.x + ranges * np.cos(directions)
-        y = scan.y + ranges * np.sin(directions)
+    def _meet(self, pose: Pose, ahead: Floats, left: Floats, until: float) -> None:
+        """Remember points in `base_link` [m], shape (k,)."""
+        # Among several points of a cell the one nearest to the robot comes last, so it stays.
+        order = np.argsort(-np.hypot(ahead, left), kind="stable")
+        x, y = pose.outward(ahead[order], left[order])
         cells = _cells(x, y)
         # The grid repeats, so a cell stands for many places; the newest one counts.
         moved = np.hypot(self._x[cells] - x, self._y[cells] - y) > 2.0 * RESOLUTION
         self._until[cells[moved]] = -np.inf
-        # Among several points of a cell the one nearest to the robot comes last, so it stays.
-        order = np.argsort(-ranges, kind="stable")
-        cells = cells[order]
-        self._x[cells], self._y[cells] = x[order], y[order]
+        self._x[cells], self._y[cells] = x, y
         self._until[cells] = np.maximum(self._until[cells], until)
         self._looked_through[cells] = 0
 
-    def _assume(self, scan: DriveState, blind: npt.NDArray[np.bool_]) -> None:
+    def _assume(self, scan: BeamScan) -> None:
         """Assume points where an obstacle may be that the sensors cannot show.
 
-        An infrared ray can report "too near to measure". An echo or a remembered point that is as
-        near explains it; if there is none, a point is assumed at the rim. If a ray has a hit and no
+        A beam can report "too near to measure". An echo or a remembered point that is as near
+        explains it; if there is none, a point is assumed at the rim. If a ray has a hit and no
         sonar has an echo, the surface is slanted. Then it may come nearer between this ray and
         the next, as the edge of a box does, by about a fifth.
         """
-        near = scan.sonar <= self._radius + _BLIND + 0.02
-        unexplained = np.flatnonzero(blind & ~near)
-        if len(unexplained):
-            x, y = self.points(scan.x, scan.y, scan.theta, self._radius + _BLIND + 0.02)
-            off = np.abs(each_wrapped(np.arctan2(y, x) - _AXES[unexplained][:, None]))
-            known = (off < _EXPLAINS).any(axis=1) if len(x) else np.zeros(len(unexplained), bool)
-            at = unexplained[~known]
-            self._guess(
-                scan, np.full(len(at), self._radius + _RIM), _AXES[at], self._time + GUESS_S
-            )
-        other = np.roll(scan.infrared, -1)
-        nearer = np.minimum(scan.infrared, other)
-        echo = np.minimum(scan.sonar, np.roll(scan.sonar, -1))
-        corner = np.flatnonzero((nearer < _CORNER_FAR) & (echo > nearer + 0.05))
-        ranges = np.maximum(_CORNER * nearer[corner], self._radius + _RIM).astype(np.float64)
-        self._guess(scan, ranges, _AXES[corner] + _AXES[1] / 2.0, self._time + GUESS_S)
+        rules, beams, pose, ranges = self._rules, self._rules.beams, scan.pose, scan.ranges
+        cones = ranges[rules.cones]
+        blind = np.flatnonzero(ranges <= rules.blind)
+        if len(blind):
+            reach = rules.blind[blind][:, None] + _EXPLAINS_FAR
+            near = (cones > rules.blind[rules.cones]) & (cones <= reach) & rules.covers[blind]
+            known = near.any(axis=1) | self._shows(pose, blind, reach)
+            hidden = blind[~known]
+            self._guess(pose, *beams.hits(hidden, rules.rim + RIM))
+        gaps = rules.gaps
+        if not len(gaps.one):
+            return
+        nearer = np.fmin(ranges[gaps.one], ranges[gaps.other])
+        echoes = gaps.echoes & (cones <= nearer[:, None] + 0.05)
+        corner = np.flatnonzero((nearer < _CORNER_FAR) & ~echoes.any(axis=1))
+        away = np.maximum(_CORNER * nearer[corner], gaps.rim[corner] + RIM)
+        numbers, bearing = gaps.one[corner], gaps.bearing[corner]
+        x = beams.x[numbers] + away * np.cos(bearing)
+        self._guess(pose, x, beams.y[numbers] + away * np.sin(bearing))
 
-    def _guess(self, scan: DriveState, ranges: Floats, bearings: Floats, until: float) -> None:
-        """Assume points in directions from the robot [m, rad], shape (k,)."""
-        places = (self._guesses + np.arange(len(ranges))) % _GUESSES
-        self._guesses += len(ranges)
-        self._guessed_x[places] = scan.x + ranges * np.cos(bearings + scan.theta)
-        self._guessed_y[places] = scan.y + ranges * np.sin(bearings + scan.theta)
-        self._guessed_until[places] = until
+    def _shows(self, pose: Pose, numbers: npt.NDArray[np.intp], reach: Floats) -> Flags:
+        """Whether remembered points lie before beams, within a reach [m], shape (k, 1)."""
+        beams = self._rules.beams
+        origins = np.hypot(beams.x[numbers], beams.y[numbers])
+        x, y = self.points(pose.x, pose.y, pose.theta, float((reach[:, 0] + origins).max()))
+        to_x, to_y = x - beams.x[numbers, None], y - beams.y[numbers, None]
+        off = np.abs(each_wrapped(np.arctan2(to_y, to_x) - beams.bearing[numbers, None]))
+        return np.asarray(((off < _EXPLAINS) & (np.hypot(to_x, to_y) <= reach)).any(axis=1))
 
-    def _age(self, scan: DriveState, now: float) -> None:
+    def _guess(self, pose: Pose, ahead: Floats, left: Floats) -> None:
+        """Assume points in `base_link` [m], shape (k,)."""
+        x, y = pose.outward(ahead[-_GUESSES:], left[-_GUESSES:])
+        places = (self._guesses + np.arange(len(x))) % _GUESSES
+        self._guesses += len(x)
+        self._guessed_x[places], self._guessed_y[places] = x, y
+        self._guessed_until[places] = self._time + GUESS_S
+
+    def _age(self, pose: Pose, now: float) -> None:
         """Let points age, but slowly while the robot stands.
 
         The sensors may not see the obstacle before which it stands. If it were forgotten while
@@ -193,46 +195,74 @@ class ObstacleMemory:
         """
         if self._last is not None:
             before, then = self._last
-            way = math.hypot(scan.x - before.x, scan.y - before.y) / _MOVING
-            turn = abs(wrapped(scan.theta - before.theta)) / _TURNING
+            way = math.hypot(pose.x - before.x, pose.y - before.y) / _MOVING
+            turn = abs(wrapped(pose.theta - before.theta)) / _TURNING
             passed = max(now - then, 0.0)
             self._time += min(passed, _STANDING * passed + way + turn)
-        self._last = scan, now
+        self._last = pose, now
 
-    def _look_through(self, scan: DriveState) -> None:
-        """Count the rays through each point, and forget points with enough of them."""
+    def _look_through(self, pose: Pose, which: Flags, now: float) -> None:
+        """Count the beams through each point, and forget points with enough of them.
+
+        Args:
+            pose: The robot's pose.
+            which: The beams, shape (n,).
+            now: Monotonic time [s].
+        """
+        sparse = which is self._rules.sparse
+        if not which.any() or not _elsewhere(pose, now, *self._looked[sparse]):
+            return
+        self._looked[sparse] = pose, now
+        free = np.where(np.isinf(self._ranges), self._rules.sure, self._ranges - _BEFORE)
+        free[~which] = 0.0
         held = np.flatnonzero(self._until > self._time)
-        through, away = self._passed(scan, self._x[held], self._y[held], _BESIDE)
-        seen = held[through]
+        x, y = pose.inward(self._x[held], self._y[held])
+        seen = held[self._passed(free, x, y)]
         self._looked_through[seen] += 1
         self._until[seen[self._looked_through[seen] >= _CLEARED_BY]] = -np.inf
-        self._until[held[away > CELLS * RESOLUTION / 2.0]] = -np.inf
+        self._until[held[np.hypot(x, y) > _FARTHEST]] = -np.inf
         guessed = np.flatnonzero(self._guessed_until > self._time)
-        if len(guessed):
-            x, y = self._guessed_x[guessed], self._guessed_y[guessed]
-            through, _ = self._passed(scan, x, y, _BESIDE_GUESS)
-            self._guessed_until[guessed[through]] = -np.inf
+        x, y = pose.inward(self._guessed_x[guessed], self._guessed_y[guessed])
+        self._guessed_until[guessed[self._passed(free, x, y)]] = -np.inf
 
-    def _passed(
-        self, scan: DriveState, x: Floats, y: Floats, beside: float
-    ) -> tuple[npt.NDArray[np.bool_], Floats]:
-        """Whether a ray passed each point within `beside` [m], and the points' distances [m]."""
-        to_x, to_y = x - scan.x, y - scan.y
-        away = np.hypot(to_x, to_y)
-        bearing = np.arctan2(to_y, to_x) - scan.theta
-        sensor = np.round(bearing / _AXES[1]).astype(np.int64) % SENSOR_COUNT
-        free = np.where(np.isfinite(scan.infrared), scan.infrared - _BEFORE, self._radius + _SURE)[
-            sensor
-        ]
-        off = np.abs(np.sin(bearing - _AXES[sensor])) * away
-        return (off < beside) & (away < free), away
+    def _passed(self, free: Floats, x: Floats, y: Floats) -> Flags:
+        """Whether a beam of light passed each point in `base_link` [m], shape (k,).
+
+        Args:
+            free: The free length of each beam [m], shape (n,).
+            x: The points, shape (k,).
+            y: The same.
+        """
+        passed = np.zeros(len(x), dtype=np.bool_)
+        for group in self._rules.light:
+            if not (free[group.place] > 0.0).any():
+                continue
+            to_x, to_y = x - group.x, y - group.y
+            along = (np.arctan2(to_y, to_x) - group.first) * math.copysign(1.0, group.step)
+            number = np.rint(along % math.tau / abs(group.step)).astype(np.intp)
+            number[number >= group.place.stop - group.place.start] = 0
+            number += group.place.start
+            bearing = self._rules.beams.bearing[number]
+            ahead, left = np.cos(bearing), np.sin(bearing)
+            way, off = to_x * ahead + to_y * left, np.abs(to_y * ahead - to_x * left)
+            passed |= (off < _BESIDE) & (way > 0.0) & (way < free[number])
+        return passed
 
 
-def _elsewhere(scan: DriveState, now: float, before: DriveState, then: float) -> bool:
-    """Whether a scan from here, or now, can clear points that the scan before could not."""
+def _bumper_points(body: RobotBody, bumper: Bumper) -> tuple[Floats, Floats]:
+    """Points on the outline that a bumper covers, in `base_link` [m], shape (k,)."""
+    count = 1 + int(bumper.width * body.radius / _BUMPER_PIECE)
+    middles = (np.arange(count) + 0.5) / count - 0.5
+    bearing = bumper.direction + bumper.width * middles
+    away = exits(body, np.zeros(count), np.zeros(count), bearing)
+    return away * np.cos(bearing), away * np.sin(bearing)
+
+
+def _elsewhere(pose: Pose, now: float, before: Pose, then: float) -> bool:
+    """Whether beams from here, or now, can clear points that the last ones could not."""
     return (
-        math.hypot(scan.x - before.x, scan.y - before.y) > 0.01
-        or abs(wrapped(scan.theta - before.theta)) > 0.02
+        math.hypot(pose.x - before.x, pose.y - before.y) > 0.01
+        or abs(wrapped(pose.theta - before.theta)) > 0.02
         or now - then > 1.0
     )
 

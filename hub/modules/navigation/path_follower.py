@@ -10,6 +10,8 @@ import math
 
 import numpy as np
 
+from hub.gcm.body import RobotBody
+from hub.gcm.flight import Attitude
 from hub.gcm.mapping import MapRequest
 from hub.gcm.navigation import (
     Assistance,
@@ -18,9 +20,12 @@ from hub.gcm.navigation import (
     LandmarkCorrection,
     TurnCommand,
 )
+from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.grids.planner import plan
 from hub.modules.navigation.assistance import AssistanceSwitch
+from hub.modules.navigation.beam_rules import BeamRules
+from hub.modules.navigation.beam_scans import ScanReader
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow
@@ -56,15 +61,18 @@ class PathFollower:
         held_back: The share by which the last command was reduced, 0 to 1.
     """
 
-    def __init__(self, body: BodyLimits) -> None:
+    def __init__(self, limits: BodyLimits, body: RobotBody) -> None:
         self.task = NavigationTask()
         self.correction = PoseCorrection()
         self.held_back = 0.0
+        self._limits = limits
         self._body = body
-        self._window = DynamicWindow(body)
-        self._obstacles = ObstacleMemory(body.radius)
+        self._window = DynamicWindow(limits)
+        self._reader = ScanReader(body)
+        self._rules = BeamRules(body, self._reader.beams)
+        self._obstacles = ObstacleMemory(body, self._rules)
         self._unmapped = UnmappedObstacles()
-        self._drift = DriftWatch(self.correction, body.radius)
+        self._drift = DriftWatch(self.correction, self._rules)
         self._switch = AssistanceSwitch()
         self._drive: DriveState | None = None
         self._map: Grid | None = None
@@ -83,17 +91,35 @@ class PathFollower:
         """The uncertainty of the pose."""
         return self._drift.spread
 
-    def reported(self, drive: DriveState, now: float) -> None:
-        """Take a report of the hardware."""
+    @property
+    def tilt(self) -> float:
+        """Angle to the ground at which ranges are not used [rad]; 0: they are used."""
+        return self._reader.tilt
+
+    def reported(self, drive: DriveState, measured: float, now: float) -> None:
+        """Take a report of the hardware, measured at a monotonic time [s]."""
         self._drive = drive
-        self._obstacles.scanned(drive, now)
-        self._drift.reported(drive, now)
+        self._reader.moved(drive, measured)
+        self._obstacles.moved(drive, now)
+        self._drift.moved(drive, now)
+
+    def scanned(self, readings: RangeReadings, measured: float, now: float) -> None:
+        """Take the ranges of the sensors, measured at a monotonic time [s]."""
+        scan = self._reader.read(readings, measured)
+        if scan is not None:
+            self._obstacles.scanned(scan, now)
+            self._drift.scanned(scan, now)
+
+    def tilted(self, attitude: Attitude, measured: float) -> None:
+        """Take the tilt of the robot, measured at a monotonic time [s]."""
+        self._reader.tilted(attitude, measured)
 
     def restart(self, odom: Pose) -> None:
         """Start again with a new dead reckoning, given its origin in `map`."""
         self.correction.restart(odom)
         self._drift.restart()
-        self._obstacles = ObstacleMemory(self._body.radius)
+        self._reader.restart()
+        self._obstacles = ObstacleMemory(self._body, self._rules)
         self._unmapped.forget()
         self._map = None
 
@@ -107,7 +133,7 @@ class PathFollower:
             return wanted
         points = self._obstacles.points(*_odom(drive), REACH)
         given = self._window.towards((drive.linear, drive.angular), wanted, points)
-        self.held_back = _share_taken(wanted, given, self._body)
+        self.held_back = _share_taken(wanted, given, self._limits)
         return given
 
     def steered(self, now: float) -> Velocity | None:
@@ -219,7 +245,7 @@ class PathFollower:
             self.task.planned(None)
             return
         here = self.pose
-        radius = self._body.radius + self._body.margin
+        radius = self._limits.radius + self._limits.margin
         grid = self._unmapped.onto(self._map, now)
         way = plan(grid, (here.x, here.y), goal, radius=radius)
         if way is None and grid is not self._map:

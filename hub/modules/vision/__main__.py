@@ -12,12 +12,12 @@ from hub.control_gate import ControlGate
 from hub.errors import CameraError, HubError
 from hub.gcm import navigation, vision
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.pose_history import PoseHistory
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
 from hub.modules.vision.camera_service import CameraService
 from hub.modules.vision.pose_feed import PoseFeed, PoseSource
-from hub.modules.vision.poses import PoseHistory
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import RobotDescription
 from hub.robots.registry import camera_moves, open_camera

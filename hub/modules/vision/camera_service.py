@@ -7,10 +7,10 @@ import time
 from collections.abc import Callable
 
 from hub.gcm import vision
+from hub.gcm.pose_history import PoseHistory
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness, prepare
-from hub.modules.vision.poses import PoseHistory
 from hub.robots.body_tables import CameraTable
 from hub.robots.cropping import vertical_fov
 from hub.robots.interfaces import Camera

@@ -10,14 +10,18 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState
+from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.modules.mapping.evidence import SONAR
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
+from hub.modules.navigation.beam_rules import BeamRules
+from hub.modules.navigation.beam_scans import ScanReader
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.pose import Pose, wrapped
-from hub.sim.arena import BODY_RADIUS, Arena
+from hub.robots.robot_file import find_robot_file, read_description
+from hub.sim.arena import Arena
 from hub.sim.range_sensors import first_hits
 from tests.support.footprints import distances
 from tests.support.magellan import SimulatedMagellan
@@ -41,6 +45,7 @@ class Report:
     time: float
     truth: GroundTruth
     drive: DriveState
+    ranges: RangeReadings | None
 
 
 def tour(robot: SimulatedMagellan, points: Sequence[tuple[float, float]]) -> Iterator[Report]:
@@ -60,7 +65,13 @@ def tour(robot: SimulatedMagellan, points: Sequence[tuple[float, float]]) -> Ite
                 robot.set_velocity(min(0.4, 1.5 * left + 0.03), 2.0 * error)
             robot.advance(PERIOD)
             now += PERIOD
-            yield Report(time=now, truth=robot.ground_truth(), drive=robot.drive_state(now))
+            scans = robot.ranges(now)
+            yield Report(
+                time=now,
+                truth=robot.ground_truth(),
+                drive=robot.drive_state(now),
+                ranges=None if scans is None else RangeReadings(scans=scans),
+            )
 
 
 def from_start(truth: GroundTruth, start: Pose) -> Pose:
@@ -95,12 +106,19 @@ class MatchedPose:
     def __init__(self, grid: OccupancyGrid) -> None:
         self._grid = grid
         self._correction = PoseCorrection()
-        self._watch = DriftWatch(self._correction, BODY_RADIUS)
+        body = read_description(find_robot_file("magellan"))[0].body
+        self._reader = ScanReader(body)
+        self._watch = DriftWatch(self._correction, BeamRules(body, self._reader.beams))
         self._due = MAP_PERIOD
 
     def __call__(self, report: Report) -> Pose:
         drive = report.drive
-        self._watch.reported(drive, report.time)
+        self._watch.moved(drive, report.time)
+        self._reader.moved(drive, report.time)
+        if report.ranges is not None:
+            scan = self._reader.read(report.ranges, report.time)
+            if scan is not None:
+                self._watch.scanned(scan, report.time)
         if report.time >= self._due:
             self._due += MAP_PERIOD
             picture = self._grid.whole()

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from hub.gcm.navigation import GroundTruth
+from hub.gcm.ranges import RangeReadings
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.path_follower import PathFollower
 from hub.pose import Pose
@@ -15,7 +16,8 @@ from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import BODY_RADIUS, Arena
 from tests.support.magellan import SimulatedMagellan
 
-BODY = body_of(read_description(find_robot_file("magellan"))[0])
+ROBOT = read_description(find_robot_file("magellan"))[0]
+BODY = body_of(ROBOT)
 STEP = 0.01
 STEPS_PER_REPORT = 2
 STEPS_PER_CHOICE = 5
@@ -34,8 +36,9 @@ class Drive:
     """A robot somewhere in an arena, and its pilot."""
 
     def __init__(self, arena: Arena, start: Pose, seed: int = 1) -> None:
-        self.robot = SimulatedMagellan(dataclasses.replace(arena, start=start), seed=seed)
-        self.pilot = PathFollower(BODY)
+        there = dataclasses.replace(arena, start=start)
+        self.robot = SimulatedMagellan(there, seed=seed)
+        self.pilot = PathFollower(BODY, ROBOT.body)
         self.given = (0.0, 0.0)
         self._steps = 0
 
@@ -72,7 +75,10 @@ class Drive:
     def _report(self) -> bool:
         """Report if it is time; whether it is also time for a choice."""
         if self._steps % STEPS_PER_REPORT == 0 or self._steps == 0:
-            self.pilot.reported(self.robot.drive_state(self.now), self.now)
+            self.pilot.reported(self.robot.drive_state(self.now), self.now, self.now)
+            scans = self.robot.ranges(self.now)
+            if scans is not None:
+                self.pilot.scanned(RangeReadings(scans=scans), self.now, self.now)
         return self._steps % STEPS_PER_CHOICE == 0
 
     def _advance(self) -> None:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
 
 import numpy as np
 import pytest
 
-from hub.gcm.navigation import DriveState
+from hub.gcm.beams import beams_of
 from hub.grids.grid import Grid
 from hub.modules.mapping.grid import OccupancyGrid
+from hub.modules.navigation.beam_rules import BeamRules
+from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import OLDEST_S, YOUNGEST_S, DriftWatch
 from hub.modules.navigation.matching import drift
@@ -26,9 +27,12 @@ from tests.hub.modules.mapping.touring import (
     mapped,
     tour,
 )
+from tests.hub.modules.navigation.drives import ROBOT
 from tests.support.cases import for_each
 from tests.support.magellan import SimulatedMagellan
+from tests.support.messages import drive_state
 
+RULES = BeamRules(ROBOT.body, beams_of(ROBOT.body))
 ROUND = ((5.2, 4.6), (2.7, 4.35), (2.7, 1.9), (1.9, 1.5), (5.2, 1.4), (5.2, 4.6))
 """In the yellow arena's office and hall [m]."""
 
@@ -60,16 +64,10 @@ def test_the_pose_drifts_much_less_than_dead_reckoning(reports: list[Report]) ->
     assert matched < 0.5 * reckoned
 
 
-@functools.cache
-def _at_start() -> DriveState:
-    return SimulatedMagellan(load_arena("empty"), seed=1).drive_state(0.0)
-
-
-def _seen(now: float) -> DriveState:
-    """From the origin, walls all around at about 0.6 m, but shifted by 5 cm along x."""
-    bearings = np.arange(16) * math.pi / 8.0
-    ranges = (0.6 + 0.05 * np.cos(bearings) + 1e-4 * math.sin(now * 1e3)).astype(np.float32)
-    return dataclasses.replace(_at_start(), x=0.0, y=0.0, theta=0.0, sonar=ranges, infrared=ranges)
+def _seen() -> BeamScan:
+    """Walls all around at about 0.6 m, but shifted by 5 cm along x, seen from the origin."""
+    ranges = 0.6 + 0.05 * np.cos(RULES.beams.bearing)
+    return BeamScan(pose=Pose(), ranges=ranges, fresh=np.ones(len(ranges), dtype=np.bool_))
 
 
 def _ring() -> Grid:
@@ -79,18 +77,22 @@ def _ring() -> Grid:
     return Grid(cells=cells, resolution=0.05, origin_x=-1.5, origin_y=-1.5)
 
 
+def take(watch: DriftWatch, pose: Pose, now: float) -> None:
+    """A driver reports a pose, and its sensors measure."""
+    watch.moved(drive_state(x=pose.x, y=pose.y, theta=pose.theta), now)
+    watch.scanned(dataclasses.replace(_seen(), pose=pose), now)
+
+
 def shifted(*, wait: float) -> float:
     """By how much the pose is shifted when the second map comes so long after the first [m]."""
     correction = PoseCorrection()
-    watch = DriftWatch(correction, 0.205)
-    state = _seen(0.0)
+    watch = DriftWatch(correction, RULES)
     watch.mapped(_ring(), Pose(), 0.0)
     for step in range(1, round(wait * 10.0) + 1):
-        now = step / 10.0
         # It drove a little, so that its pose may be off.
-        state = dataclasses.replace(_seen(now), x=0.05 * (step % 2))
-        watch.reported(state, now)
-    watch.mapped(_ring(), Pose(x=state.x), wait)
+        pose = Pose(x=0.05 * (step % 2))
+        take(watch, pose, step / 10.0)
+    watch.mapped(_ring(), pose, wait)
     return correction.odom.x
 
 
@@ -110,14 +112,13 @@ NONSENSE = (math.nan, math.inf, -math.inf, 1e308, -1e308, 1e15, 5e-324)
 @for_each("field", ["x", "y", "theta"])
 def test_report_that_cannot_be_does_no_harm_and_is_forgotten(field: str, wrong: float) -> None:
     correction = PoseCorrection()
-    watch = DriftWatch(correction, 0.205)
+    watch = DriftWatch(correction, RULES)
     watch.mapped(_ring(), Pose(), 0.0)
     for step in range(1, 12):
-        now = step / 10.0
-        state = dataclasses.replace(_seen(now), x=0.05 * (step % 2))
-        watch.reported(dataclasses.replace(state, **{field: wrong}), now)
-        watch.reported(state, now + 0.01)
-    watch.mapped(_ring(), Pose(x=state.x), YOUNGEST_S + 0.2)
+        now, pose = step / 10.0, Pose(x=0.05 * (step % 2))
+        take(watch, dataclasses.replace(pose, **{field: wrong}), now)
+        take(watch, pose, now + 0.01)
+    watch.mapped(_ring(), pose, YOUNGEST_S + 0.2)
     assert abs(correction.odom.x) < 0.2
     assert math.isfinite(correction.odom.theta)
 

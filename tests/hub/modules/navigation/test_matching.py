@@ -9,10 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.beams import beams_of
 from hub.grids.grid import Grid
+from hub.modules.navigation.beam_rules import BeamRules
+from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.matching import FEWEST, Sightings, drift
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
+from tests.hub.modules.navigation.drives import ROBOT
 
 CORNER_X = np.concatenate((np.linspace(-1.0, 1.0, 80), np.full(60, 1.0)))
 CORNER_Y = np.concatenate((np.full(80, 1.0), np.linspace(-0.5, 1.0, 60)))
@@ -88,12 +92,25 @@ def test_points_outside_of_the_map_tell_nothing(far: float) -> None:
     assert drift(walls(), CORNER_X + far, CORNER_Y - far, Pose(), FAR) is None
 
 
-def test_sightings_are_points_in_odom_of_what_is_new() -> None:
-    sightings = Sightings()
-    sonar, infrared = np.full(16, np.inf, np.float32), np.full(16, np.inf, np.float32)
-    sonar[0], sonar[4], infrared[8], infrared[2] = 1.0, 3.0, 0.5, 0.3
-    for now in (7.0, 7.1):
-        sightings.scanned(Pose(x=1.0, theta=math.pi / 2.0), sonar, infrared, 0.31, now)
+def seen_from(pose: Pose, ranges: dict[str, dict[int, float]], *, fresh: bool = True) -> BeamScan:
+    """A scan of a Magellan, with ranges [m] of some of its sensors."""
+    beams = beams_of(ROBOT.body)
+    measured = np.full(len(beams.kind), np.inf)
+    for name, given_ranges in ranges.items():
+        for number, value in given_ranges.items():
+            measured[beams.groups[name]][number] = value
+    return BeamScan(pose=pose, ranges=measured, fresh=np.full(len(measured), fresh))
+
+
+RULES = BeamRules(ROBOT.body, beams_of(ROBOT.body))
+
+
+def test_sightings_are_points_in_odom_of_new_ranges() -> None:
+    sightings = Sightings(RULES)
+    pose = Pose(x=1.0, theta=math.pi / 2.0)
+    ranges = {"sonar": {0: 1.0, 4: 3.1}, "infrared": {8: 0.5, 2: 0.3}}
+    sightings.scanned(seen_from(pose, ranges), 7.0)
+    sightings.scanned(seen_from(pose, ranges, fresh=False), 7.1)
     x, y = sightings.since(6.9)
     assert x == pytest.approx([1.0, 1.0])
     assert y == pytest.approx([1.0, -0.5])
@@ -101,8 +118,7 @@ def test_sightings_are_points_in_odom_of_what_is_new() -> None:
 
 
 def test_sightings_are_forgotten() -> None:
-    sightings = Sightings()
-    nothing = np.full(16, np.inf, np.float32)
+    sightings = Sightings(RULES)
     for now in (1.0, 2.0, 2.5 + Sightings.KEPT_S):
-        sightings.scanned(Pose(), np.full(16, now / 10.0, np.float32), nothing, 0.3, now)
+        sightings.scanned(seen_from(Pose(), {"sonar": dict.fromkeys(range(16), 1.0)}), now)
     assert len(sightings.since(0.0)[0]) == 16

@@ -1,4 +1,4 @@
-"""Where the robot was at the time of a picture."""
+"""The robot's pose at the time of a measurement."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.modules.vision.poses import AHEAD_S, GAP_S, UNKNOWN, PoseHistory
+from hub.gcm.pose_history import AHEAD_S, GAP_S, UNKNOWN, PoseHistory
 from tests.support.cases import for_each
 from tests.support.messages import robot_state
 

@@ -1,4 +1,4 @@
-"""The robot's pose at the time of a picture; pure."""
+"""The robot's pose at the time of a measurement or a picture; pure."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections import deque
 
 from hub.gcm.fields import FARTHEST_M
-from hub.gcm.navigation import RobotState
+from hub.gcm.navigation import Measured
 from hub.pose import Pose, wrapped
 from hub.values import dataclass
 
@@ -39,7 +39,7 @@ class PoseHistory:
     def __init__(self) -> None:
         self._entries: deque[_Entry] = deque(maxlen=_MOST)
 
-    def add(self, state: RobotState, measured: float) -> None:
+    def add(self, state: Measured, measured: float) -> None:
         """Add the robot's pose at `measured` [s]; a pose that is not finite is ignored."""
         values = (measured, state.x, state.y, state.theta, state.linear, state.angular)
         if not all(map(math.isfinite, values)):
@@ -52,7 +52,7 @@ class PoseHistory:
             self._entries.popleft()
 
     def at(self, time: float) -> Pose:
-        """The robot's pose in `map` at a time on the same clock [s]; NaN: not known."""
+        """The robot's pose at a time on the same clock [s]; NaN: not known."""
         after = None
         for entry in reversed(self._entries):
             if entry.measured <= time:

@@ -1,0 +1,101 @@
+"""New measurements of range sensors, each with the pose of the robot at its time; pure."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.beams import Beams, beams_of
+from hub.gcm.body import RobotBody
+from hub.gcm.flight import Attitude
+from hub.gcm.navigation import DriveState
+from hub.gcm.pose_history import UNKNOWN, PoseHistory
+from hub.gcm.ranges import RangeReadings
+from hub.gcm.standard import Time
+from hub.modules.navigation.outline import exits
+from hub.pose import Pose
+from hub.values import dataclass
+
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+LARGEST_TILT = math.radians(5.0)
+"""Largest angle of a beam, or of the robot, to the ground [rad]: beyond it a beam passes over
+obstacles or meets the ground."""
+ATTITUDE_S = 1.0
+"""An older attitude is not known any more [s]; then the robot counts as level."""
+_INSIDE = 0.03
+"""A hit farther inside the outline than this is a part of the robot [m]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BeamScan:
+    """The newest ranges of all beams.
+
+    Attributes:
+        pose: The robot's pose in `odom` when those that are new were measured.
+        ranges: From the origin of each beam, along the ground [m], shape (n,); inf: nothing
+            within reach, NaN: not known.
+        fresh: Which of them are new, shape (n,).
+    """
+
+    pose: Pose
+    ranges: Floats
+    fresh: Flags
+
+
+class ScanReader:
+    """Keeps the poses and the attitude of the last seconds.
+
+    Attributes:
+        beams: The beams of the body.
+        tilt: Angle of the robot to the ground when it was too large to use ranges [rad]; else 0.
+    """
+
+    def __init__(self, body: RobotBody) -> None:
+        self.beams: Beams = beams_of(body)
+        self.tilt = 0.0
+        beams = self.beams
+        self._level = np.abs(beams.elevation) <= LARGEST_TILT
+        self._flat = np.cos(beams.elevation)
+        self._own = exits(body, beams.x, beams.y, beams.bearing) - _INSIDE
+        self._poses = PoseHistory()
+        self._stamps: dict[str, Time] = {}
+        self._attitude = (0.0, -math.inf)
+
+    def restart(self) -> None:
+        """Forget the poses: dead reckoning begins anew."""
+        self._poses = PoseHistory()
+
+    def moved(self, drive: DriveState, measured: float) -> None:
+        """Take a pose in `odom`, measured at a monotonic time [s]."""
+        self._poses.add(drive, measured)
+
+    def tilted(self, attitude: Attitude, measured: float) -> None:
+        """Take an attitude, measured at a monotonic time [s]."""
+        upright = math.cos(attitude.roll) * math.cos(attitude.pitch)
+        self._attitude = math.acos(min(1.0, max(-1.0, upright))), measured
+
+    def read(self, readings: RangeReadings, measured: float) -> BeamScan | None:
+        """The beams of groups that have measured since the last call; None: there are none.
+
+        There are none either while the robot's pose is not known or it is tilted.
+        """
+        fresh = np.zeros(len(self._level), dtype=np.bool_)
+        for scan in readings.scans:
+            name, stamp = scan.header.frame_id, scan.header.stamp
+            # A driver without a clock stamps all its scans with 0.
+            if name in self.beams.groups and (stamp != self._stamps.get(name) or stamp == Time()):
+                self._stamps[name] = stamp
+                fresh[self.beams.groups[name]] = True
+        tilt, at = self._attitude
+        self.tilt = tilt if measured - at <= ATTITUDE_S and tilt > LARGEST_TILT else 0.0
+        pose = self._poses.at(measured)
+        if self.tilt or pose is UNKNOWN or not fresh.any():
+            return None
+        ranges: Floats = self.beams.ranges(readings).astype(np.float64) * self._flat
+        # Many devices say 0 where they did not measure.
+        ranges[~self._level | (ranges <= 0.0) | (ranges < self._own)] = np.nan
+        return BeamScan(pose=pose, ranges=ranges, fresh=fresh & ~np.isnan(ranges))

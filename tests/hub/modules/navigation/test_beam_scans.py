@@ -1,0 +1,103 @@
+"""Ranges of any sensors: what is new, where the robot was, and what is left out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hub.gcm.body import RobotBody
+from hub.gcm.flight import Attitude
+from hub.gcm.ranges import RangeReadings, scan_of
+from hub.modules.navigation.beam_scans import ATTITUDE_S, LARGEST_TILT, BeamScan, ScanReader
+from hub.pose import Pose
+from tests.hub.modules.navigation.bodies import HALF_WIDTH, LONG
+from tests.support.messages import drive_state
+
+NAMES = [group.name for group in LONG.ranges]
+
+
+def readings(ranges: dict[str, float], stamps: dict[str, float] | float = 5.0) -> RangeReadings:
+    """Each group measures this range with all its beams; the others measure nothing."""
+    return RangeReadings(
+        scans=tuple(
+            scan_of(
+                group,
+                np.full(group.beams, ranges.get(group.name, math.inf), np.float32),
+                stamps if isinstance(stamps, float) else stamps[group.name],
+            )
+            for group in LONG.ranges
+        )
+    )
+
+
+def reader() -> ScanReader:
+    """It stands at the origin."""
+    made = ScanReader(LONG)
+    made.moved(drive_state(), 1.0)
+    return made
+
+
+def read(made: ScanReader, said: RangeReadings, measured: float = 1.0) -> BeamScan:
+    scan = made.read(said, measured)
+    assert scan is not None
+    return scan
+
+
+def fresh(made: ScanReader, scan: BeamScan) -> set[str]:
+    return {name for name, place in made.beams.groups.items() if scan.fresh[place].any()}
+
+
+def test_a_group_is_new_when_its_stamp_has_changed() -> None:
+    made, stamps = reader(), dict.fromkeys(NAMES, 5.0)
+    assert fresh(made, read(made, readings({}, stamps))) == set(NAMES) - {"floor"}
+    assert made.read(readings({}, stamps), 1.1) is None
+    assert fresh(made, read(made, readings({}, stamps | {"rear": 5.1}), 1.2)) == {"rear"}
+
+
+def test_scans_without_a_clock_are_always_new() -> None:
+    made = reader()
+    for _ in range(2):
+        assert "laser" in fresh(made, read(made, readings({}, 0.0)))
+
+
+def test_the_pose_is_that_of_the_measurement() -> None:
+    made = reader()
+    made.moved(drive_state(x=0.2, theta=0.4), 1.1)
+    assert read(made, readings({}), 1.05).pose == Pose(
+        x=pytest.approx(0.1), y=0.0, theta=pytest.approx(0.2)
+    )
+    assert made.read(readings({}, 6.0), 3.0) is None, "the robot's pose is not known"
+
+
+def test_ranges_of_a_tilted_robot_are_not_used() -> None:
+    made = reader()
+    made.tilted(Attitude(stamp=0.0, roll=0.0, pitch=-1.2 * LARGEST_TILT), 1.0)
+    assert made.read(readings({}), 1.0) is None
+    assert made.tilt == pytest.approx(1.2 * LARGEST_TILT)
+    made.tilted(Attitude(stamp=0.0, roll=0.9 * LARGEST_TILT, pitch=0.0), 1.0)
+    assert made.read(readings({}, 6.0), 1.0) is not None
+    assert made.tilt == 0.0
+
+
+def test_an_old_attitude_is_not_known() -> None:
+    made = reader()
+    made.tilted(Attitude(stamp=0.0, roll=1.0, pitch=0.0), 0.9 - ATTITUDE_S)
+    assert made.read(readings({}), 1.0) is not None
+
+
+def test_beams_to_the_floor_own_parts_and_zeros_are_unknown() -> None:
+    made = reader()
+    scan = read(made, readings({"floor": 0.4, "laser": HALF_WIDTH / 2.0, "rear": 0.0}))
+    for name in ("floor", "laser", "rear"):
+        assert np.isnan(scan.ranges[made.beams.groups[name]]).all()
+        assert not scan.fresh[made.beams.groups[name]].any()
+    assert np.isinf(scan.ranges[made.beams.groups["left"]]).all()
+
+
+def test_a_body_without_sensors_has_no_scans() -> None:
+    made = ScanReader(RobotBody(name="a", kind="b", radius=0.2))
+    made.moved(drive_state(), 1.0)
+    assert made.read(readings({"laser": 1.0}), 1.0) is None
+    assert made.read(RangeReadings(scans=()), 1.0) is None
