@@ -3,7 +3,7 @@
 | beam | shows | hides |
 | --- | --- | --- |
 | narrow | a point | obstacles beside it, so an edge may stand between two that are far apart |
-| cone | an arc, of which only near ones are used | the place on the arc |
+| cone | an arc, used only where it is near | the place on the arc |
 | of sound | - | smooth walls at a slant: no echo does not mean that nothing is there |
 | of light | that its way is free | dark surfaces: without a hit only a part of its way is free |
 | any | that something is nearer than it can measure | where that is |

@@ -66,7 +66,7 @@ class ScanReader:
         self._attitude = (0.0, -math.inf)
 
     def restart(self) -> None:
-        """Forget the poses: dead reckoning begins anew."""
+        """Forget the poses: dead reckoning starts again."""
         self._poses = PoseHistory()
 
     def moved(self, drive: DriveState, measured: float) -> None:
