@@ -1,0 +1,370 @@
+"""A simulated indoor blimp, after the Blimp2b of EPFL.
+
+Numbers: Zufferey, Guanella, Beyeler, Floreano 2006, "Flying over the reality gap: from simulated to
+real indoor airships", Autonomous Robots 21, as in the files blimp2b.h and blimp2b.c of Webots. That
+robots carry a blimp is of the report of 2005; sensors, holds and landing are our own design.
+
+It flies slightly heavy: without power it lands. It has a front propeller, a tail propeller and a
+lift propeller, so it cannot sway, roll or pitch by command.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hub.sim.afloat.attitude import into_body, roll_pitch_yaw
+from hub.sim.afloat.body_contact import ContactShape
+from hub.sim.afloat.estimators import (
+    AirspeedObserver,
+    ClimbObserver,
+    EchoReference,
+    HeadingFilter,
+)
+from hub.sim.afloat.floating_body import HullSpec
+from hub.sim.afloat.fluid import AIR_DENSITY, Air, Drafts
+from hub.sim.afloat.holds import (
+    OFF,
+    ClimbGains,
+    HeadingHold,
+    HeightHold,
+    HoldState,
+    RestingPlace,
+    TurnGains,
+    speed_force,
+)
+from hub.sim.afloat.lithium_battery import LithiumBattery
+from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
+from hub.sim.afloat.sensors import (
+    Altimeter,
+    Anemometer,
+    Barometer,
+    Compass,
+    Gyro,
+    TiltSensor,
+)
+from hub.sim.afloat.surroundings import Surroundings
+from hub.sim.afloat.thrusters import FRONT, TAIL_BEHIND, Propellers
+from hub.sim.afloat.vehicle import STEP, FloatingVehicle
+
+MASS = 0.184
+"""[kg], blimp2b.h."""
+SHAPE = ContactShape(radius=0.55, above=0.26, below=0.30)
+"""Envelope of 1.09 m by 0.52 m, with the gondola below it."""
+LIMITS = Motion(surge=0.75, heave=0.3, yaw=1.5)
+"""Within full thrust: 0.756 m/s ahead, 1.53 rad/s to the left, 0.34 m/s up with a trim of 2 g."""
+HEAVY = 0.002
+"""Default trim: mass over that of the displaced air [kg]."""
+LOW_BATTERY = 0.2
+"""A blimp that is left alone lands below this charge."""
+LONGEST_HOLD = 600.0
+"""A blimp that is left alone lands after this time [s]."""
+CARRIED_TOO_FAR = 1.0
+"""A hold fails when drafts carried the blimp farther [m]."""
+WORST_COMPASS = math.radians(10.0)
+IDLE_POWER = 1.2
+"""Of computer, camera and radio [W]; our assumption."""
+STEPS_PER_ECHO = 5
+"""The altimeter and the barometer measure at 10 Hz."""
+
+_CLIMB = ClimbGains(climb_per_metre=0.60, fastest=0.30, force_per_climb=0.30, stopped=0.04)
+_TURN = TurnGains(moment_per_angle=0.08, moment_per_rate=0.06, stopped=0.05)
+_FORCE_PER_SPEED = 0.35
+"""Force of the front propeller for an error of the airspeed [N s/m]."""
+_OBSERVER_RATE = 1.5
+_MOST_TRIM = 0.06
+"""[N]: 6 g."""
+_BAROMETER_TRUST = 0.2
+_BAROMETER_SHARE = 0.02
+"""Share by which each echo corrects the barometer."""
+_SLOW = 0.1
+"""The blimp is at rest below this speed [m/s]; drafts carry it as fast."""
+
+
+def hull(heavy: float = 0.0) -> HullSpec:
+    """The numbers of blimp2b.h, with a trim [kg] over the mass of the displaced air."""
+    return HullSpec(
+        mass=MASS,
+        volume=(MASS - heavy) / AIR_DENSITY,
+        density=AIR_DENSITY,
+        sag=0.125,
+        inertia=(0.0095, 0.0193, 0.0193),
+        added=(0.033, 0.129, 0.129),
+        linear=(0.0, 0.0, 0.0, 0.005, 0.0079, 0.0079),
+        quadratic=(0.07, 0.28, 0.22, 0.0, 0.0, 0.0),
+    )
+
+
+class Flight(enum.Enum):
+    """What the blimp does.
+
+    | state | event | next |
+    | --- | --- | --- |
+    | FLYING | `land()`; or left alone for ten minutes, or with a low battery | LANDING |
+    | LANDING | something holds it from below | LANDED |
+    | LANDING | a command that is not neutral | FLYING |
+    | LANDED | a climb is commanded | FLYING |
+
+    Attributes:
+        FLYING: It follows commands, and holds height and heading while they are neutral.
+        LANDING: The lift propeller is off; it brakes and sinks.
+        LANDED: All propellers are off.
+    """
+
+    FLYING = "flying"
+    LANDING = "landing"
+    LANDED = "landed"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BlimpReadings:
+    """The last measurements, with their errors.
+
+    Attributes:
+        altitude: From the middle to the ground or table below [m]; NaN without an echo.
+        height: Height above the first ground, estimated of all sensors [m].
+        climb: Upward velocity, estimated [m/s].
+        barometer: Height by air pressure [m]; it drifts.
+        airspeed: Forward speed through the air [m/s].
+        roll: [rad]
+        pitch: [rad]
+        heading: Of gyro and compass [rad].
+        rates: About x, y and z [rad/s].
+    """
+
+    altitude: float
+    height: float
+    climb: float
+    barometer: float
+    airspeed: float
+    roll: float
+    pitch: float
+    heading: float
+    rates: tuple[float, float, float]
+
+
+class SimulatedBlimp(FloatingVehicle):
+    """The whole blimp: hull, propellers, sensors, holds, battery, drafts."""
+
+    limits = LIMITS
+
+    def __init__(
+        self,
+        surroundings: Surroundings,
+        *,
+        start: SpatialPose,
+        air: Air | None = None,
+        heavy: float = HEAVY,
+        seed: int = 0,
+    ) -> None:
+        """Hold the height and heading of the start, or stand there.
+
+        Args:
+            surroundings: Solids and ground of its arena.
+            start: Its first pose.
+            air: Drafts and wind.
+            heavy: Mass over that of the displaced air [kg]; the propeller lifts 4.6 g at most.
+            seed: Of all noise.
+        """
+        super().__init__(hull(heavy), SHAPE, surroundings, start)
+        seeds = iter(np.random.SeedSequence(seed).spawn(7))
+        self._drafts = Drafts(air or Air(), next(seeds))
+        self._altimeter = Altimeter(next(seeds))
+        self._barometer = Barometer(next(seeds))
+        self._compass = Compass(next(seeds), worst=WORST_COMPASS)
+        self._gyro = Gyro(next(seeds))
+        self._tilt = TiltSensor(next(seeds))
+        self._anemometer = Anemometer(next(seeds))
+        self._propellers = Propellers()
+        self._battery = LithiumBattery(cells=2, energy=7.4 * 3600.0, resistance=0.1)
+        x, y, z = self._body.position
+        ground = surroundings.ground(x, y)
+        spec = self._body.hull
+        self._vertical = ClimbObserver(
+            spec, height=z - ground, rate=_OBSERVER_RATE, most_trim=_MOST_TRIM
+        )
+        self._echoes = EchoReference()
+        self._pressure_offset = 0.0
+        self._airspeed = AirspeedObserver(spec, least=Anemometer.LEAST)
+        self._height_hold = HeightHold(spec, _CLIMB)
+        self._heading_hold = HeadingHold(spec, _TURN)
+        self._place = RestingPlace(_SLOW)
+        self._alone_since = math.inf
+        self._flight = Flight.LANDED if self._contact.supported else Flight.FLYING
+        self._altitude = math.nan
+        self._pressure_height = 0.0
+        self._readings = self._first_readings()
+
+    def brake_and_hold(self) -> None:
+        """Brake, hold height and heading; after ten minutes or at a low battery, land.
+
+        The ten minutes begin with the first of several calls; `command` with a motion ends them.
+        """
+        self._commanded = NEUTRAL
+        self._alone_since = min(self._alone_since, self.time)
+
+    def land(self) -> None:
+        """Stop the lift propeller, brake, and sink to what is below."""
+        self._commanded = NEUTRAL
+        if self._flight is Flight.FLYING:
+            self._flight = Flight.LANDING
+
+    def hold_height(self, height: float) -> None:
+        """Go to a height above the first ground [m] and hold it."""
+        if math.isfinite(height):
+            self._height_hold.hold(height)
+
+    def hold_heading(self, heading: float) -> None:
+        """Turn to a heading [rad] and hold it."""
+        if math.isfinite(heading):
+            self._heading_hold.hold(heading)
+
+    @property
+    def flight(self) -> Flight:
+        """Whether it flies, lands or stands."""
+        return self._flight
+
+    @property
+    def readings(self) -> BlimpReadings:
+        """The last measurements of its sensors."""
+        return self._readings
+
+    @property
+    def battery(self) -> LithiumBattery:
+        """Two cells of 1 Ah."""
+        return self._battery
+
+    @property
+    def thrusts(self) -> tuple[float, float, float]:
+        """Of the front, the tail and the lift propeller now [N]: ahead, to turn left, up."""
+        return self._propellers.ahead, self._propellers.left, self._propellers.up
+
+    @property
+    def hold(self) -> HoldState:
+        """What it holds, and whether that fails."""
+        if self._flight is not Flight.FLYING:
+            return HoldState()
+        x, y, _ = self._body.position
+        off = self._height_hold.off(self._vertical.height)
+        carried = self._place.carried(x, y)
+        return HoldState(
+            height=self._height_hold.goal,
+            heading=self._heading_hold.goal,
+            braking=self._place.braking and self._commanded == NEUTRAL,
+            off=off,
+            carried=carried,
+            fails=abs(off) > OFF or carried > CARRIED_TOO_FAR,
+        )
+
+    def _moved(self) -> None:
+        self._alone_since = math.inf
+        if self._flight is Flight.LANDING or self._commanded.heave > 0.0:
+            self._flight = Flight.FLYING
+
+    def _step(self) -> None:
+        self._drafts.advance(STEP)
+        self._sense()
+        self._change_flight()
+        ahead, left, up = self._wanted_thrusts()
+        self._propellers.advance(ahead, left, up, STEP)
+        self._battery = self._battery.after(STEP, IDLE_POWER + self._propellers.power)
+        self._move(self._propellers.wrench, self._drafts.flow)
+        x, y, _ = self._body.position
+        vx, vy, _ = self._body.world_velocity
+        self._place.follow(x, y, math.hypot(vx, vy), moving=self._commanded != NEUTRAL)
+
+    def _change_flight(self) -> None:
+        """Take the next state of `Flight`."""
+        alone = self.time - self._alone_since
+        low = self._battery.fraction < LOW_BATTERY and alone >= 0.0
+        if self._flight is Flight.FLYING and (alone >= LONGEST_HOLD or low):
+            self._flight = Flight.LANDING
+        if self._flight is Flight.LANDING and self._contact.supported:
+            self._flight = Flight.LANDED
+        if self._flight is not Flight.FLYING:
+            self._height_hold.release()
+            self._alone_since = math.inf
+        if self._flight is Flight.LANDED:
+            self._vertical.rest_at(self._vertical.height)
+
+    def _wanted_thrusts(self) -> tuple[float, float, float]:
+        """Thrusts ahead, to turn left, and up [N]."""
+        if self._flight is Flight.LANDED or self._battery.fraction == 0.0:
+            return 0.0, 0.0, 0.0
+        spec, wanted = self._body.hull, self._commanded
+        ahead = speed_force(spec, _FORCE_PER_SPEED, self._airspeed.speed, wanted.surge)
+        rate = self._readings.rates[2]
+        turn = self._heading_hold.moment(self._readings.heading, rate, wanted.yaw)
+        up = 0.0
+        if self._flight is Flight.FLYING:
+            up = self._height_hold.lift(self._vertical, wanted.heave)
+        return ahead, turn / TAIL_BEHIND, up
+
+    def _first_readings(self) -> BlimpReadings:
+        """Switch the sensors on."""
+        x, y, z = self._body.position
+        roll, pitch, yaw = roll_pitch_yaw(self._body.attitude)
+        self._headings = HeadingFilter(self._compass.measure(x, y, yaw))
+        self._pressure_height = self._barometer.measure(z, 0.0)
+        self._pressure_offset = self._pressure_height - self._vertical.height
+        self._altitude = self._altimeter.measure(
+            self._surroundings, x, y, z, math.hypot(roll, pitch)
+        )
+        return self._read()
+
+    def _sense(self) -> None:
+        """Measure, and estimate height, heading and speed from it."""
+        propellers = self._propellers
+        self._vertical.predict(propellers.up, STEP)
+        if self._steps % STEPS_PER_ECHO == 0:
+            self._sense_height()
+        self._readings = self._read()
+        self._headings.advance(self._readings.rates[2], self._compass_heading(), STEP)
+        self._airspeed.advance(propellers.ahead, self._readings.airspeed, STEP)
+
+    def _sense_height(self) -> None:
+        """Use an echo, or without one the barometer as the last echoes corrected it."""
+        x, y, z = self._body.position
+        roll, pitch, _ = roll_pitch_yaw(self._body.attitude)
+        seconds = STEPS_PER_ECHO * STEP
+        self._pressure_height = self._barometer.measure(z, seconds)
+        self._altitude = self._altimeter.measure(
+            self._surroundings, x, y, z, math.hypot(roll, pitch)
+        )
+        seen = self._vertical
+        height = self._echoes.height(self._altitude, seen.height)
+        if math.isnan(height):
+            seen.correct(self._pressure_height - self._pressure_offset, seconds, _BAROMETER_TRUST)
+            return
+        seen.correct(height, seconds)
+        error = self._pressure_height - seen.height - self._pressure_offset
+        self._pressure_offset += _BAROMETER_SHARE * error
+
+    def _compass_heading(self) -> float:
+        x, y, _ = self._body.position
+        return self._compass.measure(x, y, roll_pitch_yaw(self._body.attitude)[2])
+
+    def _read(self) -> BlimpReadings:
+        body = self._body
+        roll, pitch, _ = roll_pitch_yaw(body.attitude)
+        measured_roll, measured_pitch = self._tilt.measure(roll, pitch)
+        u, _, _, p, q, r = body.velocity
+        airspeed = u - into_body(body.attitude, self._drafts.flow)[0]
+        return BlimpReadings(
+            altitude=self._altitude,
+            height=self._vertical.height,
+            climb=self._vertical.climb,
+            barometer=self._pressure_height,
+            airspeed=self._anemometer.measure(airspeed),
+            roll=measured_roll,
+            pitch=measured_pitch,
+            heading=self._headings.heading,
+            rates=self._gyro.measure(p, q, r),
+        )
+
+
+FULL_SPEED = math.sqrt(FRONT[0] / hull().quadratic[0])
+"""Speed at full thrust ahead [m/s]."""

@@ -1,0 +1,256 @@
+"""Controllers that hold a height or depth, a heading, a speed and an attitude; pure.
+
+They get estimates and give forces and moments. None of them knows the true motion.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from hub.pose import wrapped
+from hub.sim.afloat.estimators import HEAVE, SURGE, ClimbObserver
+from hub.sim.afloat.floating_body import HullSpec
+
+OFF = 0.3
+"""A hold fails when the robot is farther from its height or depth [m]."""
+REACHED = 0.1
+"""A height or depth counts as reached within this [m]; only then its hold can fail."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClimbGains:
+    """How a body holds its height.
+
+    Attributes:
+        climb_per_metre: Wanted climb for an error [1/s].
+        fastest: Largest climb while it corrects an error [m/s].
+        force_per_climb: Force for an error of the climb [N s/m].
+        stopped: The climb below which it begins to hold after a command [m/s].
+    """
+
+    climb_per_metre: float
+    fastest: float
+    force_per_climb: float
+    stopped: float
+
+
+class HeightHold:
+    """Holds the height at which a climb ended.
+
+    A cascade: the error of the height gives a climb, and the error of the climb a force. The known
+    drag of the wanted climb and the estimated trim are added.
+
+    | state | event | then |
+    | --- | --- | --- |
+    | any | a climb is commanded | it climbs; there is no goal |
+    | no goal | no climb is commanded | it brakes |
+    | no goal | the climb is below `stopped` | the height becomes the goal |
+
+    Attributes:
+        goal: Height that it holds [m]; None while it climbs or brakes.
+    """
+
+    def __init__(self, hull: HullSpec, gains: ClimbGains) -> None:
+        self._hull = hull
+        self._gains = gains
+        self._reached = False
+        self.goal: float | None = None
+
+    def hold(self, height: float) -> None:
+        """Go to a height [m] and hold it."""
+        self.goal = height
+        self._reached = False
+
+    def release(self) -> None:
+        """Hold no height until the next climb ended."""
+        self.goal = None
+        self._reached = False
+
+    def lift(self, seen: ClimbObserver, commanded: float) -> float:
+        """Upward force [N] for a commanded climb [m/s]."""
+        gains = self._gains
+        if commanded:
+            self.release()
+            wanted = commanded
+        else:
+            if self.goal is None and abs(seen.climb) < gains.stopped:
+                self.goal = seen.height
+            wanted = 0.0
+            if self.goal is not None:
+                off = self.goal - seen.height
+                self._reached = self._reached or abs(off) < REACHED
+                wanted = max(-gains.fastest, min(gains.fastest, gains.climb_per_metre * off))
+        known = self._hull.drag(HEAVE, wanted) - seen.trim
+        return gains.force_per_climb * (wanted - seen.climb) + known
+
+    def off(self, height: float) -> float:
+        """Height above the goal [m]; 0 before it was reached."""
+        return height - self.goal if self.goal is not None and self._reached else 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TurnGains:
+    """How a body holds its heading.
+
+    Attributes:
+        moment_per_angle: For an error of the heading [N m/rad].
+        moment_per_rate: For an error of the turn rate [N m s/rad].
+        stopped: The turn rate below which it begins to hold after a command [rad/s].
+    """
+
+    moment_per_angle: float
+    moment_per_rate: float
+    stopped: float
+
+
+class HeadingHold:
+    """Holds the heading at which a turn ended; the states are those of `HeightHold`.
+
+    Attributes:
+        goal: Heading that it holds [rad]; None while it turns or brakes.
+    """
+
+    def __init__(self, hull: HullSpec, gains: TurnGains) -> None:
+        self._hull = hull
+        self._gains = gains
+        self.goal: float | None = None
+
+    def hold(self, heading: float) -> None:
+        """Turn to a heading [rad] and hold it."""
+        self.goal = wrapped(heading)
+
+    def moment(self, heading: float, rate: float, commanded: float) -> float:
+        """Moment about z [N m].
+
+        Args:
+            heading: As estimated [rad].
+            rate: As measured [rad/s].
+            commanded: Turn rate that is wanted [rad/s]; 0 holds.
+        """
+        gains = self._gains
+        if commanded:
+            self.goal = None
+            known = self._hull.drag(5, commanded)
+            return gains.moment_per_rate * (commanded - rate) + known
+        if self.goal is None and abs(rate) < gains.stopped:
+            self.goal = heading
+        moment = -gains.moment_per_rate * rate
+        if self.goal is not None:
+            moment += gains.moment_per_angle * wrapped(self.goal - heading)
+        return moment
+
+
+def speed_force(hull: HullSpec, gain: float, speed: float, wanted: float) -> float:
+    """Forward force [N] to a wanted speed through the fluid; for 0 it brakes by reverse thrust.
+
+    Args:
+        hull: The body, for its drag.
+        gain: Force for an error of the speed [N s/m].
+        speed: As estimated [m/s].
+        wanted: As commanded [m/s].
+    """
+    return gain * (wanted - speed) + hull.drag(SURGE, wanted)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TiltGains:
+    """How a body holds its roll and pitch.
+
+    Attributes:
+        moment_per_angle: [N m/rad]
+        moment_per_rate: [N m s/rad]
+        most: Largest roll and pitch that can be commanded [rad].
+    """
+
+    moment_per_angle: float
+    moment_per_rate: float
+    most: float
+
+
+class TiltHold:
+    """Holds a roll and a pitch, which commanded rates move.
+
+    Attributes:
+        roll: That it holds [rad].
+        pitch: That it holds [rad].
+    """
+
+    def __init__(self, gains: TiltGains) -> None:
+        self._gains = gains
+        self.roll = 0.0
+        self.pitch = 0.0
+
+    def turn(self, roll_rate: float, pitch_rate: float, seconds: float) -> None:
+        """Move the held angles at commanded rates [rad/s], within the limit."""
+        most = self._gains.most
+        self.roll = max(-most, min(most, self.roll + roll_rate * seconds))
+        self.pitch = max(-most, min(most, self.pitch + pitch_rate * seconds))
+
+    def level(self) -> None:
+        """Hold the body level."""
+        self.roll = self.pitch = 0.0
+
+    def moments(
+        self, roll: float, pitch: float, roll_rate: float, pitch_rate: float
+    ) -> tuple[float, float]:
+        """Moments about x and y [N m] for measured angles [rad] and rates [rad/s]."""
+        gains = self._gains
+        return (
+            gains.moment_per_angle * (self.roll - roll) - gains.moment_per_rate * roll_rate,
+            gains.moment_per_angle * (self.pitch - pitch) - gains.moment_per_rate * pitch_rate,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HoldState:
+    """What a floating robot holds.
+
+    Attributes:
+        height: Height above the ground that it holds [m]; None: none.
+        depth: Depth below the surface that it holds [m]; None: none.
+        heading: Heading that it holds, as its compass shows it [rad]; None: none.
+        braking: Whether it still brakes.
+        off: Height above the one that it holds [m]; negative below.
+        carried: How far it drifted since it came to rest [m], from its true place; a real robot
+            needs a camera that looks down for it.
+        fails: Whether it is off by more than 0.3 m, or a blimp was carried more than 1 m.
+    """
+
+    height: float | None = None
+    depth: float | None = None
+    heading: float | None = None
+    braking: bool = False
+    off: float = 0.0
+    carried: float = 0.0
+    fails: bool = False
+
+
+class RestingPlace:
+    """Measures how far a robot drifts after it came to rest.
+
+    Attributes:
+        braking: Whether it has not come to rest yet.
+    """
+
+    def __init__(self, slow: float) -> None:
+        """Start in motion.
+
+        Args:
+            slow: It is at rest below this speed [m/s].
+        """
+        self._slow = slow
+        self._place = (0.0, 0.0)
+        self.braking = True
+
+    def follow(self, x: float, y: float, speed: float, *, moving: bool) -> None:
+        """Take place [m], speed [m/s] and whether a motion is commanded."""
+        if moving:
+            self.braking = True
+        elif self.braking and speed < self._slow:
+            self.braking = False
+            self._place = (x, y)
+
+    def carried(self, x: float, y: float) -> float:
+        """Distance from where it came to rest [m]; 0 before."""
+        return 0.0 if self.braking else math.hypot(x - self._place[0], y - self._place[1])

@@ -1,0 +1,66 @@
+"""Poses and velocities in space, and the velocities that a body can be commanded to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpatialPose:
+    """A place and an attitude in the world (x east, y north, z up).
+
+    Attributes:
+        x: Position [m].
+        y: Position [m].
+        z: Position [m].
+        roll: About x of the body [rad].
+        pitch: About y of the body [rad]; positive: nose down.
+        yaw: About z, counter-clockwise from east [rad].
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """Velocities along and about the axes of a body, or their limits.
+
+    Attributes:
+        surge: Ahead [m/s].
+        sway: To the left [m/s].
+        heave: Up [m/s].
+        roll: About x [rad/s].
+        pitch: About y [rad/s].
+        yaw: About z, counter-clockwise [rad/s].
+    """
+
+    surge: float = 0.0
+    sway: float = 0.0
+    heave: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+    def within(self, limits: Motion) -> Motion:
+        """The same within plus and minus the limits; NaN counts as 0."""
+        return Motion(
+            surge=_limited(self.surge, limits.surge),
+            sway=_limited(self.sway, limits.sway),
+            heave=_limited(self.heave, limits.heave),
+            roll=_limited(self.roll, limits.roll),
+            pitch=_limited(self.pitch, limits.pitch),
+            yaw=_limited(self.yaw, limits.yaw),
+        )
+
+
+NEUTRAL = Motion()
+
+
+def _limited(value: float, limit: float) -> float:
+    return 0.0 if math.isnan(value) else max(-limit, min(limit, value))

@@ -1,0 +1,320 @@
+"""A simulated underwater robot: the BlueROV2 Heavy with eight thrusters and a tether.
+
+Numbers: von Benzon, Sorensen, Uth, Jouffroy, Liniger, Pedersen 2022, "An Open-Source Benchmark
+Simulator: Control of a BlueROV2 Underwater Robot", J. Mar. Sci. Eng. 10(12). They are for sea
+water: in fresh water it sinks. That the team has an underwater robot is of the report of 2005;
+sensors, holds and surfacing are our own design, after the modes of ArduSub.
+
+It holds its depth, its heading and its attitude. It cannot hold its place: a current carries it.
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hub.sim.afloat.attitude import Vector, into_body, roll_pitch_yaw
+from hub.sim.afloat.body_contact import ContactShape
+from hub.sim.afloat.estimators import ClimbObserver, HeadingFilter
+from hub.sim.afloat.floating_body import HullSpec, Six
+from hub.sim.afloat.fluid import SEA_WATER_DENSITY, Water
+from hub.sim.afloat.holds import (
+    OFF,
+    ClimbGains,
+    HeadingHold,
+    HeightHold,
+    HoldState,
+    RestingPlace,
+    TiltGains,
+    TiltHold,
+    TurnGains,
+)
+from hub.sim.afloat.lithium_battery import LithiumBattery
+from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
+from hub.sim.afloat.sensors import Compass, EchoSounder, Gyro, PressureSensor, TiltSensor
+from hub.sim.afloat.surroundings import Surroundings
+from hub.sim.afloat.tether import Tether, TetherSpec
+from hub.sim.afloat.thrusters import EightThrusters
+from hub.sim.afloat.vehicle import STEP, FloatingVehicle
+
+SHAPE = ContactShape(radius=0.30, above=0.127, below=0.127)
+"""A frame of 0.46 m by 0.58 m, 0.254 m high."""
+LIMITS = Motion(surge=0.7, sway=0.55, heave=0.5, roll=0.5, pitch=0.5, yaw=1.2)
+"""Within full thrust, with a reserve that keeps it upright: 0.734 m/s ahead, 0.726 m/s up."""
+SURFACED = 0.15
+"""Depth of the robot's middle when it floats at the surface [m]."""
+WORST_COMPASS = math.radians(5.0)
+IDLE_POWER = 18.0
+"""Of computer, camera and electronics [W]; our assumption."""
+STEPS_PER_PING = 5
+"""The echo sounder measures at 10 Hz, the pressure sensor in each step."""
+
+_CLIMB = ClimbGains(climb_per_metre=0.9, fastest=0.45, force_per_climb=110.0, stopped=0.05)
+_TURN = TurnGains(moment_per_angle=12.0, moment_per_rate=5.0, stopped=0.1)
+_TILT = TiltGains(moment_per_angle=12.0, moment_per_rate=3.0, most=math.radians(30.0))
+_OBSERVER_RATE = 4.0
+_MOST_TRIM = 30.0
+"""[N]"""
+_SLOW = 0.1
+"""The robot is at rest below this speed [m/s]."""
+
+
+def hull(density: float = SEA_WATER_DENSITY) -> HullSpec:
+    """The numbers of von Benzon et al. 2022 in water of a density [kg/m^3]."""
+    return HullSpec(
+        mass=13.5,
+        volume=0.0134,
+        density=density,
+        sag=0.01,
+        inertia=(0.26 + 0.189, 0.23 + 0.135, 0.37 + 0.222),
+        added=(6.36, 7.12, 18.68),
+        linear=(13.7, 0.0, 33.0, 0.0, 0.8, 0.0),
+        quadratic=(141.0, 217.0, 190.0, 1.19, 0.47, 1.5),
+    )
+
+
+class Dive(enum.Enum):
+    """What the robot does.
+
+    | state | event | next |
+    | --- | --- | --- |
+    | DIVING | `surface()` or a leak | SURFACING |
+    | SURFACING | a command that is not neutral, without a leak | DIVING |
+
+    Attributes:
+        DIVING: It follows commands, and holds depth and heading while they are neutral.
+        SURFACING: Thrusters bring it up and keep it there; commands still steer it, but for heave.
+    """
+
+    DIVING = "diving"
+    SURFACING = "surfacing"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RovReadings:
+    """The last measurements, with their errors.
+
+    Attributes:
+        depth: By pressure [m].
+        climb: Upward velocity, estimated [m/s].
+        altitude: From the middle to the ground below [m]; NaN without an echo.
+        roll: [rad]
+        pitch: [rad]
+        heading: Of gyro and compass [rad].
+        rates: About x, y and z [rad/s].
+        leak: Whether there is water inside.
+        tether_used: Share of the tether that is out, 0 to 1.
+        tether_turns: Turns that twist it, counter-clockwise positive, by the measured heading.
+    """
+
+    depth: float
+    climb: float
+    altitude: float
+    roll: float
+    pitch: float
+    heading: float
+    rates: tuple[float, float, float]
+    leak: bool
+    tether_used: float
+    tether_turns: float
+
+
+class SimulatedRov(FloatingVehicle):
+    """The whole underwater robot: hull, thrusters, tether, sensors, holds, battery, current."""
+
+    limits = LIMITS
+
+    def __init__(
+        self,
+        surroundings: Surroundings,
+        *,
+        start: SpatialPose,
+        water: Water,
+        tether: TetherSpec | None = None,
+        density: float = SEA_WATER_DENSITY,
+        leaks_at: float = math.inf,
+        seed: int = 0,
+    ) -> None:
+        """Hold the depth and heading of the start.
+
+        Args:
+            surroundings: Solids and ground of its pool.
+            start: Its first pose; z counts from the pool's floor.
+            water: Surface and current.
+            tether: Its cable; 25 m from the surface above the start, if None.
+            density: Of the water [kg/m^3].
+            leaks_at: Simulated time from which it has a leak [s].
+            seed: Of all noise.
+        """
+        super().__init__(hull(density), SHAPE, surroundings, start)
+        seeds = iter(np.random.SeedSequence(seed).spawn(5))
+        self._pressure = PressureSensor(next(seeds))
+        self._compass = Compass(next(seeds), worst=WORST_COMPASS)
+        self._gyro = Gyro(next(seeds))
+        self._tilt = TiltSensor(next(seeds))
+        self._sounder = EchoSounder(next(seeds))
+        self._water = water
+        self._flow: Vector = (*water.current, 0.0)
+        self._thrusters = EightThrusters()
+        self._battery = LithiumBattery(cells=4, energy=266.0 * 3600.0, resistance=0.02)
+        x, y, z = self._body.position
+        cable = tether or TetherSpec(length=25.0, anchor=(x, y, water.surface))
+        self._tether = Tether(cable, self._body.position, start.yaw)
+        self._leaks_at = leaks_at
+        spec = self._body.hull
+        self._vertical = ClimbObserver(
+            spec, height=z - water.surface, rate=_OBSERVER_RATE, most_trim=_MOST_TRIM
+        )
+        self._depth_hold = HeightHold(spec, _CLIMB)
+        self._heading_hold = HeadingHold(spec, _TURN)
+        self._tilt_hold = TiltHold(_TILT)
+        self._place = RestingPlace(_SLOW)
+        self._dive = Dive.DIVING
+        self._headings = HeadingFilter(self._compass.measure(x, y, start.yaw))
+        self._altitude = self._sounder.measure(surroundings, x, y, z)
+        self._readings = self._read()
+
+    def brake_and_hold(self) -> None:
+        """Stop all thrust for motion, level the body, hold depth and heading."""
+        self._commanded = NEUTRAL
+        self._tilt_hold.level()
+
+    def surface(self) -> None:
+        """Come up by thrusters and stay at the surface."""
+        self.brake_and_hold()
+        self._dive = Dive.SURFACING
+
+    def hold_depth(self, depth: float) -> None:
+        """Go to a depth [m] and hold it."""
+        if math.isfinite(depth):
+            self._depth_hold.hold(-depth)
+
+    def hold_heading(self, heading: float) -> None:
+        """Turn to a heading [rad] and hold it."""
+        if math.isfinite(heading):
+            self._heading_hold.hold(heading)
+
+    @property
+    def dive(self) -> Dive:
+        """Whether it dives or comes up."""
+        return self._dive
+
+    @property
+    def readings(self) -> RovReadings:
+        """The last measurements of its sensors."""
+        return self._readings
+
+    @property
+    def battery(self) -> LithiumBattery:
+        """Four cells of 18 Ah."""
+        return self._battery
+
+    @property
+    def thrust(self) -> Six:
+        """Forces and moments of all thrusters now [N, N m]."""
+        return self._thrusters.wrench
+
+    @property
+    def hold(self) -> HoldState:
+        """What it holds, and whether that fails."""
+        x, y, _ = self._body.position
+        goal = self._depth_hold.goal
+        off = self._depth_hold.off(self._vertical.height)
+        return HoldState(
+            depth=None if goal is None else -goal,
+            heading=self._heading_hold.goal,
+            braking=self._place.braking and self._commanded == NEUTRAL,
+            off=off,
+            carried=self._place.carried(x, y),
+            fails=abs(off) > OFF,
+        )
+
+    @property
+    def leaking(self) -> bool:
+        """Whether water comes in."""
+        return self.time >= self._leaks_at
+
+    def _moved(self) -> None:
+        if not self.leaking:
+            self._dive = Dive.DIVING
+
+    def _step(self) -> None:
+        body = self._body
+        self._sense()
+        if self._readings.leak and self._dive is Dive.DIVING:
+            self.surface()
+        powered = self._battery.fraction > 0.0
+        self._thrusters.advance(self._wanted() if powered else (0.0,) * 6, STEP)
+        self._battery = self._battery.after(STEP, IDLE_POWER + self._thrusters.power)
+        submerged = self._water.submerged(body.position[2])
+        pull = self._tether.pull(body.position, body.world_velocity, self._flow)
+        px, py, pz = into_body(body.attitude, pull)
+        # Thrusters above the water push nothing.
+        x, y, z, roll, pitch, yaw = (submerged * each for each in self._thrusters.wrench)
+        self._move((x + px, y + py, z + pz, roll, pitch, yaw), self._flow, submerged)
+        x, y, _ = body.position
+        vx, vy, vz = body.world_velocity
+        speed = math.hypot(vx - self._flow[0], vy - self._flow[1], vz)
+        self._place.follow(x, y, speed, moving=self._commanded != NEUTRAL)
+
+    def _wanted(self) -> Six:
+        """Forces and moments that commands and holds want [N, N m]."""
+        seen, wanted, spec = self._readings, self._commanded, self._body.hull
+        if self._dive is Dive.SURFACING:
+            if self._depth_hold.goal != -SURFACED:
+                self._depth_hold.hold(-SURFACED)
+            lift = self._depth_hold.lift(self._vertical, 0.0)
+        else:
+            lift = self._depth_hold.lift(self._vertical, wanted.heave)
+        self._tilt_hold.turn(wanted.roll, wanted.pitch, STEP)
+        p, q, r = seen.rates
+        roll, pitch = self._tilt_hold.moments(seen.roll, seen.pitch, p, q)
+        x, y, z = (lift * each for each in self._up())
+        yaw = self._heading_hold.moment(seen.heading, r, wanted.yaw)
+        return (x + spec.drag(0, wanted.surge), y + spec.drag(1, wanted.sway), z, roll, pitch, yaw)
+
+    def _up(self) -> Vector:
+        """The upward unit vector in the body's frame, as its tilt is measured."""
+        roll, pitch = self._readings.roll, self._readings.pitch
+        level = math.cos(pitch)
+        return -math.sin(pitch), math.sin(roll) * level, math.cos(roll) * level
+
+    def _lift(self) -> float:
+        """Upward force of the thrusters [N]."""
+        x, y, z, _, _, _ = self._thrusters.wrench
+        up_x, up_y, up_z = self._up()
+        return x * up_x + y * up_y + z * up_z
+
+    def _sense(self) -> None:
+        """Measure, and estimate climb and heading from it."""
+        body = self._body
+        x, y, z = body.position
+        self._vertical.predict(self._lift(), STEP)
+        if self._steps % STEPS_PER_PING == 0:
+            self._altitude = self._sounder.measure(self._surroundings, x, y, z)
+        self._readings = self._read()
+        self._vertical.correct(-self._readings.depth, STEP)
+        compass = self._compass.measure(x, y, roll_pitch_yaw(body.attitude)[2])
+        self._headings.advance(self._readings.rates[2], compass, STEP)
+        self._tether.follow(self._headings.heading)
+
+    def _read(self) -> RovReadings:
+        body = self._body
+        roll, pitch, _ = roll_pitch_yaw(body.attitude)
+        measured_roll, measured_pitch = self._tilt.measure(roll, pitch)
+        _, _, _, p, q, r = body.velocity
+        return RovReadings(
+            depth=self._pressure.measure(self._water.surface - body.position[2]),
+            climb=self._vertical.climb,
+            altitude=self._altitude,
+            roll=measured_roll,
+            pitch=measured_pitch,
+            heading=self._headings.heading,
+            rates=self._gyro.measure(p, q, r),
+            leak=self.leaking,
+            tether_used=self._tether.used,
+            tether_turns=self._tether.turns,
+        )

@@ -1,0 +1,114 @@
+"""The solids and the ground around a floating body: how near they are, what is below."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.sim.geometry import Box, Cylinder
+
+Floats = npt.NDArray[np.float64]
+GroundHeight = Callable[[float, float], float]
+"""Height of the ground at x, y [m]."""
+
+_SOFT = frozenset({"fabric"})
+"""Textures that swallow ultrasound."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Below:
+    """What a sensor that looks down sees.
+
+    Attributes:
+        distance: To it [m]; negative if the sensor is inside of it.
+        soft: Whether it swallows ultrasound.
+    """
+
+    distance: float
+    soft: bool
+
+
+def level_ground(x: float, y: float) -> float:  # noqa: ARG001 - a level floor
+    """The ground of a hall without ramps."""
+    return 0.0
+
+
+class Surroundings:
+    """The solids of an arena, boxes first, and its ground.
+
+    Attributes:
+        bottom: Height of the bottom of each solid [m], shape (n,).
+        top: Height of the top of each solid [m], shape (n,).
+        ceiling: Height of the ceiling [m].
+        ground: Height of the ground at x, y [m].
+    """
+
+    def __init__(
+        self,
+        boxes: tuple[Box, ...] = (),
+        cylinders: tuple[Cylinder, ...] = (),
+        *,
+        ceiling: float = math.inf,
+        ground: GroundHeight = level_ground,
+    ) -> None:
+        self._low: Floats = np.array([box.low[:2] for box in boxes]).reshape(-1, 2)
+        self._high: Floats = np.array([box.high[:2] for box in boxes]).reshape(-1, 2)
+        self._axis: Floats = np.array([(each.x, each.y) for each in cylinders]).reshape(-1, 2)
+        self._radius: Floats = np.array([each.radius for each in cylinders], dtype=np.float64)
+        bottoms = [box.low[2] for box in boxes] + [each.low for each in cylinders]
+        tops = [box.high[2] for box in boxes] + [each.high for each in cylinders]
+        textures = [box.surface.texture for box in boxes]
+        textures += [each.surface.texture for each in cylinders]
+        self.bottom: Floats = np.array(bottoms, dtype=np.float64)
+        self.top: Floats = np.array(tops, dtype=np.float64)
+        self._soft = np.array([each in _SOFT for each in textures], dtype=np.bool_)
+        self.ceiling = ceiling
+        self.ground = ground
+
+    def distances(self, x: float, y: float) -> Floats:
+        """From a point to each solid as seen from above [m]; negative inside, shape (n,)."""
+        point = np.array((x, y))
+        beyond = np.maximum(self._low - point, point - self._high)
+        outside = np.maximum(beyond, 0.0)
+        inside = np.minimum(beyond.max(axis=1, initial=-math.inf), 0.0)
+        away = self._axis - point
+        return np.concatenate(
+            (
+                np.hypot(outside[:, 0], outside[:, 1]) + inside,
+                np.hypot(away[:, 0], away[:, 1]) - self._radius,
+            )
+        )
+
+    def direction_from(self, number: int, x: float, y: float) -> tuple[float, float]:
+        """Unit vector from a solid's nearest point to a point outside of it; zero if inside."""
+        boxes = len(self._low)
+        if number < boxes:
+            near_x, near_y = np.clip((x, y), self._low[number], self._high[number]).tolist()
+        else:
+            near_x, near_y = self._axis[number - boxes].tolist()
+        length = math.hypot(x - near_x, y - near_y)
+        return ((x - near_x) / length, (y - near_y) / length) if length > 0.0 else (0.0, 0.0)
+
+    def below(self, x: float, y: float, z: float, half_beam: float) -> Below:
+        """The highest thing that a beam straight down meets.
+
+        Args:
+            x: Of the sensor [m].
+            y: Of the sensor [m].
+            z: Of the sensor [m].
+            half_beam: Half of the beam's opening [rad].
+        """
+        floor = z - self.ground(x, y)
+        if not len(self.top):
+            return Below(distance=floor, soft=False)
+        depth = z - self.top
+        met = (self.distances(x, y) <= depth * math.tan(half_beam)) & (depth > 0.0)
+        depth = np.where(met, depth, math.inf)
+        nearest = int(depth.argmin())
+        if depth[nearest] >= floor:
+            return Below(distance=floor, soft=False)
+        return Below(distance=float(depth[nearest]), soft=bool(self._soft[nearest]))

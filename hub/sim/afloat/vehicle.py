@@ -1,0 +1,136 @@
+"""What blimp and underwater robot share: commands, time in steps, true motion, contacts."""
+
+from __future__ import annotations
+
+import abc
+import math
+
+from hub.sim.afloat.attitude import Vector, from_roll_pitch_yaw, roll_pitch_yaw
+from hub.sim.afloat.body_contact import BodyContact, ContactShape
+from hub.sim.afloat.floating_body import FloatingBody, HullSpec, Six
+from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
+from hub.sim.afloat.surroundings import Surroundings
+
+STEP = 0.02
+"""Length of a step of the simulation [s]."""
+LONGEST_ADVANCE = 5.0
+"""Longest advance of one call [s]; more is dropped, for example after a suspended process."""
+FRICTION_TIME = 0.3
+"""Time in which friction stops a body that lies on something [s]; our choice."""
+_ROUNDING = 1e-9
+_FRICTION_SHARE = 1.0 - math.exp(-STEP / FRICTION_TIME)
+
+
+class FloatingVehicle(abc.ABC):
+    """A simulated robot in a fluid.
+
+    The same seed and the same calls give the same values to the last bit. Reading a state changes
+    nothing.
+    """
+
+    limits: Motion
+    """Largest velocities that can be commanded; 0 where the body has no such motion."""
+
+    def __init__(
+        self, hull: HullSpec, shape: ContactShape, surroundings: Surroundings, start: SpatialPose
+    ) -> None:
+        self._body = FloatingBody(
+            hull,
+            (start.x, start.y, start.z),
+            from_roll_pitch_yaw(start.roll, start.pitch, start.yaw),
+        )
+        self._surroundings = surroundings
+        self._contact = BodyContact(surroundings, shape)
+        place = self._body.position
+        self._body.position = self._contact.move(place, place)
+        self._commanded = NEUTRAL
+        self._steps = 0
+        self._time_left = 0.0
+
+    def command(
+        self,
+        surge: float = 0.0,
+        sway: float = 0.0,
+        heave: float = 0.0,
+        roll: float = 0.0,
+        pitch: float = 0.0,
+        yaw: float = 0.0,
+    ) -> None:
+        """Set the velocities along and about the body's axes [m/s, rad/s]; NaN counts as 0.
+
+        The body uses those that it can. Where all are 0 it brakes, then holds.
+        """
+        wanted = Motion(surge=surge, sway=sway, heave=heave, roll=roll, pitch=pitch, yaw=yaw)
+        self._commanded = wanted.within(self.limits)
+        if self._commanded != NEUTRAL:
+            self._moved()
+
+    def advance(self, seconds: float) -> None:
+        """Advance the simulated time in whole steps; the rest counts in the next call."""
+        if not seconds > 0.0:
+            return
+        self._time_left += min(seconds, LONGEST_ADVANCE)
+        while self._time_left >= STEP - _ROUNDING:
+            self._time_left -= STEP
+            self._step()
+            self._steps += 1
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self._steps * STEP
+
+    @property
+    def commanded(self) -> Motion:
+        """The velocities that are commanded now, within the limits."""
+        return self._commanded
+
+    @property
+    def pose(self) -> SpatialPose:
+        """The true pose in the arena's frame."""
+        x, y, z = self._body.position
+        roll, pitch, yaw = roll_pitch_yaw(self._body.attitude)
+        return SpatialPose(x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=yaw)
+
+    @property
+    def velocity(self) -> Motion:
+        """The true velocity over ground, along and about the body's axes."""
+        u, v, w, p, q, r = self._body.velocity
+        return Motion(surge=u, sway=v, heave=w, roll=p, pitch=q, yaw=r)
+
+    @property
+    def contacts(self) -> int:
+        """Number of new contacts with a solid since the start."""
+        return self._contact.contacts
+
+    @property
+    def touching(self) -> bool:
+        """Whether it touches a solid, the ground or the ceiling."""
+        return bool(self._contact.touched or self._contact.normals)
+
+    @abc.abstractmethod
+    def _step(self) -> None:
+        """Sense, control and move for one step."""
+
+    @abc.abstractmethod
+    def _moved(self) -> None:
+        """Take note of a command that is not neutral."""
+
+    def _move(self, thrust: Six, flow: Vector, submerged: float = 1.0) -> None:
+        """Move the body for one step, and let it slide along what it meets."""
+        body, contact = self._body, self._contact
+        before = body.position
+        body.step(thrust, STEP, flow, submerged)
+        body.position = contact.move(before, body.position)
+        for normal in contact.normals:
+            body.strike(normal)
+        if contact.supported:
+            self._rub()
+
+    def _rub(self) -> None:
+        """Slow a body that lies on something."""
+        x, y, _ = self._body.world_velocity
+        speed = math.hypot(x, y)
+        if speed > 0.0:
+            self._body.strike((-x / speed, -y / speed, 0.0), _FRICTION_SHARE)
+        self._body.slow_yaw(_FRICTION_SHARE)
