@@ -158,6 +158,7 @@ class SimulatedBlimp(FloatingVehicle):
         start: SpatialPose,
         air: Air | None = None,
         heavy: float = HEAVY,
+        charge: float = 1.0,
         seed: int = 0,
     ) -> None:
         """Hold the height and heading of the start, or stand there.
@@ -167,6 +168,7 @@ class SimulatedBlimp(FloatingVehicle):
             start: Its first pose.
             air: Drafts and wind.
             heavy: Mass over that of the displaced air [kg]; the propeller lifts 4.6 g at most.
+            charge: Of the battery, 0 to 1.
             seed: Of all noise.
         """
         super().__init__(hull(heavy), SHAPE, surroundings, start)
@@ -179,7 +181,9 @@ class SimulatedBlimp(FloatingVehicle):
         self._tilt = TiltSensor(next(seeds))
         self._anemometer = Anemometer(next(seeds))
         self._propellers = Propellers()
-        self._battery = LithiumBattery(cells=2, energy=7.4 * 3600.0, resistance=0.1)
+        self._battery = LithiumBattery(
+            cells=2, energy=7.4 * 3600.0, resistance=0.1, fraction=charge
+        )
         x, y, z = self._body.position
         ground = surroundings.ground(x, y)
         spec = self._body.hull

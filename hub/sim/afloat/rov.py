@@ -136,6 +136,7 @@ class SimulatedRov(FloatingVehicle):
         tether: TetherSpec | None = None,
         density: float = SEA_WATER_DENSITY,
         leaks_at: float = math.inf,
+        charge: float = 1.0,
         seed: int = 0,
     ) -> None:
         """Hold the depth and heading of the start.
@@ -147,6 +148,7 @@ class SimulatedRov(FloatingVehicle):
             tether: Its cable; 25 m from the surface above the start, if None.
             density: Of the water [kg/m^3].
             leaks_at: Simulated time from which it has a leak [s].
+            charge: Of the battery, 0 to 1.
             seed: Of all noise.
         """
         super().__init__(hull(density), SHAPE, surroundings, start)
@@ -159,7 +161,9 @@ class SimulatedRov(FloatingVehicle):
         self._water = water
         self._flow: Vector = (*water.current, 0.0)
         self._thrusters = EightThrusters()
-        self._battery = LithiumBattery(cells=4, energy=266.0 * 3600.0, resistance=0.02)
+        self._battery = LithiumBattery(
+            cells=4, energy=266.0 * 3600.0, resistance=0.02, fraction=charge
+        )
         x, y, z = self._body.position
         cable = tether or TetherSpec(length=25.0, anchor=(x, y, water.surface))
         self._tether = Tether(cable, self._body.position, start.yaw)

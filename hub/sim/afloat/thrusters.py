@@ -45,13 +45,13 @@ _DIRECTIONS = np.array(
 _MOMENTS = np.cross(_PLACES, _DIRECTIONS).astype(np.float64)
 MIX: Floats = np.concatenate((_DIRECTIONS, _MOMENTS), axis=1).T
 """Forces and moments of unit thrusts, shape (6, 8)."""
-_SHARES: Floats = np.linalg.pinv(MIX)
+_SHARES = np.linalg.pinv(MIX).astype(np.float64)
 _LEVEL_FOUR = slice(0, 4)
 _UPRIGHT_FOUR = slice(4, 8)
 
 
 def t200_thrust(throttle: Floats) -> Floats:
-    """Thrust [N] at a share of full throttle, -1 to 1; it falls a little beyond 0.976."""
+    """Thrust [N] at a share of full throttle, -1 to 1; it falls a little beyond 0.972."""
     v = throttle
     return np.asarray(-140.3 * v**9 + 389.9 * v**7 - 404.1 * v**5 + 176.0 * v**3 + 8.9 * v)
 
