@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import statistics
 import time
 from dataclasses import replace
 
@@ -10,6 +11,12 @@ import numpy as np
 
 from benchmarks.figures import median_ms, report
 from hub.robots.magellan import SimulatedCamera
+from hub.sim.afloat.blimp import SimulatedBlimp
+from hub.sim.afloat.fluid import Water
+from hub.sim.afloat.motion import SpatialPose
+from hub.sim.afloat.rov import SimulatedRov
+from hub.sim.afloat.surroundings import Surroundings
+from hub.sim.afloat.vehicle import STEP
 from hub.sim.arena import load_arena
 from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.ray_caster import RayCaster
@@ -19,6 +26,27 @@ from tests.hub.sim.camera.rough_ground import on, rough_ground
 from tests.support.magellan import magellan_sensors
 
 POSES = 200
+
+
+def float_step_us() -> float:
+    """Median thread time of a step with sensors, holds and thrusters."""
+    arena = load_arena("yellow")
+    solids = Surroundings(arena.boxes, arena.cylinders, ceiling=arena.ceiling)
+    start = SpatialPose(x=arena.start.x, y=arena.start.y, z=1.5)
+    robots = (
+        SimulatedBlimp(solids, start=start),
+        SimulatedRov(solids, start=start, water=Water(surface=3.0)),
+    )
+    slowest = 0.0
+    for robot in robots:
+        robot.command(surge=0.1, yaw=0.2)
+        times = []
+        for _ in range(20):
+            begin = time.thread_time()
+            robot.advance(100 * STEP)
+            times.append((time.thread_time() - begin) * 1e4)
+        slowest = max(slowest, statistics.median(times))
+    return slowest
 
 
 def main() -> None:
@@ -39,6 +67,7 @@ def main() -> None:
     tilted_picture()
     terrain_picture()
     water_picture()
+    report("sim.float_step_us", float_step_us(), "us", bar=60.0, note="the slower of blimp and ROV")
 
     sensors = magellan_sensors(arena.footprints, 1)
     value = median_ms(lambda number: sensors.measure("sonar", poses[number % POSES]), 5 * POSES)

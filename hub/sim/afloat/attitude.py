@@ -1,8 +1,8 @@
 """Attitudes in space as unit quaternions, and the vectors that they turn; pure scalars.
 
-A quaternion (w, x, y, z) turns vectors of the body (x forward, y left, z up) into vectors of the
-world (x east, y north, z up). Roll, pitch and yaw are about x, y and z as in ROS REP 103: a
-positive pitch lowers the nose.
+A quaternion (w, x, y, z) turns vectors of the body into vectors of the world. The body's axes are x
+forward, y left, z up; the world's are x east, y north, z up. Roll, pitch and yaw are about x, y and
+z as in ROS REP 103: a positive pitch lowers the nose.
 """
 
 from __future__ import annotations

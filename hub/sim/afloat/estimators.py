@@ -1,4 +1,4 @@
-"""What a floating robot knows of its motion from its sensors and its own thrust; pure."""
+"""Estimates of a floating robot's motion from its sensors and its own thrust; pure."""
 
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
 Kirchhoff's form of the equations of Fossen 2011 (Handbook of Marine Craft Hydrodynamics, ch. 6).
 The body's frame is x forward, y left, z up, with its origin at the centre of buoyancy. The centre
-of mass lies `sag` below it. With velocity v, turn rate w, velocity v_r relative to the fluid, added
-mass A, moments of inertia J and the place of the centre of mass g, the momenta are
+of mass lies `sag` below it, at g. The velocity is v, and v_r relative to the fluid; the turn rate
+is w. A is the added mass, J the moments of inertia. The momenta are
 
     p = m (v + w x g) + A v_r                 l = J w + g x m v
 
@@ -13,7 +13,7 @@ and they change by
 
 Forces are thrust, buoyancy less weight, and drag relative to the fluid. The moment of the weight
 rights the body. A and J are diagonal: the equations fall into two blocks of two, (surge, pitch) and
-(sway, roll), and two single ones. Scalars without a matrix are ten times faster here.
+(sway, roll), and two single ones. Scalars do for them.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class HullSpec:
     """The numbers of a body in a fluid.
 
     Attributes:
-        mass: Mass without fluid that moves along [kg].
+        mass: Mass of the body alone [kg].
         volume: Displaced volume [m^3].
         density: Density of the fluid [kg/m^3].
         sag: Centre of mass below the centre of buoyancy [m].

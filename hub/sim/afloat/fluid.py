@@ -17,6 +17,8 @@ DRAFT_MEMORY = 4.0
 """Time over which a draft forgets its speed [s]; our choice."""
 VERTICAL_SHARE = 0.5
 """Vertical drafts relative to horizontal ones; our choice."""
+AIRLESS_DEPTH = 0.1
+"""Propellers in the middle of the robot draw no air below this depth [m]; our choice."""
 HULL_HEIGHT = 0.254
 """Height of the underwater robot [m]; as it leaves the water, it displaces less."""
 
@@ -50,6 +52,10 @@ class Water:
     def submerged(self, height: float) -> float:
         """Share of the robot that is in water, 0 to 1, at the height of its middle [m]."""
         return max(0.0, min(1.0, 0.5 + (self.surface - height) / HULL_HEIGHT))
+
+    def thrust_share(self, height: float) -> float:
+        """Share of its thrust that is left, 0 to 1: near the surface propellers draw air."""
+        return max(0.0, min(1.0, (self.surface - height) / AIRLESS_DEPTH))
 
 
 class Drafts:

@@ -1,6 +1,6 @@
 """Controllers that hold a height or depth, a heading, a speed and an attitude; pure.
 
-They get estimates and give forces and moments. None of them knows the true motion.
+They take estimates, not the true motion, and give forces and moments.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ class Dive(enum.Enum):
 
     Attributes:
         DIVING: It follows commands, and holds depth and heading while they are neutral.
-        SURFACING: Thrusters bring it up and keep it there; commands still steer it, but for heave.
+        SURFACING: Thrusters bring it up and keep it there; commands steer it, except heave.
     """
 
     DIVING = "diving"
@@ -256,8 +256,8 @@ class SimulatedRov(FloatingVehicle):
         submerged = self._water.submerged(body.position[2])
         pull = self._tether.pull(body.position, body.world_velocity, self._flow)
         px, py, pz = into_body(body.attitude, pull)
-        # Thrusters above the water push nothing.
-        x, y, z, roll, pitch, yaw = (submerged * each for each in self._thrusters.wrench)
+        share = self._water.thrust_share(body.position[2])
+        x, y, z, roll, pitch, yaw = (share * each for each in self._thrusters.wrench)
         self._move((x + px, y + py, z + pz, roll, pitch, yaw), self._flow, submerged)
         x, y, _ = body.position
         vx, vy, vz = body.world_velocity

@@ -17,7 +17,7 @@ from hub.sim.afloat.surroundings import Surroundings
 class Altimeter:
     """An ultrasonic altimeter that looks down, 10 Hz.
 
-    It hears nothing beyond its range, when it tilts, and over fabric, which swallows sound. Over a
+    It has no echo beyond its range, when it tilts, and over fabric, which swallows sound. Over a
     table it measures to the table.
     """
 
@@ -28,7 +28,7 @@ class Altimeter:
     NOISE = 0.01
     """Standard deviation [m]."""
     MOST_TILT = math.radians(25.0)
-    """It hears no echo beyond this tilt [rad]."""
+    """It has no echo beyond this tilt [rad]."""
     HALF_BEAM = math.radians(10.0)
 
     def __init__(self, seed: np.random.SeedSequence) -> None:

@@ -1,4 +1,4 @@
-"""The solids and the ground around a floating body: how near they are, what is below."""
+"""The solids and the ground around a floating body: distances to them, and the view down."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SOFT = frozenset({"fabric"})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Below:
-    """What a sensor that looks down sees.
+    """The first thing below a sensor.
 
     Attributes:
         distance: To it [m]; negative if the sensor is inside of it.
