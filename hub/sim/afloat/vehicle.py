@@ -17,6 +17,8 @@ LONGEST_ADVANCE = 5.0
 """Longest advance of one call [s]; more is dropped, for example after a suspended process."""
 FRICTION_TIME = 0.3
 """Time in which friction stops a body that lies on something [s]; our choice."""
+STUCK = 0.001
+"""A body that lies on something and gets no faster than this in a step [m/s] stays; our choice."""
 _ROUNDING = 1e-9
 _FRICTION_SHARE = 1.0 - math.exp(-STEP / FRICTION_TIME)
 
@@ -132,5 +134,6 @@ class FloatingVehicle(abc.ABC):
         x, y, _ = self._body.world_velocity
         speed = math.hypot(x, y)
         if speed > 0.0:
-            self._body.strike((-x / speed, -y / speed, 0.0), _FRICTION_SHARE)
+            share = 1.0 if speed <= STUCK else _FRICTION_SHARE
+            self._body.strike((-x / speed, -y / speed, 0.0), share)
         self._body.slow_yaw(_FRICTION_SHARE)

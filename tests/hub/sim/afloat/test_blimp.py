@@ -23,6 +23,7 @@ OPEN = Surroundings()
 TABLE = Box(
     low=(1.5, -2.0, 0.0), high=(4.0, 2.0, 0.75), surface=Surface(texture="wood", colour=(9, 9, 9))
 )
+CLOTH = Surface(texture="fabric", colour=(9, 9, 9))
 WALL = Box(
     low=(2.0, -9.0, 0.0), high=(2.2, 9.0, 5.0), surface=Surface(texture="wood", colour=(9, 9, 9))
 )
@@ -151,6 +152,39 @@ def test_a_table_below_does_not_lift_it() -> None:
     assert np.nanmin(altitudes) < 0.8
     assert np.nanmax(altitudes) > 1.4
     assert max(abs(height - 1.5) for height in heights) < 0.15
+
+
+def test_without_an_echo_it_holds_its_height_by_the_barometer() -> None:
+    """Fabric below swallows all echoes; the barometer drifts by less than that."""
+    carpet = Box(low=(-9.0, -9.0, 0.0), high=(9.0, 9.0, 0.01), surface=CLOTH)
+    robot = blimp(1.5, around=Surroundings((carpet,)))
+    heights = [pose.z for pose in fly(robot, 40.0)]
+    assert math.isnan(robot.readings.altitude)
+    assert max(abs(height - 1.5) for height in heights) < 0.45
+
+
+def test_echoes_correct_the_barometer_until_there_are_none() -> None:
+    carpet = Box(low=(2.0, -9.0, 0.0), high=(40.0, 9.0, 0.01), surface=CLOTH)
+    robot = blimp(1.5, around=Surroundings((carpet,)), seed=5)
+    first = robot.readings.barometer
+    fly(robot, 120.0)
+    assert abs(robot.readings.barometer - first) > 0.15
+    robot.command(surge=0.6)
+    fly(robot, 12.0)
+    robot.command()
+    heights = [pose.z for pose in fly(robot, 12.0)]
+    assert math.isnan(robot.readings.altitude)
+    assert max(abs(height - 1.5) for height in heights) < 0.25
+
+
+def test_on_the_ground_no_wind_moves_it() -> None:
+    robot = blimp(wind=0.15)
+    robot.land()
+    fly(robot, 12.0)
+    assert robot.flight is Flight.LANDED
+    x = robot.pose.x
+    fly(robot, 5.0)
+    assert robot.pose.x == pytest.approx(x, abs=0.005)
 
 
 def test_drafts_carry_it_and_the_hold_fails() -> None:

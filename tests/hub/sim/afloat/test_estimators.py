@@ -85,6 +85,14 @@ def test_an_anemometer_that_stands_ends_a_wrong_estimate() -> None:
     assert seen.speed == pytest.approx(0.6, abs=0.05)
 
 
+def test_an_anemometer_that_stands_says_nothing_of_slow_air() -> None:
+    seen = AirspeedObserver(blimp.hull(), least=0.05)
+    seen.speed = 0.04
+    for _ in range(50):
+        seen.advance(0.0, 0.0, 0.02)
+    assert seen.speed == pytest.approx(0.04, rel=0.05)
+
+
 def test_a_height_hold_climbs_by_command_brakes_then_holds() -> None:
     spec = rov.hull()
     seen = ClimbObserver(spec, height=1.0, rate=2.0, most_trim=10.0)

@@ -206,6 +206,33 @@ def test_a_body_drifts_with_the_fluid_and_a_draft_does_not_turn_a_still_one() ->
     assert BLIMP.mass == pytest.approx(BLIMP.volume * AIR_DENSITY)
 
 
+def test_a_body_that_moves_with_a_current_turns_in_it_undisturbed() -> None:
+    body = FloatingBody(dataclasses.replace(neutral(ROV), linear=STILL, quadratic=STILL))
+    body.velocity = (0.3, -0.2, 0.0, 0.0, 0.0, 0.5)
+    for _ in range(200):
+        body.step(STILL, STEP, flow=(0.3, -0.2, 0.0))
+    assert body.world_velocity == pytest.approx((0.3, -0.2, 0.0), abs=0.001)
+    assert body.velocity[5] == pytest.approx(0.5, abs=0.001)
+
+
+@given(angles=st.tuples(ANGLES, ANGLES, ANGLES), normal=st.tuples(ANGLES, ANGLES))
+def test_a_strike_changes_the_velocity_as_a_force_there_does(
+    angles: tuple[float, float, float], normal: tuple[float, float]
+) -> None:
+    body = FloatingBody(BLIMP, attitude=from_roll_pitch_yaw(*angles))
+    direction = into_world(from_roll_pitch_yaw(0.0, *normal), (1.0, 0.0, 0.0))
+    force = into_body(body.attitude, direction)
+    pushed = body.acceleration(STILL, body.attitude, (*force, 0.0, 0.0, 0.0))
+    free = body.acceleration(STILL, body.attitude, STILL)
+    wanted = [one - other for one, other in zip(pushed, free, strict=True)]
+    body.velocity = (-force[0], -force[1], -force[2], 0.0, 0.0, 0.0)
+    before = body.velocity
+    body.strike(direction)
+    found = [one - other for one, other in zip(body.velocity, before, strict=True)]
+    scale = math.hypot(*found) / math.hypot(*wanted)
+    assert found == pytest.approx([scale * each for each in wanted], abs=1e-9)
+
+
 @given(angles=st.tuples(ANGLES, ANGLES, ANGLES), vector=st.tuples(SPEEDS, SPEEDS, SPEEDS))
 def test_attitudes_turn_vectors_there_and_back(
     angles: tuple[float, float, float], vector: tuple[float, float, float]

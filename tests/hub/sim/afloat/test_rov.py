@@ -152,6 +152,7 @@ def test_it_rolls_and_pitches_by_command_and_levels_when_left_alone() -> None:
     dive(robot, 3.0)
     assert robot.pose.pitch == pytest.approx(0.3, abs=0.05)
     assert robot.pose.z == pytest.approx(SURFACE - 3.0, abs=0.03)
+    assert abs(robot.velocity.surge) < 0.02
     robot.brake_and_hold()
     dive(robot, 3.0)
     assert robot.pose.pitch == pytest.approx(0.0, abs=0.03)

@@ -161,6 +161,10 @@ def test_the_other_sensors_err_as_their_figures_say() -> None:
     ranges = np.array([sounder.measure(Surroundings(), 0.0, 0.0, 4.1) for _ in range(200)]) - 0.1
     assert abs(ranges.mean() / 4.0 - 1.0) <= 0.017
     assert ranges.std() == pytest.approx(0.02, rel=0.3)
+    others = [
+        EchoSounder(seeded(each)).measure(Surroundings(), 0.0, 0.0, 50.1) for each in range(30)
+    ]
+    assert 0.36 < np.std(others) < 0.8
     assert math.isnan(sounder.measure(Surroundings(), 0.0, 0.0, 0.35))
     anemometer = Anemometer(seeded())
     assert anemometer.measure(0.04) == 0.0
