@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hub.pose import wrapped
 from hub.sim.afloat.attitude import into_body, roll_pitch_yaw
 from hub.sim.afloat.body_contact import ContactShape
 from hub.sim.afloat.estimators import (
@@ -74,6 +75,10 @@ _CLIMB = ClimbGains(climb_per_metre=0.60, fastest=0.30, force_per_climb=0.30, st
 _TURN = TurnGains(moment_per_angle=0.08, moment_per_rate=0.06, stopped=0.05)
 _FORCE_PER_SPEED = 0.35
 """Force of the front propeller for an error of the airspeed [N s/m]."""
+_ASTRAY = math.radians(10.0)
+"""From this error of the heading on it flies slower [rad]."""
+_LOST = math.radians(30.0)
+"""At this error of the heading it stops [rad]."""
 _OBSERVER_RATE = 1.5
 _MOST_TRIM = 0.06
 """[N]: 6 g."""
@@ -299,13 +304,22 @@ class SimulatedBlimp(FloatingVehicle):
         if self._flight is Flight.LANDED or self._battery.fraction == 0.0:
             return 0.0, 0.0, 0.0
         spec, wanted = self._body.hull, self._commanded
-        ahead = speed_force(spec, _FORCE_PER_SPEED, self._airspeed.speed, wanted.surge)
+        surge = wanted.surge * self._straight()
+        ahead = speed_force(spec, _FORCE_PER_SPEED, self._airspeed.speed, surge)
         rate = self._readings.rates[2]
         turn = self._heading_hold.moment(self._readings.heading, rate, wanted.yaw)
         up = 0.0
         if self._flight is Flight.FLYING:
             up = self._height_hold.lift(self._vertical, wanted.heave)
         return ahead, turn / TAIL_BEHIND, up
+
+    def _straight(self) -> float:
+        """Share of the commanded speed, 0 to 1: a body without fins must slow to turn back."""
+        goal = self._heading_hold.goal
+        if goal is None:
+            return 1.0
+        off = abs(wrapped(goal - self._readings.heading))
+        return max(0.0, min(1.0, (_LOST - off) / (_LOST - _ASTRAY)))
 
     def _first_readings(self) -> BlimpReadings:
         """Switch the sensors on."""

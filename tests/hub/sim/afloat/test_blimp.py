@@ -122,6 +122,15 @@ def test_it_flies_ahead_at_the_speed_that_is_commanded(speed: float, draft: floa
     assert max(abs(wrapped(pose.yaw)) for pose in poses) < math.radians(15.0)
 
 
+def test_a_draft_that_turns_it_across_its_way_slows_it_until_it_is_back() -> None:
+    """It has no fins: at full speed a draft from the side turns it further than its tail can."""
+    robot = blimp(3.0, draft=0.15, seed=3)
+    robot.command(surge=LIMITS.surge)
+    poses = fly(robot, 50.0)
+    assert max(abs(wrapped(pose.yaw)) for pose in poses) < math.radians(50.0)
+    assert robot.pose.x > 20.0
+
+
 def test_it_turns_climbs_and_holds_what_it_reached() -> None:
     robot = blimp()
     robot.command(yaw=0.5, heave=0.15)
