@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -48,8 +47,9 @@ from hub.sim.afloat.sensors import (
     TiltSensor,
 )
 from hub.sim.afloat.surroundings import Surroundings
-from hub.sim.afloat.thrusters import FRONT, TAIL_BEHIND, Propellers
+from hub.sim.afloat.thrusters import TAIL_BEHIND, Propellers
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
+from hub.values import dataclass
 
 MASS = 0.184
 """[kg], blimp2b.h."""
@@ -382,7 +382,3 @@ class SimulatedBlimp(FloatingVehicle):
             heading=self._headings.heading,
             rates=self._gyro.measure(p, q, r),
         )
-
-
-FULL_SPEED = math.sqrt(FRONT[0] / hull().quadratic[0])
-"""Speed at full thrust ahead [m/s]."""

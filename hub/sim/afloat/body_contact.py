@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from hub.sim.afloat.attitude import Vector
 from hub.sim.afloat.surroundings import Surroundings
+from hub.values import dataclass
 
 TOUCH = 1e-3
 """The body touches what is this near [m]."""

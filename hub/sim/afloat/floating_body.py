@@ -18,9 +18,6 @@ rights the body. A and J are diagonal: the equations fall into two blocks of two
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-
 from hub.sim.afloat.attitude import (
     LEVEL,
     Quaternion,
@@ -30,6 +27,7 @@ from hub.sim.afloat.attitude import (
     turned,
     up_in_body,
 )
+from hub.values import dataclass
 
 GRAVITY = 9.81
 """[m/s^2]"""
@@ -77,15 +75,6 @@ class HullSpec:
     def drag(self, axis: int, speed: float) -> float:
         """Force or moment that a steady speed along or about one axis needs [N or N m]."""
         return (self.linear[axis] + self.quadratic[axis] * abs(speed)) * speed
-
-    def steady_speed(self, axis: int, thrust: float) -> float:
-        """The speed at which drag equals a thrust: the root of `drag`."""
-        linear, quadratic = self.linear[axis], self.quadratic[axis]
-        size = abs(thrust)
-        if quadratic == 0.0:
-            return thrust / linear
-        root = (math.sqrt(linear * linear + 4.0 * quadratic * size) - linear) / (2.0 * quadratic)
-        return math.copysign(root, thrust)
 
 
 class FloatingBody:
@@ -239,15 +228,3 @@ class FloatingBody:
         """Take away a share of the turn rate about the body's z."""
         u, v, w, p, q, r = self.velocity
         self.velocity = (u, v, w, p, q, r * (1.0 - share))
-
-    def energy(self) -> float:
-        """Kinetic and potential energy of a submerged body in still fluid [J]."""
-        hull = self.hull
-        u, v, w, p, q, r = self.velocity
-        ix, iy, iz = hull.inertia
-        moving = self._surge_mass * u * u + self._sway_mass * v * v + self._heave_mass * w * w
-        turning = ix * p * p + iy * q * q + iz * r * r
-        coupled = self._lever * (v * p - u * q)
-        rise = (hull.weight - hull.buoyancy) * self.position[2]
-        tilt = -hull.weight * hull.sag * up_in_body(self.attitude)[2]
-        return 0.5 * (moving + turning) + coupled + rise + tilt

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from hub.sim.afloat.attitude import Vector
+from hub.values import dataclass
 
 AIR_DENSITY = 1.2
 """[kg/m^3], at 20 degrees Celsius."""

@@ -6,11 +6,11 @@ They take estimates, not the true motion, and give forces and moments.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from hub.pose import wrapped
 from hub.sim.afloat.estimators import HEAVE, SURGE, ClimbObserver
 from hub.sim.afloat.floating_body import HullSpec
+from hub.values import dataclass
 
 OFF = 0.3
 """A hold fails when the robot is farther from its height or depth [m]."""

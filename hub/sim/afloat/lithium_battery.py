@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from hub.values import dataclass
 
 FULL_CELL = 4.2
 EMPTY_CELL = 3.3

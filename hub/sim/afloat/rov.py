@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -39,6 +38,7 @@ from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import Tether, TetherSpec
 from hub.sim.afloat.thrusters import EightThrusters
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
+from hub.values import dataclass
 
 SHAPE = ContactShape(radius=0.30, above=0.127, below=0.127)
 """A frame of 0.46 m by 0.58 m, 0.254 m high."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.sim.geometry import Box, Cylinder
+from hub.values import dataclass
 
 Floats = npt.NDArray[np.float64]
 GroundHeight = Callable[[float, float], float]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from hub.pose import wrapped
 from hub.sim.afloat.attitude import Vector
 from hub.sim.afloat.fluid import SEA_WATER_DENSITY
+from hub.values import dataclass
 
 DIAMETER = 0.0075
 """[m], von Benzon et al. 2022."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -17,6 +18,7 @@ from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import TetherSpec, drag_factor
 from hub.sim.afloat.vehicle import STEP
 from hub.sim.geometry import Box, Surface
+from tests.hub.sim.afloat.closed_forms import steady_speed
 from tests.support.cases import for_each
 from tests.support.repetitions import repetitions
 
@@ -219,10 +221,10 @@ def test_a_current_carries_it_while_it_holds_depth_and_heading() -> None:
 
 def test_the_tether_slows_it_and_stops_it_at_full_length() -> None:
     """The drag of a third of 21 m adds to the hull's."""
-    spec = hull()
-    force = spec.drag(0, LIMITS.surge)
-    factor = spec.quadratic[0] + drag_factor(21.0)
-    wanted = (math.sqrt(spec.linear[0] ** 2 + 4.0 * factor * force) - spec.linear[0]) / 2.0 / factor
+    bare = hull()
+    dragging = (bare.quadratic[0] + drag_factor(21.0), *bare.quadratic[1:])
+    force = bare.drag(0, LIMITS.surge)
+    wanted = steady_speed(dataclasses.replace(bare, quadratic=dragging), 0, force)
     robot = rov(tether=TetherSpec(length=50.0, anchor=(-19.5, 0.0, SURFACE - 3.0)))
     robot.command(surge=LIMITS.surge)
     while robot.pose.x < 1.5:
