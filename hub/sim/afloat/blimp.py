@@ -16,14 +16,8 @@ import math
 import numpy as np
 
 from hub.pose import wrapped
-from hub.sim.afloat.attitude import into_body, roll_pitch_yaw
+from hub.sim.afloat.blimp_senses import BlimpReadings, BlimpSenses
 from hub.sim.afloat.body_contact import ContactShape
-from hub.sim.afloat.estimators import (
-    AirspeedObserver,
-    ClimbObserver,
-    EchoReference,
-    HeadingFilter,
-)
 from hub.sim.afloat.floating_body import HullSpec
 from hub.sim.afloat.fluid import AIR_DENSITY, Air, Drafts
 from hub.sim.afloat.holds import (
@@ -38,18 +32,9 @@ from hub.sim.afloat.holds import (
 )
 from hub.sim.afloat.lithium_battery import LithiumBattery
 from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
-from hub.sim.afloat.sensors import (
-    Altimeter,
-    Anemometer,
-    Barometer,
-    Compass,
-    Gyro,
-    TiltSensor,
-)
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.thrusters import TAIL_BEHIND, Propellers
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
-from hub.values import dataclass
 
 MASS = 0.184
 """[kg], blimp2b.h."""
@@ -65,11 +50,8 @@ LONGEST_HOLD = 600.0
 """A blimp that is left alone lands after this time [s]."""
 CARRIED_TOO_FAR = 1.0
 """A hold fails when drafts carried the blimp farther [m]."""
-WORST_COMPASS = math.radians(10.0)
 IDLE_POWER = 1.2
 """Of computer, camera and radio [W]; our assumption."""
-STEPS_PER_ECHO = 5
-"""The altimeter and the barometer measure at 10 Hz."""
 
 _CLIMB = ClimbGains(climb_per_metre=0.60, fastest=0.30, force_per_climb=0.30, stopped=0.04)
 _TURN = TurnGains(moment_per_angle=0.08, moment_per_rate=0.06, stopped=0.05)
@@ -79,12 +61,6 @@ _ASTRAY = math.radians(10.0)
 """From this error of the heading on it flies slower [rad]."""
 _LOST = math.radians(30.0)
 """At this error of the heading it stops [rad]."""
-_OBSERVER_RATE = 1.5
-_MOST_TRIM = 0.06
-"""[N]: 6 g."""
-_BAROMETER_TRUST = 0.2
-_BAROMETER_SHARE = 0.02
-"""Share by which each echo corrects the barometer."""
 _SLOW = 0.1
 """The blimp is at rest below this speed [m/s]; drafts carry it as fast."""
 
@@ -124,33 +100,6 @@ class Flight(enum.Enum):
     LANDED = "landed"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BlimpReadings:
-    """The last measurements, with their errors.
-
-    Attributes:
-        altitude: From the middle to the ground or table below [m]; NaN without an echo.
-        height: Height above the first ground, estimated of all sensors [m].
-        climb: Upward velocity, estimated [m/s].
-        barometer: Height by air pressure [m]; it drifts.
-        airspeed: Forward speed through the air [m/s].
-        roll: [rad]
-        pitch: [rad]
-        heading: Of gyro and compass [rad].
-        rates: About x, y and z [rad/s].
-    """
-
-    altitude: float
-    height: float
-    climb: float
-    barometer: float
-    airspeed: float
-    roll: float
-    pitch: float
-    heading: float
-    rates: tuple[float, float, float]
-
-
 class SimulatedBlimp(FloatingVehicle):
     """The whole blimp: hull, propellers, sensors, holds, battery, drafts."""
 
@@ -177,35 +126,19 @@ class SimulatedBlimp(FloatingVehicle):
             seed: Of all noise.
         """
         super().__init__(hull(heavy), SHAPE, surroundings, start)
-        seeds = iter(np.random.SeedSequence(seed).spawn(7))
-        self._drafts = Drafts(air or Air(), next(seeds))
-        self._altimeter = Altimeter(next(seeds))
-        self._barometer = Barometer(next(seeds))
-        self._compass = Compass(next(seeds), worst=WORST_COMPASS)
-        self._gyro = Gyro(next(seeds))
-        self._tilt = TiltSensor(next(seeds))
-        self._anemometer = Anemometer(next(seeds))
+        air_seed, senses_seed = np.random.SeedSequence(seed).spawn(2)
+        self._drafts = Drafts(air or Air(), air_seed)
         self._propellers = Propellers()
         self._battery = LithiumBattery(
             cells=2, energy=7.4 * 3600.0, resistance=0.1, fraction=charge
         )
-        x, y, z = self._body.position
-        ground = surroundings.ground(x, y)
         spec = self._body.hull
-        self._vertical = ClimbObserver(
-            spec, height=z - ground, rate=_OBSERVER_RATE, most_trim=_MOST_TRIM
-        )
-        self._echoes = EchoReference()
-        self._pressure_offset = 0.0
-        self._airspeed = AirspeedObserver(spec, least=Anemometer.LEAST)
+        self._senses = BlimpSenses(surroundings, self._body, senses_seed)
         self._height_hold = HeightHold(spec, _CLIMB)
         self._heading_hold = HeadingHold(spec, _TURN)
         self._place = RestingPlace(_SLOW)
         self._alone_since = math.inf
         self._flight = Flight.LANDED if self._contact.supported else Flight.FLYING
-        self._altitude = math.nan
-        self._pressure_height = 0.0
-        self._readings = self._first_readings()
 
     def brake_and_hold(self) -> None:
         """Brake, hold height and heading; after ten minutes or at a low battery, land.
@@ -239,7 +172,7 @@ class SimulatedBlimp(FloatingVehicle):
     @property
     def readings(self) -> BlimpReadings:
         """The last measurements of its sensors."""
-        return self._readings
+        return self._senses.readings
 
     @property
     def battery(self) -> LithiumBattery:
@@ -257,7 +190,7 @@ class SimulatedBlimp(FloatingVehicle):
         if self._flight is not Flight.FLYING:
             return HoldState()
         x, y, _ = self._body.position
-        off = self._height_hold.off(self._vertical.height)
+        off = self._height_hold.off(self._senses.vertical.height)
         carried = self._place.carried(x, y)
         return HoldState(
             height=self._height_hold.goal,
@@ -275,7 +208,7 @@ class SimulatedBlimp(FloatingVehicle):
 
     def _step(self) -> None:
         self._drafts.advance(STEP)
-        self._sense()
+        self._senses.advance(self._body, self._drafts.flow, self._propellers)
         self._change_flight()
         ahead, left, up = self._wanted_thrusts()
         self._propellers.advance(ahead, left, up, STEP)
@@ -297,7 +230,7 @@ class SimulatedBlimp(FloatingVehicle):
             self._height_hold.release()
             self._alone_since = math.inf
         if self._flight is Flight.LANDED:
-            self._vertical.rest_at(self._vertical.height)
+            self._senses.vertical.rest_at(self._senses.vertical.height)
 
     def _wanted_thrusts(self) -> tuple[float, float, float]:
         """Thrusts ahead, to turn left, and up [N]."""
@@ -305,12 +238,12 @@ class SimulatedBlimp(FloatingVehicle):
             return 0.0, 0.0, 0.0
         spec, wanted = self._body.hull, self._commanded
         surge = wanted.surge * self._straight()
-        ahead = speed_force(spec, _FORCE_PER_SPEED, self._airspeed.speed, surge)
-        rate = self._readings.rates[2]
-        turn = self._heading_hold.moment(self._readings.heading, rate, wanted.yaw)
+        ahead = speed_force(spec, _FORCE_PER_SPEED, self._senses.airspeed, surge)
+        rate = self._senses.readings.rates[2]
+        turn = self._heading_hold.moment(self._senses.readings.heading, rate, wanted.yaw)
         up = 0.0
         if self._flight is Flight.FLYING:
-            up = self._height_hold.lift(self._vertical, wanted.heave)
+            up = self._height_hold.lift(self._senses.vertical, wanted.heave)
         return ahead, turn / TAIL_BEHIND, up
 
     def _straight(self) -> float:
@@ -318,67 +251,5 @@ class SimulatedBlimp(FloatingVehicle):
         goal = self._heading_hold.goal
         if goal is None:
             return 1.0
-        off = abs(wrapped(goal - self._readings.heading))
+        off = abs(wrapped(goal - self._senses.readings.heading))
         return max(0.0, min(1.0, (_LOST - off) / (_LOST - _ASTRAY)))
-
-    def _first_readings(self) -> BlimpReadings:
-        """Switch the sensors on."""
-        x, y, z = self._body.position
-        roll, pitch, yaw = roll_pitch_yaw(self._body.attitude)
-        self._headings = HeadingFilter(self._compass.measure(x, y, yaw))
-        self._pressure_height = self._barometer.measure(z, 0.0)
-        self._pressure_offset = self._pressure_height - self._vertical.height
-        self._altitude = self._altimeter.measure(
-            self._surroundings, x, y, z, math.hypot(roll, pitch)
-        )
-        return self._read()
-
-    def _sense(self) -> None:
-        """Measure, and estimate height, heading and speed from it."""
-        propellers = self._propellers
-        self._vertical.predict(propellers.up, STEP)
-        if self._steps % STEPS_PER_ECHO == 0:
-            self._sense_height()
-        self._readings = self._read()
-        self._headings.advance(self._readings.rates[2], self._compass_heading(), STEP)
-        self._airspeed.advance(propellers.ahead, self._readings.airspeed, STEP)
-
-    def _sense_height(self) -> None:
-        """Use an echo, or without one the barometer as the last echoes corrected it."""
-        x, y, z = self._body.position
-        roll, pitch, _ = roll_pitch_yaw(self._body.attitude)
-        seconds = STEPS_PER_ECHO * STEP
-        self._pressure_height = self._barometer.measure(z, seconds)
-        self._altitude = self._altimeter.measure(
-            self._surroundings, x, y, z, math.hypot(roll, pitch)
-        )
-        seen = self._vertical
-        height = self._echoes.height(self._altitude, seen.height)
-        if math.isnan(height):
-            seen.correct(self._pressure_height - self._pressure_offset, seconds, _BAROMETER_TRUST)
-            return
-        seen.correct(height, seconds)
-        error = self._pressure_height - seen.height - self._pressure_offset
-        self._pressure_offset += _BAROMETER_SHARE * error
-
-    def _compass_heading(self) -> float:
-        x, y, _ = self._body.position
-        return self._compass.measure(x, y, roll_pitch_yaw(self._body.attitude)[2])
-
-    def _read(self) -> BlimpReadings:
-        body = self._body
-        roll, pitch, _ = roll_pitch_yaw(body.attitude)
-        measured_roll, measured_pitch = self._tilt.measure(roll, pitch)
-        u, _, _, p, q, r = body.velocity
-        airspeed = u - into_body(body.attitude, self._drafts.flow)[0]
-        return BlimpReadings(
-            altitude=self._altitude,
-            height=self._vertical.height,
-            climb=self._vertical.climb,
-            barometer=self._pressure_height,
-            airspeed=self._anemometer.measure(airspeed),
-            roll=measured_roll,
-            pitch=measured_pitch,
-            heading=self._headings.heading,
-            rates=self._gyro.measure(p, q, r),
-        )

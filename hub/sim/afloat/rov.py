@@ -15,9 +15,8 @@ import math
 
 import numpy as np
 
-from hub.sim.afloat.attitude import Vector, into_body, roll_pitch_yaw
+from hub.sim.afloat.attitude import Vector, into_body
 from hub.sim.afloat.body_contact import ContactShape
-from hub.sim.afloat.estimators import ClimbObserver, HeadingFilter
 from hub.sim.afloat.floating_body import HullSpec, Six
 from hub.sim.afloat.fluid import SEA_WATER_DENSITY, Water
 from hub.sim.afloat.holds import (
@@ -33,12 +32,11 @@ from hub.sim.afloat.holds import (
 )
 from hub.sim.afloat.lithium_battery import LithiumBattery
 from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
-from hub.sim.afloat.sensors import Compass, EchoSounder, Gyro, PressureSensor, TiltSensor
+from hub.sim.afloat.rov_senses import RovReadings, RovSenses
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import Tether, TetherSpec
 from hub.sim.afloat.thrusters import EightThrusters
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
-from hub.values import dataclass
 
 SHAPE = ContactShape(radius=0.30, above=0.127, below=0.127)
 """A frame of 0.46 m by 0.58 m, 0.254 m high."""
@@ -46,18 +44,12 @@ LIMITS = Motion(surge=0.7, sway=0.55, heave=0.5, roll=0.5, pitch=0.5, yaw=1.2)
 """Within full thrust, with a reserve that keeps it upright: 0.734 m/s ahead, 0.726 m/s up."""
 SURFACED = 0.15
 """Depth of the robot's middle when it floats at the surface [m]."""
-WORST_COMPASS = math.radians(5.0)
 IDLE_POWER = 18.0
 """Of computer, camera and electronics [W]; our assumption."""
-STEPS_PER_PING = 5
-"""The echo sounder measures at 10 Hz, the pressure sensor in each step."""
 
 _CLIMB = ClimbGains(climb_per_metre=0.9, fastest=0.45, force_per_climb=110.0, stopped=0.05)
 _TURN = TurnGains(moment_per_angle=12.0, moment_per_rate=5.0, stopped=0.1)
 _TILT = TiltGains(moment_per_angle=12.0, moment_per_rate=3.0, most=math.radians(30.0))
-_OBSERVER_RATE = 4.0
-_MOST_TRIM = 30.0
-"""[N]"""
 _SLOW = 0.1
 """The robot is at rest below this speed [m/s]."""
 
@@ -93,35 +85,6 @@ class Dive(enum.Enum):
     SURFACING = "surfacing"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RovReadings:
-    """The last measurements, with their errors.
-
-    Attributes:
-        depth: By pressure [m].
-        climb: Upward velocity, estimated [m/s].
-        altitude: From the middle to the ground below [m]; NaN without an echo.
-        roll: [rad]
-        pitch: [rad]
-        heading: Of gyro and compass [rad].
-        rates: About x, y and z [rad/s].
-        leak: Whether there is water inside.
-        tether_used: Share of the tether that is out, 0 to 1.
-        tether_turns: Turns that twist it, counter-clockwise positive, by the measured heading.
-    """
-
-    depth: float
-    climb: float
-    altitude: float
-    roll: float
-    pitch: float
-    heading: float
-    rates: tuple[float, float, float]
-    leak: bool
-    tether_used: float
-    tether_turns: float
-
-
 class SimulatedRov(FloatingVehicle):
     """The whole underwater robot: hull, thrusters, tether, sensors, holds, battery, current."""
 
@@ -152,34 +115,25 @@ class SimulatedRov(FloatingVehicle):
             seed: Of all noise.
         """
         super().__init__(hull(density), SHAPE, surroundings, start)
-        seeds = iter(np.random.SeedSequence(seed).spawn(5))
-        self._pressure = PressureSensor(next(seeds))
-        self._compass = Compass(next(seeds), worst=WORST_COMPASS)
-        self._gyro = Gyro(next(seeds))
-        self._tilt = TiltSensor(next(seeds))
-        self._sounder = EchoSounder(next(seeds))
         self._water = water
         self._flow: Vector = (*water.current, 0.0)
         self._thrusters = EightThrusters()
         self._battery = LithiumBattery(
             cells=4, energy=266.0 * 3600.0, resistance=0.02, fraction=charge
         )
-        x, y, z = self._body.position
+        x, y, _ = self._body.position
         cable = tether or TetherSpec(length=25.0, anchor=(x, y, water.surface))
         self._tether = Tether(cable, self._body.position, start.yaw)
         self._leaks_at = leaks_at
         spec = self._body.hull
-        self._vertical = ClimbObserver(
-            spec, height=z - water.surface, rate=_OBSERVER_RATE, most_trim=_MOST_TRIM
+        self._senses = RovSenses(
+            surroundings, self._body, water, self._tether, np.random.SeedSequence(seed)
         )
         self._depth_hold = HeightHold(spec, _CLIMB)
         self._heading_hold = HeadingHold(spec, _TURN)
         self._tilt_hold = TiltHold(_TILT)
         self._place = RestingPlace(_SLOW)
         self._dive = Dive.DIVING
-        self._headings = HeadingFilter(self._compass.measure(x, y, start.yaw))
-        self._altitude = self._sounder.measure(surroundings, x, y, z)
-        self._readings = self._read()
 
     def brake_and_hold(self) -> None:
         """Stop all thrust for motion, level the body, hold depth and heading."""
@@ -209,7 +163,7 @@ class SimulatedRov(FloatingVehicle):
     @property
     def readings(self) -> RovReadings:
         """The last measurements of its sensors."""
-        return self._readings
+        return self._senses.readings
 
     @property
     def battery(self) -> LithiumBattery:
@@ -226,7 +180,7 @@ class SimulatedRov(FloatingVehicle):
         """What it holds, and whether that fails."""
         x, y, _ = self._body.position
         goal = self._depth_hold.goal
-        off = self._depth_hold.off(self._vertical.height)
+        off = self._depth_hold.off(self._senses.vertical.height)
         return HoldState(
             depth=None if goal is None else -goal,
             heading=self._heading_hold.goal,
@@ -247,8 +201,8 @@ class SimulatedRov(FloatingVehicle):
 
     def _step(self) -> None:
         body = self._body
-        self._sense()
-        if self._readings.leak and self._dive is Dive.DIVING:
+        self._senses.advance(body, self._thrusters, leak=self.leaking)
+        if self._senses.readings.leak and self._dive is Dive.DIVING:
             self.surface()
         powered = self._battery.fraction > 0.0
         self._thrusters.advance(self._wanted() if powered else (0.0,) * 6, STEP)
@@ -266,59 +220,16 @@ class SimulatedRov(FloatingVehicle):
 
     def _wanted(self) -> Six:
         """Forces and moments that commands and holds want [N, N m]."""
-        seen, wanted, spec = self._readings, self._commanded, self._body.hull
+        seen, wanted, spec = self._senses.readings, self._commanded, self._body.hull
         if self._dive is Dive.SURFACING:
             if self._depth_hold.goal != -SURFACED:
                 self._depth_hold.hold(-SURFACED)
-            lift = self._depth_hold.lift(self._vertical, 0.0)
+            lift = self._depth_hold.lift(self._senses.vertical, 0.0)
         else:
-            lift = self._depth_hold.lift(self._vertical, wanted.heave)
+            lift = self._depth_hold.lift(self._senses.vertical, wanted.heave)
         self._tilt_hold.turn(wanted.roll, wanted.pitch, STEP)
         p, q, r = seen.rates
         roll, pitch = self._tilt_hold.moments(seen.roll, seen.pitch, p, q)
-        x, y, z = (lift * each for each in self._up())
+        x, y, z = (lift * each for each in self._senses.up())
         yaw = self._heading_hold.moment(seen.heading, r, wanted.yaw)
         return (x + spec.drag(0, wanted.surge), y + spec.drag(1, wanted.sway), z, roll, pitch, yaw)
-
-    def _up(self) -> Vector:
-        """The upward unit vector in the body's frame, as its tilt is measured."""
-        roll, pitch = self._readings.roll, self._readings.pitch
-        level = math.cos(pitch)
-        return -math.sin(pitch), math.sin(roll) * level, math.cos(roll) * level
-
-    def _lift(self) -> float:
-        """Upward force of the thrusters [N]."""
-        x, y, z, _, _, _ = self._thrusters.wrench
-        up_x, up_y, up_z = self._up()
-        return x * up_x + y * up_y + z * up_z
-
-    def _sense(self) -> None:
-        """Measure, and estimate climb and heading from it."""
-        body = self._body
-        x, y, z = body.position
-        self._vertical.predict(self._lift(), STEP)
-        if self._steps % STEPS_PER_PING == 0:
-            self._altitude = self._sounder.measure(self._surroundings, x, y, z)
-        self._readings = self._read()
-        self._vertical.correct(-self._readings.depth, STEP)
-        compass = self._compass.measure(x, y, roll_pitch_yaw(body.attitude)[2])
-        self._headings.advance(self._readings.rates[2], compass, STEP)
-        self._tether.follow(self._headings.heading)
-
-    def _read(self) -> RovReadings:
-        body = self._body
-        roll, pitch, _ = roll_pitch_yaw(body.attitude)
-        measured_roll, measured_pitch = self._tilt.measure(roll, pitch)
-        _, _, _, p, q, r = body.velocity
-        return RovReadings(
-            depth=self._pressure.measure(self._water.surface - body.position[2]),
-            climb=self._vertical.climb,
-            altitude=self._altitude,
-            roll=measured_roll,
-            pitch=measured_pitch,
-            heading=self._headings.heading,
-            rates=self._gyro.measure(p, q, r),
-            leak=self.leaking,
-            tether_used=self._tether.used,
-            tether_turns=self._tether.turns,
-        )
