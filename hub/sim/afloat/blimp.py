@@ -31,7 +31,7 @@ from hub.sim.afloat.holds import (
     speed_force,
 )
 from hub.sim.afloat.lithium_battery import LithiumBattery
-from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
+from hub.sim.afloat.motion import NEUTRAL, BodyVelocity, SpatialPose
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.thrusters import TAIL_BEHIND, Propellers
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
@@ -40,7 +40,7 @@ MASS = 0.184
 """[kg], blimp2b.h."""
 SHAPE = ContactShape(radius=0.55, above=0.26, below=0.30)
 """Envelope of 1.09 m by 0.52 m, with the gondola below it."""
-LIMITS = Motion(surge=0.75, heave=0.3, yaw=1.5)
+LIMITS = BodyVelocity(surge=0.75, heave=0.3, yaw=1.5)
 """Within full thrust: 0.756 m/s ahead, 1.53 rad/s to the left, 0.34 m/s up with a trim of 2 g."""
 HEAVY = 0.002
 """Default trim: mass over that of the displaced air [kg]."""

@@ -29,7 +29,7 @@ class SpatialPose:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Motion:
+class BodyVelocity:
     """Velocities along and about the axes of a body, or their limits.
 
     Attributes:
@@ -48,9 +48,9 @@ class Motion:
     pitch: float = 0.0
     yaw: float = 0.0
 
-    def within(self, limits: Motion) -> Motion:
+    def within(self, limits: BodyVelocity) -> BodyVelocity:
         """The same within plus and minus the limits; NaN counts as 0."""
-        return Motion(
+        return BodyVelocity(
             surge=_limited(self.surge, limits.surge),
             sway=_limited(self.sway, limits.sway),
             heave=_limited(self.heave, limits.heave),
@@ -60,7 +60,7 @@ class Motion:
         )
 
 
-NEUTRAL = Motion()
+NEUTRAL = BodyVelocity()
 
 
 def _limited(value: float, limit: float) -> float:

@@ -31,7 +31,7 @@ from hub.sim.afloat.holds import (
     TurnGains,
 )
 from hub.sim.afloat.lithium_battery import LithiumBattery
-from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
+from hub.sim.afloat.motion import NEUTRAL, BodyVelocity, SpatialPose
 from hub.sim.afloat.rov_senses import RovReadings, RovSenses
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import Tether, TetherSpec
@@ -40,7 +40,7 @@ from hub.sim.afloat.vehicle import STEP, FloatingVehicle
 
 SHAPE = ContactShape(radius=0.30, above=0.127, below=0.127)
 """A frame of 0.46 m by 0.58 m, 0.254 m high."""
-LIMITS = Motion(surge=0.7, sway=0.55, heave=0.5, roll=0.5, pitch=0.5, yaw=1.2)
+LIMITS = BodyVelocity(surge=0.7, sway=0.55, heave=0.5, roll=0.5, pitch=0.5, yaw=1.2)
 """Within full thrust, with a reserve that keeps it upright: 0.734 m/s ahead, 0.726 m/s up."""
 SURFACED = 0.15
 """Depth of the robot's middle when it floats at the surface [m]."""

@@ -8,7 +8,7 @@ import math
 from hub.sim.afloat.attitude import Vector, from_roll_pitch_yaw, roll_pitch_yaw
 from hub.sim.afloat.body_contact import BodyContact, ContactShape
 from hub.sim.afloat.floating_body import FloatingBody, HullSpec, Six
-from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
+from hub.sim.afloat.motion import NEUTRAL, BodyVelocity, SpatialPose
 from hub.sim.afloat.surroundings import Surroundings
 
 STEP = 0.02
@@ -30,7 +30,7 @@ class FloatingVehicle(abc.ABC):
     nothing.
     """
 
-    limits: Motion
+    limits: BodyVelocity
     """Largest velocities that can be commanded; 0 where the body has no such motion."""
 
     def __init__(
@@ -62,7 +62,7 @@ class FloatingVehicle(abc.ABC):
 
         The body uses those that it can. Where all are 0 it brakes, then holds.
         """
-        wanted = Motion(surge=surge, sway=sway, heave=heave, roll=roll, pitch=pitch, yaw=yaw)
+        wanted = BodyVelocity(surge=surge, sway=sway, heave=heave, roll=roll, pitch=pitch, yaw=yaw)
         self._commanded = wanted.within(self.limits)
         if self._commanded != NEUTRAL:
             self._moved()
@@ -83,7 +83,7 @@ class FloatingVehicle(abc.ABC):
         return self._steps * STEP
 
     @property
-    def commanded(self) -> Motion:
+    def commanded(self) -> BodyVelocity:
         """The velocities that are commanded now, within the limits."""
         return self._commanded
 
@@ -95,10 +95,10 @@ class FloatingVehicle(abc.ABC):
         return SpatialPose(x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=yaw)
 
     @property
-    def velocity(self) -> Motion:
+    def velocity(self) -> BodyVelocity:
         """The true velocity over ground, along and about the body's axes."""
         u, v, w, p, q, r = self._body.velocity
-        return Motion(surge=u, sway=v, heave=w, roll=p, pitch=q, yaw=r)
+        return BodyVelocity(surge=u, sway=v, heave=w, roll=p, pitch=q, yaw=r)
 
     @property
     def contacts(self) -> int:

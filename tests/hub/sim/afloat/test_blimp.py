@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hub.pose import wrapped
 from hub.sim.afloat.blimp import LIMITS, LONGEST_HOLD, LOW_BATTERY, SHAPE, Flight, SimulatedBlimp
 from hub.sim.afloat.fluid import Air
-from hub.sim.afloat.motion import NEUTRAL, Motion, SpatialPose
+from hub.sim.afloat.motion import NEUTRAL, BodyVelocity, SpatialPose
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.vehicle import LONGEST_ADVANCE, STEP
 from hub.sim.geometry import Box, Surface
@@ -324,4 +324,4 @@ def test_it_can_start_on_the_ground() -> None:
     fly(robot, 2.0)
     assert robot.flight is Flight.LANDED
     assert robot.pose.z == SHAPE.below
-    assert robot.velocity == Motion()
+    assert robot.velocity == BodyVelocity()
