@@ -14,7 +14,7 @@ from hub.robots.interfaces import Picture
 from hub.sim.arena import Arena
 from hub.sim.camera.image_noise import SensorNoise
 from hub.sim.camera.lighting import Lighting
-from hub.sim.camera.mount import Stand, mounted_view
+from hub.sim.camera.mount import Mount, Stand, mounted_view
 from hub.sim.camera.pan_tilt_zoom import (
     PAN_LIMIT,
     TILT_LIMIT,
@@ -28,6 +28,7 @@ MOUNT_FORWARD = 0.05
 """Camera ahead of the robot's centre [m]."""
 MOUNT_HEIGHT = 0.37
 """Camera above the ground [m]."""
+_MOUNT = Mount(forward=MOUNT_FORWARD, height=MOUNT_HEIGHT)
 SENSOR_WIDTH_PX = 320
 SENSOR_HEIGHT_PX = 240
 _SENSOR = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
@@ -140,8 +141,7 @@ class SimulatedCamera:
         width, height = size_within(width_px, height_px, _SENSOR)
         view = mounted_view(
             self._robot,
-            forward=MOUNT_FORWARD,
-            height=MOUNT_HEIGHT,
+            _MOUNT,
             pan=self._head.pan,
             tilt=self._head.tilt,
             horizontal_fov=cropped_fov(horizontal_fov(self._head.zoom), (width, height), _SENSOR),

@@ -41,38 +41,53 @@ class Stand:
         return all(math.isfinite(number) for number in numbers)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mount:
+    """Where a camera sits on its robot, and where its head looks at no pan and tilt.
+
+    Attributes:
+        forward: Ahead of the robot's origin [m].
+        left: Left of it [m].
+        height: Above it [m].
+        roll: As the robot's [rad].
+        pitch: As the robot's [rad].
+        yaw: To the left [rad].
+    """
+
+    forward: float = 0.0
+    left: float = 0.0
+    height: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+
 def mounted_view(
-    stand: Stand,
-    *,
-    forward: float,
-    height: float,
-    pan: float,
-    tilt: float,
-    horizontal_fov: float,
+    stand: Stand, mount: Mount, *, pan: float, tilt: float, horizontal_fov: float
 ) -> View:
     """The view of a camera on a robot.
 
     Args:
         stand: The robot.
-        forward: Of the camera, ahead of the robot's origin [m].
-        height: Of the camera, above the robot's origin [m].
+        mount: Of the camera.
         pan: Of its head [rad], positive left.
         tilt: Of its head [rad], positive up.
         horizontal_fov: Field of view from left to right [rad].
     """
-    if stand.roll == 0.0 and stand.pitch == 0.0:
+    if (stand.roll, stand.pitch, mount.roll, mount.pitch) == (0.0, 0.0, 0.0, 0.0):
+        cos, sin = math.cos(stand.theta), math.sin(stand.theta)
         return View(
-            x=stand.x + forward * math.cos(stand.theta),
-            y=stand.y + forward * math.sin(stand.theta),
-            z=stand.z + height,
-            yaw=stand.theta + pan,
+            x=stand.x + mount.forward * cos - mount.left * sin,
+            y=stand.y + mount.forward * sin + mount.left * cos,
+            z=stand.z + mount.height,
+            yaw=stand.theta + pan + mount.yaw,
             pitch=tilt,
             horizontal_fov=horizontal_fov,
         )
     turn = _rotation(stand.theta, stand.pitch, stand.roll)
     # Tilt is positive up, and pitch is positive down.
-    head = turn @ _rotation(pan, -tilt, 0.0)
-    x, y, z = turn @ np.array((forward, 0.0, height))
+    head = turn @ _rotation(mount.yaw, mount.pitch, mount.roll) @ _rotation(pan, -tilt, 0.0)
+    x, y, z = turn @ np.array((mount.forward, mount.left, mount.height))
     ahead, up = head[:, 0], head[:, 2]
     level = View(
         x=stand.x + float(x),

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from hub.robots.magellan import MOUNT_FORWARD, MOUNT_HEIGHT, SimulatedCamera
 from hub.sim.arena import load_arena
-from hub.sim.camera.mount import Stand, mounted_view
+from hub.sim.camera.mount import Mount, Stand, mounted_view
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import CameraFrame, View
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
@@ -91,34 +91,56 @@ def test_the_horizon_lies_where_pitch_and_roll_put_it(
     assert (red == (above < 0.0))[certain].all()
 
 
-@given(theta=ANGLES, pitch=PITCHES, roll=ANGLES, pan=ANGLES, tilt=PITCHES)
+Vector = tuple[float, float, float]
+
+
+def turned(vector: Vector, *turns: tuple[float, float, float]) -> np.ndarray:
+    """A vector turned by roll, pitch and yaw, about fixed axes in this order, for each turn."""
+    x, y, z = vector
+    for roll, pitch, yaw in turns:
+        y, z = y * math.cos(roll) - z * math.sin(roll), y * math.sin(roll) + z * math.cos(roll)
+        x, z = x * math.cos(pitch) + z * math.sin(pitch), z * math.cos(pitch) - x * math.sin(pitch)
+        x, y = x * math.cos(yaw) - y * math.sin(yaw), x * math.sin(yaw) + y * math.cos(yaw)
+    return np.array((x, y, z))
+
+
+@given(
+    robot=st.tuples(ANGLES, PITCHES, ANGLES),
+    mount=st.just((0.0, 0.0, 0.0)) | st.tuples(ANGLES, PITCHES, ANGLES),
+    pan=ANGLES,
+    tilt=PITCHES,
+)
 def test_a_mounted_camera_looks_along_the_turned_axes(
-    theta: float, pitch: float, roll: float, pan: float, tilt: float
+    robot: Vector, mount: Vector, pan: float, tilt: float
 ) -> None:
     view = mounted_view(
-        Stand(x=1.0, y=2.0, z=0.5, theta=theta, pitch=pitch, roll=roll),
-        forward=0.3,
-        height=0.4,
+        Stand(x=1.0, y=2.0, z=0.5, roll=robot[0], pitch=robot[1], theta=robot[2]),
+        Mount(forward=0.3, left=0.1, height=0.4, roll=mount[0], pitch=mount[1], yaw=mount[2]),
         pan=pan,
         tilt=tilt,
         horizontal_fov=FOV,
     )
-
-    def turned(vector: tuple[float, float, float]) -> np.ndarray:
-        x, y, z = vector
-        y, z = y * math.cos(roll) - z * math.sin(roll), y * math.sin(roll) + z * math.cos(roll)
-        x, z = x * math.cos(pitch) + z * math.sin(pitch), z * math.cos(pitch) - x * math.sin(pitch)
-        cos, sin = math.cos(theta), math.sin(theta)
-        return np.array((x * cos - y * sin, x * sin + y * cos, z))
-
     right, up, forward = view.basis()
-    level = math.cos(tilt)
-    assert np.allclose(view.eye, np.array((1.0, 2.0, 0.5)) + turned((0.3, 0.0, 0.4)), atol=1e-9)
-    ahead = (math.cos(pan) * level, math.sin(pan) * level, math.sin(tilt))
-    above = (-math.cos(pan) * math.sin(tilt), -math.sin(pan) * math.sin(tilt), level)
-    assert np.allclose(forward, turned(ahead), atol=1e-9)
-    assert np.allclose(up, turned(above), atol=1e-7)
+    head = (0.0, -tilt, pan)
+    eye = np.array((1.0, 2.0, 0.5)) + turned((0.3, 0.1, 0.4), robot)
+    assert np.allclose(view.eye, eye, atol=1e-9)
+    assert np.allclose(forward, turned((1.0, 0.0, 0.0), head, mount, robot), atol=1e-9)
+    assert np.allclose(up, turned((0.0, 0.0, 1.0), head, mount, robot), atol=1e-7)
     assert np.allclose(right, np.cross(forward, up), atol=1e-9)
+
+
+@given(theta=ANGLES, pan=ANGLES, tilt=PITCHES, yaw=ANGLES)
+def test_a_level_robot_and_one_that_hardly_tilts_see_the_same(
+    theta: float, pan: float, tilt: float, yaw: float
+) -> None:
+    stand, mount = Stand(x=1.0, y=2.0, theta=theta), Mount(forward=0.3, left=0.1, yaw=yaw)
+    level, other = (
+        mounted_view(each, mount, pan=pan, tilt=tilt, horizontal_fov=FOV)
+        for each in (stand, replace(stand, pitch=1e-12))
+    )
+    assert level.roll == 0.0
+    assert np.allclose(level.eye, other.eye, atol=1e-9)
+    assert np.allclose(level.basis(), other.basis(), atol=1e-7)
 
 
 def test_a_robot_nose_down_sees_more_floor_and_one_that_rolls_sees_it_slanted() -> None:
@@ -138,9 +160,8 @@ def test_a_robot_nose_down_sees_more_floor_and_one_that_rolls_sees_it_slanted() 
 
 def test_the_camera_moves_with_the_robot_that_pitches() -> None:
     stand = Stand(x=0.0, y=0.0, theta=0.0, pitch=math.pi / 2)
-    view = mounted_view(
-        stand, forward=MOUNT_FORWARD, height=MOUNT_HEIGHT, pan=0.0, tilt=0.0, horizontal_fov=FOV
-    )
+    mount = Mount(forward=MOUNT_FORWARD, height=MOUNT_HEIGHT)
+    view = mounted_view(stand, mount, pan=0.0, tilt=0.0, horizontal_fov=FOV)
     assert (view.x, view.z) == (pytest.approx(MOUNT_HEIGHT), pytest.approx(-MOUNT_FORWARD))
     assert rays_of(view, 2, 2).mean(axis=(0, 1)) == pytest.approx((0.0, 0.0, -1.0), abs=1e-9)
 
