@@ -9,8 +9,10 @@ import math
 from collections.abc import Callable
 
 from hub.gcm.autonomy import AutonomyCommand, Behaviour
+from hub.gcm.beams import beams_of
 from hub.gcm.navigation import GoalCommand, MotionState
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.gcm.pose_history import PoseHistory
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.modules.autonomy.autonomy_driver import AutonomyDriver as Autonomy
@@ -30,6 +32,7 @@ LATE_S = 0.1
 """So late a map comes after it was asked for [s]."""
 ROBOT = read_description(find_robot_file("magellan"))[0]
 BODY = body_of(ROBOT)
+BEAMS = beams_of(ROBOT.body)
 _OURS = 1
 _STEPS_PER_ACT, _STEPS_PER_MAP = 2, 30
 
@@ -53,9 +56,10 @@ class Exploration:
         self.now = 0.0
         self.navigator = Navigator(BODY, ROBOT.body)
         self.autonomy = Autonomy(radius=BODY.radius + BODY.margin, seed=seed)
-        self.occupancy = OccupancyGrid(ROBOT.map_resolution, ROBOT.map_size)
+        self.occupancy = OccupancyGrid(ROBOT.map_resolution, ROBOT.map_size, BEAMS)
         self._governor = SpeedGovernor(BODY.linear_limit, BODY.angular_limit, 0.0)
-        self._scans = ScanSelector()
+        self._scans = ScanSelector(BEAMS)
+        self._poses = PoseHistory()
         self._mail: list[tuple[float, Callable[[], None]]] = []
         self._steps = 0
 
@@ -89,12 +93,14 @@ class Exploration:
         self._governor.driver_reported(self.now)
         self.navigator.reported(drive, self.now, self.now)
         scans = self.robot.ranges(self.now)
-        if scans is not None:
-            self.navigator.scanned(RangeReadings(scans=scans), self.now, self.now)
+        readings = None if scans is None else RangeReadings(scans=scans)
+        if readings is not None:
+            self.navigator.scanned(readings, self.now, self.now)
         state = robot_state(drive, self.navigator, self._governor, 0, 1, self.now)
-        scan = self._scans.scan(state, self.now)
+        self._poses.add(state, self.now)
+        scan = readings and self._scans.scan(readings, self._poses.at(self.now))
         if scan is not None:
-            self.occupancy.add(scan.x, scan.y, scan.theta, scan.sonar, scan.infrared)
+            self.occupancy.add(scan.pose, scan.ranges)
         self.autonomy.see_robot(state, self.now)
         for due, deliver in self._mail[:]:
             if due <= self.now:

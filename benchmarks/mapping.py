@@ -7,18 +7,23 @@ import statistics
 import time
 from collections.abc import Callable
 
-from benchmarks.figures import report, say
+import numpy as np
+
+from benchmarks.figures import median_ms, report, say
+from hub.gcm.beams import beams_of
+from hub.gcm.body import RangeGroup, RangeKind, RobotBody
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.pose import Pose
 from hub.sim.arena import load_arena
+from hub.sim.range_sensors import first_hits
 from tests.hub.modules.mapping.touring import (
+    BEAMS,
     MatchedPose,
     PoseSource,
     Report,
     mapped,
     score,
-    state_of,
     surfaces_in_sight,
     tour,
     true_pose,
@@ -41,21 +46,47 @@ workshop."""
 
 
 def update_times(reports: list[Report]) -> list[float]:
-    """What each scan of a tour costs, from the report on [ms]."""
+    """What each scan of a tour costs, from the readings on [ms]."""
     arena = load_arena("yellow")
-    grid, scans, pose = OccupancyGrid(RESOLUTION, SIZE), ScanSelector(), true_pose(arena.start)
+    grid, scans, pose = (
+        OccupancyGrid(RESOLUTION, SIZE, BEAMS),
+        ScanSelector(BEAMS),
+        true_pose(arena.start),
+    )
     times = []
     for item in reports:
-        state = state_of(item, pose(item))
+        here = pose(item)
+        if item.ranges is None:
+            continue
         start = time.perf_counter()
-        scan = scans.scan(state, item.time)
+        scan = scans.scan(item.ranges, here)
         if scan is not None:
-            grid.add(scan.x, scan.y, scan.theta, scan.sonar, scan.infrared)
+            grid.add(scan.pose, scan.ranges)
             times.append((time.perf_counter() - start) * 1e3)
     return times
 
 
+def laser_scan() -> None:
+    """What a scan of 360 laser beams costs, at places of the tour."""
+    arena = load_arena("yellow")
+    group = RangeGroup(
+        name="laser", kind=RangeKind.LASER, beams=360, step=math.tau / 360, farthest=12.0
+    )
+    beams = beams_of(RobotBody(name="laser", kind="laser", radius=0.2, ranges=(group,)))
+    along = np.stack((np.cos(beams.bearing), np.sin(beams.bearing)), axis=1)
+    grid = OccupancyGrid(RESOLUTION, SIZE, beams)
+    scans = []
+    for place in TOUR:
+        away, _, _ = first_hits(arena.footprints, np.tile(place, (360, 1)), along)
+        scans.append((Pose(x=place[0], y=place[1]), away.astype(np.float32)))
+    value = median_ms(lambda number: grid.add(*scans[number % len(scans)]), 10 * len(scans))
+    mean = statistics.mean(float(away.mean()) for _, away in scans)
+    note = f"360 beams of {mean:.1f} m in the mean, 5 cm cells"
+    report("mapping.laser_scan_ms", value, "ms", bar=0.5, note=note)
+
+
 def main() -> None:
+    laser_scan()
     arena = load_arena("yellow")
     sources: dict[str, tuple[str, Callable[[OccupancyGrid], Callable[[Report], Pose]]]] = {
         "map.f1": ("true poses", lambda _: true_pose(arena.start)),
@@ -87,7 +118,7 @@ def main() -> None:
             report("map.update_ms", statistics.median(times), "ms", bar=3.0, note=note)
         surfaces = surfaces_in_sight(reports, arena)
         for name, (_, source) in sources.items():
-            grid = OccupancyGrid(RESOLUTION, SIZE)
+            grid = OccupancyGrid(RESOLUTION, SIZE, BEAMS)
             mapped(reports, source(grid), grid)
             scores[name].append(score(grid, arena, surfaces))
     for name, (poses, _) in sources.items():

@@ -8,17 +8,22 @@ import math
 import sys
 import time
 
+import numpy as np
+
 from hub.bucket import Bucket
 from hub.errors import HandlerFailedError, MapFileError, MissionError, RobotFileError
-from hub.gcm import mapping, navigation
+from hub.gcm import flight, mapping, navigation, ranges
+from hub.gcm.beams import beams_of
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.gcm.pose_history import PoseHistory
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.missions import storage
 from hub.missions.folder import MissionFolder
 from hub.missions.keeper import MissionKeeper, MissionLimits
+from hub.modules.mapping.evidence import LEVEL
 from hub.modules.mapping.grid import LOADED, MAX_EDGE_CELLS, OccupancyGrid
 from hub.modules.mapping.mission_desk import MissionDesk
 from hub.modules.mapping.scans import ScanSelector
@@ -46,8 +51,16 @@ class Mapping:
         """Resume the running mission, subscribe, and answer requests."""
         self._client = client
         self._robot = robot
-        self._grid = OccupancyGrid(robot.map_resolution, robot.map_size)
-        self._scans = ScanSelector()
+        self._beams = beams = beams_of(robot.body)
+        self._grid = OccupancyGrid(robot.map_resolution, robot.map_size, beams)
+        self._scans = ScanSelector(beams)
+        self._poses = PoseHistory()
+        self._tilt = 0.0
+        self._tilted = 0
+        steep = int((np.abs(beams.elevation) > LEVEL).sum())
+        if steep:
+            text = "%d of %d range beams look up or down: the map takes none of them"
+            _logger.info(text, steep, len(beams.elevation))
         self._stamp = 0.0
         self._changed = False
         self._saved = -math.inf
@@ -69,6 +82,8 @@ class Mapping:
             ending=self._save,
         )
         client.subscribe(navigation.ROBOT_STATE, self._state)
+        client.subscribe(flight.ATTITUDE, self._attitude)
+        client.subscribe(ranges.RANGES, self._ranges)
         client.respond(mapping.MAP_REQUEST, mapping.MAP, self._map)
         client.respond(mapping.MAP_COMMAND, COMMON_RESULT, self._command)
         client.every(_UPDATE_S, self._update)
@@ -77,6 +92,8 @@ class Mapping:
         """Save the rest, and log what was left out."""
         self._save()
         self._keeper.close()
+        if self._tilted:
+            _logger.warning("%d scans were made while the robot was tilted", self._tilted)
         if self._grid.outside:
             _logger.warning("%d scans were made outside of the map", self._grid.outside)
 
@@ -123,11 +140,21 @@ class Mapping:
             self._start_map()
             self._desk.publish()
         self._keeper.trace(state.x, state.y, state.theta)
-        scan = self._scans.scan(state, reception.measured)
+        self._poses.add(state, reception.measured)
+
+    def _attitude(self, attitude: flight.Attitude, _reception: MessageInfo) -> None:
+        self._tilt = max(abs(attitude.roll), abs(attitude.pitch))
+
+    def _ranges(self, readings: ranges.RangeReadings, reception: MessageInfo) -> None:
+        scan = self._scans.scan(readings, self._poses.at(reception.measured))
         if scan is None:
             return
-        if self._grid.add(scan.x, scan.y, scan.theta, scan.sonar, scan.infrared):
-            self._stamp = state.stamp
+        if self._tilt > LEVEL:
+            self._tilted += 1
+            if self._tilted == 1:
+                _logger.warning("the robot is tilted: its scans are left out of the map")
+        elif self._grid.add(scan.pose, scan.ranges):
+            self._stamp = time.time()
             self._changed = True
         elif self._grid.outside == 1:
             _logger.warning("the robot has left the map, which ends %.1f m away", -self._grid.low)
@@ -204,7 +231,8 @@ class Mapping:
     def _start_map(self) -> None:
         """Clear the map for a new mission or a new sheet."""
         self._grid.clear()
-        self._scans = ScanSelector()
+        self._scans = ScanSelector(self._beams)
+        self._poses = PoseHistory()
         self._changed = True
 
 

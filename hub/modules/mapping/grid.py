@@ -6,14 +6,13 @@ import math
 
 import numpy as np
 
+from hub.gcm.beams import Beams
 from hub.gcm.map_coding import MAX_CELLS
-from hub.gcm.navigation import SENSOR_COUNT
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.missions.log_odds import LogOdds
-from hub.modules.mapping.evidence import INFRARED, SONAR, Evidence, Floats
+from hub.modules.mapping.evidence import Evidence, Floats
+from hub.pose import Pose, wrapped
 
-LEAST, MOST = -2.0, 3.5
-"""Bounds of the log-odds, so that some scans are enough to learn a change."""
 LOADED = 1.5
 """Start value of free (minus) and occupied (plus) cells of a loaded map [log-odds]."""
 KNOWN = 0.1
@@ -42,23 +41,26 @@ class OccupancyGrid:
         outside: Number of scans left out because the robot was outside of the square.
     """
 
-    def __init__(self, resolution: float, size: float) -> None:
+    def __init__(self, resolution: float, size: float, beams: Beams | None = None) -> None:
         """Make an empty map.
 
         Args:
             resolution: Edge of a cell [m].
             size: Extent in both directions [m]; no more than `MAX_EDGE_CELLS` cells are made.
+            beams: The robot's beams; None: it has none.
         """
         self.resolution = resolution
         half = max(1, min(math.ceil(size / resolution / 2.0), MAX_EDGE_CELLS // 2))
         self.edge_cells = 2 * half
         self.low = -half * resolution
         self.outside = 0
-        self._rings = [Evidence(model, resolution) for model in (SONAR, INFRARED)]
-        self._frame = max(ring.reach_cells for ring in self._rings)
+        self._groups: list[tuple[slice, Evidence]] = []
+        if beams is not None:
+            groups = beams.groups.values()
+            self._groups = [(each, Evidence(beams, each, resolution)) for each in groups]
+        reach = max((evidence.reach for _, evidence in self._groups), default=0.0)
+        self._frame = math.ceil(reach / resolution) + 1
         self._width = self.edge_cells + 2 * self._frame
-        self._offsets = [ring.offsets(self._width) for ring in self._rings]
-        self._cells = [np.empty_like(offsets) for offsets in self._offsets]
         self._flat: Floats = np.zeros(self._width * self._width, np.float32)
 
     @property
@@ -72,40 +74,24 @@ class OccupancyGrid:
         self._flat[:] = 0.0
         self.outside = 0
 
-    def add(self, x: float, y: float, theta: float, sonar: Floats, infrared: Floats) -> bool:
+    def add(self, pose: Pose, ranges: Floats) -> bool:
         """Add a scan.
 
         Args:
-            x: Position of the robot in `map` at the scan [m].
-            y: The same [m].
-            theta: Heading in `map` [rad].
-            sonar: Ranges from the centre [m], shape (16,); inf: no echo; NaN: no evidence.
-            infrared: The same; inf: no hit.
+            pose: The robot's pose in `map` at the scan.
+            ranges: The range of each beam [m], shape (beams,); inf: no echo; NaN: no evidence.
 
         Returns:
             Whether it was used: the robot is within the square and its heading is finite.
         """
-        within = self.low <= x < -self.low and self.low <= y < -self.low
-        if not (within and math.isfinite(theta)):
+        within = self.low <= pose.x < -self.low and self.low <= pose.y < -self.low
+        if not (within and math.isfinite(pose.theta)):
             self.outside += 1
             return False
-        # Rounding may move a point just below the upper edge into the cell beyond it.
-        last = self.edge_cells - 1
-        column = min(math.floor((x - self.low) / self.resolution), last)
-        row = min(math.floor((y - self.low) / self.resolution), last)
-        middle = (row + self._frame) * self._width + column + self._frame
-        beside_x = x - self.low - (column + 0.5) * self.resolution
-        beside_y = y - self.low - (row + 0.5) * self.resolution
-        heading = math.remainder(theta, 2.0 * math.pi)
-        scans = (sonar, infrared)
-        for ring, offsets, cells, ranges in zip(
-            self._rings, self._offsets, self._cells, scans, strict=True
-        ):
-            np.add(offsets, middle, out=cells)
-            change = ring.change(_usable(ranges), beside_x, beside_y, heading, self._flat, cells)
-            changed = cells[: len(change)]
-            change += self._flat[changed]
-            self._flat[changed] = np.clip(change, LEAST, MOST, out=change)
+        corner = self.low - self._frame * self.resolution
+        inside = Pose(x=pose.x - corner, y=pose.y - corner, theta=wrapped(pose.theta))
+        for group, evidence in self._groups:
+            evidence.add(ranges[group], inside, self._flat, self._width)
         return True
 
     def whole(self) -> OccupancyMap:
@@ -221,10 +207,3 @@ class OccupancyGrid:
             origin_x=self.low + left * self.resolution,
             origin_y=self.low + bottom * self.resolution,
         )
-
-
-def _usable(ranges: Floats) -> Floats:
-    """The ranges, shape (16,), with NaN for impossible ones."""
-    if ranges.shape != (SENSOR_COUNT,):
-        return np.full(SENSOR_COUNT, np.nan, np.float32)
-    return np.where(ranges > 0.0, ranges, np.float32(np.nan)).astype(np.float32)

@@ -1,4 +1,4 @@
-"""New scans in the robot's reports, and the robot's pose at each of them; pure."""
+"""New scans among the readings of range sensors; pure."""
 
 from __future__ import annotations
 
@@ -6,20 +6,19 @@ import math
 
 import numpy as np
 
-from hub.gcm.navigation import RobotState
+from hub.gcm.beams import Beams
+from hub.gcm.ranges import LaserScan, RangeReadings
+from hub.gcm.standard import Time
 from hub.modules.mapping.evidence import Floats
+from hub.pose import Pose, wrapped
 from hub.values import dataclass
 
-LONGEST_LAG = 0.2
-"""Largest age of a scan in a report [s]."""
-FASTEST = 100.0
-"""Larger velocities are not valid [m/s or rad/s]."""
 SAME_PLACE = 0.05
 """Scans nearer to each other than this come from the same place [m]."""
 SAME_HEADING = math.radians(5.0)
 """The same for the heading [rad]."""
 SCANS_A_PLACE = 2
-"""Largest number of scans used from one place: a sonar repeats its errors."""
+"""Largest number of scans of a group used from one place: a sonar repeats its errors."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -27,92 +26,67 @@ class Scan:
     """Ranges, and the pose at which they were measured.
 
     Attributes:
-        x: Position in `map` [m].
-        y: Position in `map` [m].
-        theta: Heading in `map` [rad].
-        sonar: Range of each sonar from the centre [m], shape (16,); inf: no echo; NaN: not new.
-        infrared: The same.
+        pose: The robot's pose in `map`.
+        ranges: Range of each beam [m], shape (beams,); inf: no echo; NaN: no evidence.
     """
 
-    x: float
-    y: float
-    theta: float
-    sonar: Floats
-    infrared: Floats
+    pose: Pose
+    ranges: Floats
+
+
+@dataclass(slots=True, kw_only=True)
+class _LastScans:
+    """The last used scans of a group: its stamp, their place, and their number there."""
+
+    stamp: Time
+    place: Pose
+    used: int
 
 
 class ScanSelector:
-    """Picks the new scans out of the reports.
+    """Picks the new scans out of the readings.
 
-    Reports come more often than scans, and repeat the last one. Only ranges that differ from the
-    report before are new: noise makes equal ranges unlikely. No echo counts as new when another
-    sensor of the ring is new, or when the robot has moved.
+    Readings repeat the scans of groups that have not measured since. A new scan has a new stamp.
     """
 
-    def __init__(self) -> None:
-        self._last: tuple[Floats, Floats] | None = None
-        self._measured = -math.inf
-        self._place = (math.inf, math.inf, 0.0)
-        self._from_here = 0
+    def __init__(self, beams: Beams) -> None:
+        self._beams = beams
+        self._groups: dict[str, _LastScans] = {}
 
-    def scan(self, state: RobotState, measured: float) -> Scan | None:
-        """The new scan in a report.
+    def scan(self, readings: RangeReadings, pose: Pose) -> Scan | None:
+        """The new scans in the readings.
 
         Args:
-            state: The report.
-            measured: When it was measured, on one monotonic clock [s].
+            readings: The newest scan of each group.
+            pose: The robot's pose in `map` when the newest was measured; NaN: not known.
 
         Returns:
-            None if there is none, or if enough of them came from this place.
+            None if nothing is new, if enough scans came from this place, or without a pose.
         """
-        elapsed = min(max(measured - self._measured, 0.0), LONGEST_LAG)
-        self._measured = measured
-        last, self._last = self._last, (state.sonar, state.infrared)
-        if not all(math.isfinite(part) for part in (state.x, state.y, state.theta)):
+        if not all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
             return None
-        x, y, theta = _back(state, elapsed / 2.0)
-        moved = self._moved(x, y, theta)
-        sonar = _new_ranges(state.sonar, None if last is None else last[0], moved=moved)
-        infrared = _new_ranges(state.infrared, None if last is None else last[1], moved=moved)
-        if np.isnan(sonar).all() and np.isnan(infrared).all():
-            return None
-        if moved:
-            self._place, self._from_here = (x, y, theta), 0
-        self._from_here += 1
-        if self._from_here > SCANS_A_PLACE:
-            return None
-        return Scan(x=x, y=y, theta=theta, sonar=sonar, infrared=infrared)
+        new = tuple(scan for scan in readings.scans if self._is_used(scan, pose))
+        ranges = self._beams.ranges(RangeReadings(scans=new))
+        return None if np.isnan(ranges).all() else Scan(pose=pose, ranges=ranges)
 
-    def _moved(self, x: float, y: float, theta: float) -> bool:
-        """Whether the robot is at another place than at the scan before."""
-        place_x, place_y, heading = self._place
-        turned = abs(math.remainder(theta - heading, 2.0 * math.pi))
-        return math.hypot(x - place_x, y - place_y) > SAME_PLACE or turned > SAME_HEADING
-
-
-def _new_ranges(now: Floats, before: Floats | None, *, moved: bool) -> Floats:
-    """The new ranges; NaN for the others."""
-    if before is None:
-        return now
-    new = now != before
-    new |= np.isinf(now) & (moved or bool(new.any()))
-    return np.where(new, now, np.float32(np.nan)).astype(np.float32)
+    def _is_used(self, scan: LaserScan, pose: Pose) -> bool:
+        """Whether a scan is new, and not one too many from one place."""
+        name, stamp = scan.header.frame_id, scan.header.stamp
+        if name not in self._beams.groups:
+            return False
+        group = self._groups.get(name)
+        if group is None:
+            group = self._groups[name] = _LastScans(stamp=stamp, place=pose, used=0)
+        elif group.stamp == stamp:
+            return False
+        group.stamp = stamp
+        if _moved(group.place, pose):
+            group.place, group.used = pose, 0
+        group.used += 1
+        return group.used <= SCANS_A_PLACE
 
 
-def _back(state: RobotState, seconds: float) -> tuple[float, float, float]:
-    """The robot's pose at the scan [m, m, rad].
-
-    The scan was made at some time since the report before; half of that time is the best
-    guess. The velocities give the motion since. The pose before does not: a landmark may
-    just have corrected it.
-    """
-    if not (abs(state.linear) <= FASTEST and abs(state.angular) <= FASTEST):
-        return state.x, state.y, state.theta
-    turn = state.angular * seconds
-    way = state.linear * seconds
-    heading = state.theta - turn / 2.0
-    return (
-        state.x - way * math.cos(heading),
-        state.y - way * math.sin(heading),
-        state.theta - turn,
-    )
+def _moved(before: Pose, now: Pose) -> bool:
+    """Whether two poses are different places."""
+    turned = abs(wrapped(now.theta - before.theta))
+    return math.hypot(now.x - before.x, now.y - before.y) > SAME_PLACE or turned > SAME_HEADING

@@ -11,6 +11,7 @@ from hub.modules.mapping.grid import OccupancyGrid
 from hub.pose import Pose
 from hub.sim.arena import Arena
 from tests.hub.modules.mapping.touring import (
+    BEAMS,
     Floats,
     PoseSource,
     Report,
@@ -73,7 +74,7 @@ Result = Callable[[list[Report], Callable[[Report], Pose]], Score]
 @pytest.fixture(scope="module")
 def result(arena: Arena, surfaces: Floats) -> Result:
     return lambda reports, source: score(
-        mapped(reports, source, OccupancyGrid(0.05, 14.0)), arena, surfaces
+        mapped(reports, source, OccupancyGrid(0.05, 14.0, BEAMS)), arena, surfaces
     )
 
 

@@ -9,21 +9,36 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from hub.gcm.beams import Beams, beams_of
+from hub.gcm.body import BodyFrame, RangeGroup, RangeKind, RobotBody
 from hub.gcm.map_coding import decode, encode
 from hub.gcm.occupancy_map import OccupancyMap
-from hub.modules.mapping.evidence import INFRARED, SONAR
-from hub.modules.mapping.grid import BORDER, LEAST, LOADED, MOST, OccupancyGrid
+from hub.modules.mapping.evidence import FARTHEST, LEAST, MOST
+from hub.modules.mapping.grid import BORDER, LOADED, OccupancyGrid
+from hub.pose import Pose
+from tests.support.cases import for_each
 
-NOTHING = np.full(16, np.inf, np.float32)
-BLIND = np.full(16, np.nan, np.float32)
+HERE = Pose()
 
 
-def ranges(**by_number: float) -> np.ndarray:
-    """Ranges that say nothing but for some sensors: s0=1.0."""
-    values = BLIND.copy()
-    for name, value in by_number.items():
-        values[int(name[1:])] = value
-    return values
+def one_beam(kind: RangeKind, opening_deg: float = 0.0, farthest: float = 8.0) -> Beams:
+    """A single sensor that looks ahead from the robot's origin."""
+    opening = math.radians(opening_deg)
+    group = RangeGroup(name="one", kind=kind, opening=opening, nearest=0.1, farthest=farthest)
+    return beams_of(RobotBody(name="a", kind="b", radius=0.2, ranges=(group,)))
+
+
+SONAR = one_beam(RangeKind.SONAR, 27.0, 5.1)
+INFRARED = one_beam(RangeKind.INFRARED, farthest=1.0)
+LASER = one_beam(RangeKind.LASER)
+
+
+def after(beams: Beams, *ranges: float, scans: int = 1) -> OccupancyGrid:
+    """A grid after scans from its middle."""
+    grid = OccupancyGrid(0.05, 12.0, beams)
+    for _ in range(scans):
+        assert grid.add(HERE, np.array(ranges, np.float32))
+    return grid
 
 
 def at(grid: OccupancyGrid, x: float, y: float) -> float:
@@ -31,122 +46,212 @@ def at(grid: OccupancyGrid, x: float, y: float) -> float:
     return float(grid.log_odds[row, column])
 
 
-def test_an_echo_marks_its_place_and_frees_the_way_to_it() -> None:
-    grid = OccupancyGrid(0.05, 10.0)
-    assert grid.add(0.0, 0.0, 0.0, ranges(s0=2.0), BLIND)
-    assert at(grid, 2.0, 0.0) > 0.2
-    assert at(grid, 1.0, 0.0) < -0.1
-    assert at(grid, 2.3, 0.0) == 0.0
-    assert at(grid, -1.0, 0.0) == 0.0
+def known(grid: OccupancyGrid) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places x and y [m] and log-odds of the known cells, each of shape (n,)."""
+    rows, columns = np.nonzero(grid.log_odds)
+    x, y = (grid.low + (place + 0.5) * grid.resolution for place in (columns, rows))
+    return x, y, grid.log_odds[rows, columns]
 
 
-@given(
-    x=st.floats(-2.0, 2.0),
-    y=st.floats(-2.0, 2.0),
-    theta=st.floats(-10.0, 10.0),
-    sensor=st.integers(0, 15),
-    away=st.floats(0.3, 2.8),
-    infrared=st.booleans(),
-)
-def test_an_echo_lies_on_the_axis_of_its_sensor(
-    x: float, y: float, theta: float, sensor: int, away: float, *, infrared: bool
+@for_each("beams", [SONAR, INFRARED, LASER])
+def test_an_echo_marks_its_place_and_frees_the_way_to_it(beams: Beams) -> None:
+    grid = after(beams, 0.9)
+    assert at(grid, 0.9, 0.0) > 0.1
+    assert at(grid, 0.5, 0.0) < -0.1
+    assert at(grid, 1.1, 0.0) == 0.0
+    assert at(grid, -0.5, 0.0) == 0.0
+
+
+KINDS = st.sampled_from(list(RangeKind))
+ANGLES = st.floats(-math.pi, math.pi)
+PLACES = st.floats(-0.5, 0.5)
+
+
+@st.composite
+def bodies(draw: st.DrawFn) -> RobotBody:
+    """A body with a few single sensors, a ring and a scan, each anywhere on it."""
+    names = ("front", "back", "ring", "scan")
+    groups, frames = [], []
+    for name in names[: draw(st.integers(1, 4))]:
+        beams = {"ring": 7, "scan": 40}.get(name, 1)
+        groups.append(
+            RangeGroup(
+                name=name,
+                kind=draw(KINDS),
+                beams=beams,
+                first=draw(ANGLES),
+                step=math.tau / beams * draw(st.sampled_from([-1.0, 0.5, 1.0])),
+                opening=math.radians(draw(st.floats(0.0, 40.0))),
+                nearest=0.1,
+                farthest=draw(st.floats(0.5, 12.0)),
+            )
+        )
+        frame = BodyFrame(name=name, x=draw(PLACES), y=draw(PLACES), yaw=draw(ANGLES))
+        frames.append(frame)
+    return RobotBody(name="a", kind="b", radius=0.7, frames=tuple(frames), ranges=tuple(groups))
+
+
+@given(data=st.data(), body=bodies(), x=PLACES, y=PLACES, theta=ANGLES)
+def test_one_beam_of_any_body_is_free_to_its_echo_and_nothing_beside_it(
+    data: st.DataObject, body: RobotBody, x: float, y: float, theta: float
 ) -> None:
-    grid = OccupancyGrid(0.05, 12.0)
-    scan = ranges(**{f"s{sensor}": min(away, 1.0) if infrared else away})
-    away = float(np.nanmax(scan))
-    assert grid.add(x, y, theta, BLIND if infrared else scan, scan if infrared else BLIND)
-    rows, columns = np.nonzero(grid.log_odds == grid.log_odds.max())
-    direction = theta + sensor * math.pi / 8
-    for row, column in zip(rows, columns, strict=True):
-        beside_x = grid.low + (column + 0.5) * 0.05 - x
-        beside_y = grid.low + (row + 0.5) * 0.05 - y
-        assert abs(math.hypot(beside_x, beside_y) - away) <= 0.036
-        error = math.remainder(math.atan2(beside_y, beside_x) - direction, 2 * math.pi)
-        assert abs(error) * away <= 0.15
-    assert grid.log_odds.max() > 0.0
+    beams = beams_of(body)
+    beam = data.draw(st.integers(0, len(beams.kind) - 1))
+    away = data.draw(st.floats(0.2, 2.5).filter(lambda value: value < beams.farthest[beam]))
+    ranges = np.full(len(beams.kind), np.nan, np.float32)
+    ranges[beam] = away
+    grid = OccupancyGrid(0.05, 8.0, beams)
+    pose = Pose(x=x, y=y, theta=theta)
+    assert grid.add(pose, ranges)
+    origin = pose.outward(float(beams.x[beam]), float(beams.y[beam]))
+    cells_x, cells_y, values = known(grid)
+    distance = np.hypot(cells_x - origin[0], cells_y - origin[1])
+    direction = np.arctan2(cells_y - origin[1], cells_x - origin[0])
+    aside = np.abs(
+        np.remainder(direction - theta - beams.bearing[beam] + math.pi, math.tau) - math.pi
+    )
+    # A cell is 5 cm wide: its middle is up to 3.6 cm from the point of a ray in it.
+    assert (np.abs(distance[values > 0.0] - away) <= 0.036).all()
+    assert (distance <= away + 0.036).all()
+    outside = np.clip(aside - beams.opening[beam] / 2.0, 0.0, math.pi / 2.0)
+    assert (np.sin(outside) * distance <= 0.036).all()
+    echo = Pose(x=origin[0], y=origin[1], theta=theta + beams.bearing[beam])
+    if beams.farthest[beam] <= FARTHEST and beams.opening[beam] * away < 1.0:
+        assert at(grid, *echo.outward(away, 0.0)) > 0.0
+    for share in (0.1, 0.5, 0.8):
+        probe_x, probe_y = echo.outward(away * share, 0.0)
+        near = np.hypot(cells_x - probe_x, cells_y - probe_y) < 0.05
+        assert (values[near] < 0.0).any() or (1.0 - share) * away < 0.1
+
+
+def test_seven_ranges_and_a_laser_draw_the_walls_of_a_room() -> None:
+    """Each sensor from its own place: all walls are at 2 m from the robot's origin."""
+    single = [
+        (f"r{n}", BodyFrame(name=f"r{n}", x=0.3 * math.cos(n), y=0.3 * math.sin(n), yaw=n))
+        for n in range(7)
+    ]
+    body = RobotBody(
+        name="a",
+        kind="b",
+        radius=0.4,
+        frames=(*(frame for _, frame in single), BodyFrame(name="laser", x=0.2, roll=math.pi)),
+        ranges=(
+            *(
+                RangeGroup(name=name, kind=RangeKind.SONAR, opening=0.1, farthest=4.0)
+                for name, _ in single
+            ),
+            RangeGroup(
+                name="laser", kind=RangeKind.LASER, beams=360, step=math.tau / 360, farthest=8.0
+            ),
+        ),
+    )
+    beams = beams_of(body)
+    along = np.stack([np.cos(beams.bearing), np.sin(beams.bearing)])
+    to_wall = (2.0 - np.sign(along) * (beams.x, beams.y)) / np.maximum(np.abs(along), 1e-9)
+    grid = after(beams, *to_wall.min(axis=0))
+    x, y, values = known(grid)
+    walls = np.maximum(np.abs(x), np.abs(y))
+    assert np.abs(walls[values > 0.0] - 2.0).max() < 0.1
+    assert (values > 0.0).sum() > 250
+    assert at(grid, 0.0, 1.5) < 0.0
+    assert at(grid, -1.5, -1.5) < 0.0
+
+
+def test_beams_that_look_up_or_down_and_unknown_ranges_give_no_evidence() -> None:
+    frames = (BodyFrame(name="up", pitch=-0.1), BodyFrame(name="down", pitch=0.1))
+    groups = tuple(
+        RangeGroup(name=name, kind=RangeKind.LASER, farthest=5.0)
+        for name in ("up", "down", "level")
+    )
+    beams = beams_of(RobotBody(name="a", kind="b", radius=0.2, frames=frames, ranges=groups))
+    assert not after(beams, 1.0, 1.0, math.nan).log_odds.any()
+    assert after(beams, math.nan, math.nan, 1.0).log_odds.any()
+
+
+@for_each("value", [-math.inf, -1.0, 0.0, 0.05, 8.1, math.nan])
+def test_ranges_that_the_sensor_cannot_measure_give_no_evidence(value: float) -> None:
+    assert not after(LASER, value).log_odds.any()
 
 
 def test_evidence_of_a_sonar_falls_with_angle_and_range() -> None:
-    def on_axis(away: float) -> float:
-        grid = OccupancyGrid(0.05, 10.0)
-        grid.add(0.0, 0.0, 0.0, ranges(s0=away), BLIND)
-        return float(grid.log_odds.max())
-
-    assert on_axis(0.5) > on_axis(1.5) > on_axis(2.5) > 0.0
-    grid = OccupancyGrid(0.05, 10.0)
-    grid.add(0.0, 0.0, 0.0, ranges(s0=2.0), BLIND)
+    near, middle, far = (after(SONAR, away).log_odds.max() for away in (0.5, 1.5, 2.5))
+    assert near > middle > far > 0.0
     slant = math.radians(8.0)
-    assert at(grid, 2.0, 0.0) > at(grid, 2.0 * math.cos(slant), 2.0 * math.sin(slant)) >= 0.0
+    grid = after(SONAR, 2.0)
+    assert at(grid, 2.0, 0.0) > at(grid, 2.0 * math.cos(slant), 2.0 * math.sin(slant)) > 0.0
 
 
 def test_an_echo_is_put_where_the_map_already_has_something() -> None:
     post = (2.0 * math.cos(0.12), 2.0 * math.sin(0.12))
-    grid = OccupancyGrid(0.05, 10.0)
+    grid = OccupancyGrid(0.05, 10.0, SONAR)
     picture = OccupancyMap(
         cells=np.array([[100]], np.int8), resolution=0.05, origin_x=post[0] - 0.025,
         origin_y=post[1] - 0.025,
     )  # fmt: skip
     grid.paint(picture, LOADED)
     before = at(grid, *post)
-    grid.add(0.0, 0.0, 0.0, ranges(s0=2.0), BLIND)
+    grid.add(HERE, np.array([2.0], np.float32))
     unknown_beside = at(grid, post[0], -post[1])
     assert at(grid, *post) - before > 2.0 * unknown_beside
 
 
 def test_a_known_wall_is_not_erased_by_an_echo_from_behind_it() -> None:
-    """Smooth walls send beams away: the echo of something farther off comes beside them."""
-    grid = OccupancyGrid(0.05, 10.0)
+    """Smooth walls send a sonar's beam away: the echo of something farther comes beside them."""
     wall = OccupancyMap(
         cells=np.full((20, 1), 100, np.int8), resolution=0.05, origin_x=1.0, origin_y=-0.5
     )
-    grid.paint(wall, LOADED)
-    grid.add(0.0, 0.0, 0.0, ranges(s0=2.5), BLIND)
-    lost = LOADED - at(grid, 1.01, 0.01)
-    assert 0.0 < lost < -0.5 * at(grid, 0.9, 0.01)
+    lost = []
+    for beams in (SONAR, LASER):
+        grid = OccupancyGrid(0.05, 10.0, beams)
+        grid.paint(wall, LOADED)
+        grid.add(HERE, np.array([2.5], np.float32))
+        lost.append((LOADED - at(grid, 1.01, 0.01)) / -at(grid, 0.9, 0.01))
+    sonar, laser = lost
+    assert 0.0 < sonar < 0.5
+    assert laser == pytest.approx(1.0)
 
 
 def test_what_is_gone_is_forgotten_in_the_end() -> None:
-    grid = OccupancyGrid(0.05, 10.0)
-    for _ in range(50):
-        grid.add(0.0, 0.0, 0.0, ranges(s0=1.025), BLIND)
+    grid = after(SONAR, 1.025, scans=50)
     assert at(grid, 1.0, 0.0) == pytest.approx(MOST)
-    for _ in range(100):
-        grid.add(0.0, 0.0, 0.0, ranges(s0=2.5), BLIND)
+    for _ in range(150):
+        grid.add(HERE, np.array([2.5], np.float32))
     assert at(grid, 1.0, 0.0) == pytest.approx(LEAST)
 
 
-def test_silence_of_a_sonar_frees_only_what_is_near_and_that_of_infrared_nothing() -> None:
-    grid = OccupancyGrid(0.05, 10.0)
-    grid.add(0.0, 0.0, 0.0, NOTHING, BLIND)
-    assert at(grid, SONAR.silent - 0.1, 0.0) < 0.0
-    assert at(grid, SONAR.silent + 0.1, 0.0) == 0.0
+@for_each(
+    ("beams", "free"), [(SONAR, 1.0), (LASER, 8.0 / 3.0), (INFRARED, 0.0)]
+)  # fmt: skip
+def test_no_echo_frees_only_what_is_near_and_that_of_infrared_nothing(
+    beams: Beams, free: float
+) -> None:
+    grid = after(beams, math.inf)
+    x, _, _ = known(grid)
+    assert x.max(initial=0.0) == pytest.approx(free, abs=0.06)
     assert grid.log_odds.max() == 0.0
-    silent = OccupancyGrid(0.05, 10.0)
-    silent.add(0.0, 0.0, 0.0, BLIND, NOTHING)
-    assert not silent.log_odds.any()
 
 
 def test_echoes_from_beyond_the_mapped_range_free_what_is_before_it() -> None:
-    grid = OccupancyGrid(0.05, 12.0)
-    grid.add(0.0, 0.0, 0.0, ranges(s0=4.5), ranges(s0=4.5))
+    grid = after(SONAR, 4.5)
     assert at(grid, 2.5, 0.0) < 0.0
     assert grid.log_odds.max() == 0.0
-    assert INFRARED.farthest < SONAR.farthest
 
 
 @given(
     values=st.lists(st.floats(width=32), min_size=16, max_size=16),
-    x=st.floats(), y=st.floats(), theta=st.floats(),
+    x=st.floats(), y=st.floats(), theta=st.floats(), kind=KINDS,
 )  # fmt: skip
-@example(values=[1.0] * 16, x=1.7e308, y=-1.7e308, theta=1.7e308)
-@example(values=[1.0] * 16, x=math.nextafter(2.0, 0.0), y=0.0, theta=0.0)
+@example(values=[1.0] * 16, x=1.7e308, y=-1.7e308, theta=1.7e308, kind=RangeKind.SONAR)
+@example(values=[1.0] * 16, x=math.nextafter(2.0, 0.0), y=0.0, theta=0.0, kind=RangeKind.LASER)
 def test_nothing_that_is_reported_breaks_the_map(
-    values: list[float], x: float, y: float, theta: float
+    values: list[float], x: float, y: float, theta: float, kind: RangeKind
 ) -> None:
-    grid = OccupancyGrid(0.1, 4.0)
+    group = RangeGroup(name="g", kind=kind, beams=16, step=0.4, opening=0.3, farthest=8.0)
+    beams = beams_of(RobotBody(name="a", kind="b", radius=0.2, ranges=(group,)))
+    grid = OccupancyGrid(0.1, 4.0, beams)
     scan = np.array(values, np.float32)
-    used = grid.add(x, y, theta, scan, scan[::-1])
-    assert grid.add(0.3, 0.2, theta if math.isfinite(theta) else 0.0, scan, scan[:3])
+    used = grid.add(Pose(x=x, y=y, theta=theta), scan)
+    assert grid.add(Pose(x=0.3, y=0.2), scan[::-1])
     assert grid.outside == (not used)
     assert np.isfinite(grid.log_odds).all()
     assert grid.log_odds.min() >= LEAST
@@ -154,20 +259,20 @@ def test_nothing_that_is_reported_breaks_the_map(
 
 
 def test_scans_from_outside_the_square_are_counted_and_left_out() -> None:
-    grid = OccupancyGrid(0.05, 4.0)
-    assert not grid.add(2.01, 0.0, 0.0, ranges(s8=1.0), BLIND)
+    grid = OccupancyGrid(0.05, 4.0, SONAR)
+    assert not grid.add(Pose(x=2.01), np.ones(1, np.float32))
     assert grid.outside == 1
     assert not grid.log_odds.any()
-    assert grid.add(1.99, -1.99, 0.0, ranges(s0=1.0, s8=1.0), BLIND)
+    assert grid.add(Pose(x=1.99, y=-1.99, theta=math.pi), np.ones(1, np.float32))
     assert grid.log_odds.any()
 
 
 def test_the_whole_map_is_what_is_known_and_a_border() -> None:
-    grid = OccupancyGrid(0.05, 40.0)
+    grid = OccupancyGrid(0.05, 40.0, SONAR)
     empty = grid.whole()
     assert (empty.cells == -1).all()
     assert empty.cells.shape == (21, 21)
-    grid.add(3.0, -2.0, 0.0, ranges(s0=2.0), BLIND)
+    grid.add(Pose(x=3.0, y=-2.0), np.array([2.0], np.float32))
     whole = grid.whole()
     known = whole.cells >= 0
     border = round(BORDER / 0.05)

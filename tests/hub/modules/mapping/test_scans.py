@@ -1,136 +1,80 @@
-"""Which reports count as evidence, and from where."""
+"""Which scans count as evidence, and from where."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from hub.gcm.navigation import MotionState, RobotState
-from hub.modules.mapping.scans import LONGEST_LAG, SCANS_A_PLACE, ScanSelector
-from tests.support.cases import for_each
+from hub.gcm.beams import beams_of
+from hub.gcm.body import RangeGroup, RangeKind, RobotBody
+from hub.gcm.ranges import RangeReadings, scan_of
+from hub.modules.mapping.scans import SCANS_A_PLACE, Scan, ScanSelector
+from hub.pose import Pose
 
-ECHOES = np.linspace(0.5, 3.0, 16, dtype=np.float32)
-NOTHING = np.full(16, np.inf, np.float32)
+SONAR = RangeGroup(name="sonar", kind=RangeKind.SONAR, beams=4, farthest=5.0)
+LASER = RangeGroup(name="laser", kind=RangeKind.LASER, beams=3, farthest=8.0)
+BEAMS = beams_of(RobotBody(name="a", kind="b", radius=0.2, ranges=(SONAR, LASER)))
+HERE = Pose()
 
 
-def report(x: float = 0.0, theta: float = 0.0, **fields: object) -> RobotState:
-    values = {
-        "linear": 0.0,
-        "angular": 0.0,
-        "sonar": ECHOES,
-        "infrared": NOTHING,
-        **fields,
-    }
-    return RobotState(
-        stamp=0.0,
-        x=x,
-        y=0.0,
-        theta=theta,
-        commanded_linear=0.0,
-        commanded_angular=0.0,
-        bumpers=0,
-        battery_voltage=math.nan,
-        battery_fraction=math.nan,
-        motion=MotionState.MOVING,
-        refused=0,
-        **values,  # type: ignore[arg-type]
+def readings(sonar: float, laser: float) -> RangeReadings:
+    """Scans measured at these times."""
+    stamps = ((SONAR, sonar), (LASER, laser))
+    return RangeReadings(
+        scans=tuple(
+            scan_of(group, np.full(group.beams, 1.0, np.float32), stamp) for group, stamp in stamps
+        )
     )
 
 
+def measured(scan: Scan | None) -> list[bool]:
+    """Whether sonar and laser are in a scan."""
+    if scan is None:
+        return [False, False]
+    known = ~np.isnan(scan.ranges)
+    return [bool(known[:4].all()), bool(known[4:].all())]
+
+
 def test_a_scan_that_is_reported_again_is_no_new_evidence() -> None:
-    scans = ScanSelector()
-    assert scans.scan(report(), 0.0) is not None
-    assert scans.scan(report(x=0.06), 0.05) is not None  # nothing came back to infrared here
-    again = ScanSelector()
-    assert again.scan(report(infrared=ECHOES), 0.0) is not None
-    assert again.scan(report(infrared=ECHOES), 0.05) is None
-    assert again.scan(report(x=0.5, infrared=ECHOES), 0.10) is None
+    scans = ScanSelector(BEAMS)
+    assert measured(scans.scan(readings(1.0, 1.0), HERE)) == [True, True]
+    assert scans.scan(readings(1.0, 1.0), Pose(x=1.0)) is None
+    assert measured(scans.scan(readings(1.0, 1.1), Pose(x=2.0))) == [False, True]
+    assert measured(scans.scan(readings(1.2, 1.1), Pose(x=3.0))) == [True, False]
 
 
-def test_only_ranges_that_changed_count() -> None:
-    scans = ScanSelector()
-    scans.scan(report(), 0.0)
-    changed = ECHOES.copy()
-    changed[3] += 0.01
-    scan = scans.scan(report(sonar=changed), 0.1)
+def test_standing_still_only_a_few_scans_of_each_group_count() -> None:
+    scans = ScanSelector(BEAMS)
+    used = [measured(scans.scan(readings(n // 5, n), HERE)) for n in range(20)]
+    assert np.sum(used, axis=0).tolist() == [SCANS_A_PLACE, SCANS_A_PLACE]
+    assert measured(scans.scan(readings(30, 30), Pose(x=0.06))) == [True, True]
+    assert measured(scans.scan(readings(31, 31), Pose(x=0.06, theta=0.1))) == [True, True]
+
+
+def test_a_scan_has_the_pose_at_which_it_was_measured() -> None:
+    scan = ScanSelector(BEAMS).scan(readings(1.0, 1.0), Pose(x=2.0, theta=1.0))
     assert scan is not None
-    assert np.flatnonzero(~np.isnan(scan.sonar)).tolist() == [3]
-    assert np.isnan(scan.infrared).all()
+    assert scan.pose == Pose(x=2.0, theta=1.0)
 
 
-def test_silent_sensors_say_so_anew_with_the_others_of_their_ring() -> None:
-    partly = np.where(np.arange(16) < 8, ECHOES, np.inf).astype(np.float32)
-    scans = ScanSelector()
-    scans.scan(report(sonar=partly), 0.0)
-    scan = scans.scan(report(sonar=(partly * 1.01).astype(np.float32)), 0.1)
-    assert scan is not None
-    assert np.isinf(scan.sonar[8:]).all()
-    assert np.isnan(scan.infrared).all()
+def test_scans_of_a_group_that_the_body_does_not_have_do_not_count() -> None:
+    other = scan_of(
+        RangeGroup(name="other", kind=RangeKind.LASER, farthest=1.0), np.ones(1, np.float32), 1.0
+    )
+    assert ScanSelector(BEAMS).scan(RangeReadings(scans=(other,)), HERE) is None
 
 
-def test_in_a_hall_without_echoes_each_new_place_counts() -> None:
-    scans = ScanSelector()
-    used = [scans.scan(report(x=0.02 * n, sonar=NOTHING), 0.05 * n) for n in range(20)]
-    assert 5 <= sum(scan is not None for scan in used) <= 10
-
-
-def test_standing_still_only_a_few_scans_count() -> None:
-    scans = ScanSelector()
-    random = np.random.default_rng(1)
-    used = 0
-    for number in range(100):
-        noisy = (ECHOES * random.normal(1.0, 0.01, 16)).astype(np.float32)
-        used += scans.scan(report(sonar=noisy), 0.1 * number) is not None
-    assert used == SCANS_A_PLACE
-    assert scans.scan(report(x=0.06), 10.1) is not None
-    assert scans.scan(report(x=0.06, theta=0.1, sonar=ECHOES[::-1]), 10.2) is not None
-
-
-def test_the_scan_was_made_half_way_since_the_report_before() -> None:
-    scans = ScanSelector()
-    scans.scan(report(), 1.0)
-    scan = scans.scan(report(x=0.5, sonar=ECHOES[::-1], linear=0.4, angular=1.0), 1.1)
-    assert scan is not None
-    assert scan.x == pytest.approx(0.5 - 0.4 * 0.05, abs=1e-4)
-    assert scan.theta == pytest.approx(-0.05)
-    assert scan.y == pytest.approx(0.0005, abs=1e-4)
-
-
-def test_after_a_pause_the_scan_is_not_older_than_scans_can_be() -> None:
-    scans = ScanSelector()
-    scans.scan(report(), 1.0)
-    scan = scans.scan(report(x=1.0, sonar=ECHOES[::-1], linear=0.5), 9.0)
-    assert scan is not None
-    assert scan.x == pytest.approx(1.0 - 0.5 * LONGEST_LAG / 2)
-
-
-def test_a_jump_of_the_pose_does_not_move_the_scan() -> None:
-    """A landmark corrects the pose: the way comes from the velocities, not from two poses."""
-    scans = ScanSelector()
-    scans.scan(report(x=0.0, linear=0.2), 1.0)
-    scan = scans.scan(report(x=2.0, sonar=ECHOES[::-1], linear=0.2), 1.05)
-    assert scan is not None
-    assert scan.x == pytest.approx(2.0 - 0.2 * 0.025)
-
-
-@given(x=st.floats(), theta=st.floats(), linear=st.floats(), angular=st.floats())
-@example(x=1.7e308, theta=-1.7e308, linear=1.7e308, angular=1.7e308)
-def test_no_report_breaks_the_selection(
-    x: float, theta: float, linear: float, angular: float
-) -> None:
-    scans = ScanSelector()
-    for time in (0.0, 9.0):
-        scan = scans.scan(report(x=x, theta=theta, linear=linear, angular=angular), time)
-        assert scan is None or math.isfinite(scan.theta)
-
-
-@for_each("field", ["x", "theta", "linear", "angular"])
-def test_a_report_that_is_not_finite_is_survived(field: str) -> None:
-    scans = ScanSelector()
-    scan = scans.scan(report(**{field: math.nan}), 1.0)  # type: ignore[arg-type]
-    assert (scan is None) == (field in ("x", "theta"))
-    assert scans.scan(report(x=1.0, sonar=ECHOES[::-1]), 1.1) is not None
+@given(x=st.floats(), y=st.floats(), theta=st.floats())
+@example(x=1.7e308, y=-1.7e308, theta=1.7e308)
+@example(x=math.nan, y=0.0, theta=0.0)
+@example(x=0.0, y=0.0, theta=math.inf)
+def test_only_scans_with_a_known_pose_count(x: float, y: float, theta: float) -> None:
+    scans = ScanSelector(BEAMS)
+    known = all(map(math.isfinite, (x, y, theta)))
+    for stamp in range(3):
+        scan = scans.scan(readings(stamp, stamp), Pose(x=x, y=y, theta=theta))
+        assert (scan is not None) == (known and stamp < SCANS_A_PLACE)
+    assert scans.scan(readings(9.0, 9.0), Pose(x=0.5, y=3.0)) is not None

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.beams import beams_of
 from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState
+from hub.gcm.pose_history import PoseHistory
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
-from hub.modules.mapping.evidence import SONAR
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.modules.navigation.beam_rules import BeamRules
@@ -20,14 +21,14 @@ from hub.modules.navigation.beam_scans import ScanReader
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.pose import Pose, wrapped
-from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import Arena
 from hub.sim.range_sensors import first_hits
 from tests.support.footprints import distances
-from tests.support.magellan import SimulatedMagellan
+from tests.support.magellan import SimulatedMagellan, magellan_body
 
 Floats = npt.NDArray[np.float64]
 
+BEAMS = beams_of(magellan_body())
 PERIOD = 0.05
 """Time between two reports, as navigation gives them [s]."""
 MAP_PERIOD = 1.5
@@ -106,9 +107,8 @@ class MatchedPose:
     def __init__(self, grid: OccupancyGrid) -> None:
         self._grid = grid
         self._correction = PoseCorrection()
-        body = read_description(find_robot_file("magellan"))[0].body
-        self._reader = ScanReader(body)
-        self._watch = DriftWatch(self._correction, BeamRules(body, self._reader.beams))
+        self._reader = ScanReader(magellan_body())
+        self._watch = DriftWatch(self._correction, BeamRules(magellan_body(), BEAMS))
         self._due = MAP_PERIOD
 
     def __call__(self, report: Report) -> Pose:
@@ -164,11 +164,14 @@ def mapped(
     reports: Sequence[Report], pose: Callable[[Report], Pose], grid: OccupancyGrid
 ) -> OccupancyGrid:
     """The grid after all reports of a tour."""
-    scans = ScanSelector()
+    poses, scans = PoseHistory(), ScanSelector(BEAMS)
     for report in reports:
-        scan = scans.scan(state_of(report, pose(report)), report.time)
+        poses.add(state_of(report, pose(report)), report.time)
+        if report.ranges is None:
+            continue
+        scan = scans.scan(report.ranges, poses.at(report.time))
         if scan is not None:
-            grid.add(scan.x, scan.y, scan.theta, scan.sonar, scan.infrared)
+            grid.add(scan.pose, scan.ranges)
     return grid
 
 
@@ -218,9 +221,7 @@ def score(grid: OccupancyGrid, arena: Arena, surfaces: Floats) -> Score:
     )
 
 
-def surfaces_in_sight(
-    reports: Sequence[Report], arena: Arena, *, reach: float = SONAR.farthest
-) -> Floats:
+def surfaces_in_sight(reports: Sequence[Report], arena: Arena, *, reach: float = 3.0) -> Floats:
     """Points on all that was in line of sight within the mapped range, every 5 cm, shape (n, 2).
 
     Also what sensors could not see because it was met at a slant.

@@ -20,6 +20,7 @@ from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
 from hub.sim.arena import load_arena
 from tests.hub.modules.mapping.touring import (
+    BEAMS,
     MatchedPose,
     PoseSource,
     Report,
@@ -44,7 +45,7 @@ def reports() -> list[Report]:
 
 def test_the_pose_drifts_much_less_than_dead_reckoning(reports: list[Report]) -> None:
     start = load_arena("yellow").start
-    grid = OccupancyGrid(0.05, 24.0)
+    grid = OccupancyGrid(0.05, 24.0, BEAMS)
     source, dead = MatchedPose(grid), PoseSource(start, math.inf)
     errors: list[tuple[float, float]] = []
 
