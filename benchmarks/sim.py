@@ -12,7 +12,6 @@ from benchmarks.figures import median_ms, report
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.afloat.blimp import SimulatedBlimp
 from hub.sim.afloat.fluid import Water
-from hub.sim.afloat.motion import SpatialPose
 from hub.sim.afloat.rov import SimulatedRov
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.vehicle import STEP
@@ -20,6 +19,10 @@ from hub.sim.arena import load_arena
 from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
+from hub.sim.ground.chassis import TRACKED
+from hub.sim.rough_base import STEP as GROUND_STEP
+from hub.sim.rough_base import RoughBase
+from hub.sim.spatial_pose import SpatialPose
 from tests.hub.sim.arenas import free_poses
 from tests.hub.sim.camera.rough_ground import on, rough_ground
 from tests.support.magellan import magellan_sensors
@@ -50,6 +53,25 @@ def main() -> None:
     sensors = magellan_sensors(arena.footprints, 1)
     value = median_ms(lambda number: sensors.measure("sonar", poses[number % POSES]), 5 * POSES)
     report("sim.sonar_scan_ms", value, "ms", bar=0.3, note=note + ", 16 sonars")
+    contact_steps()
+
+
+def contact_steps() -> None:
+    """A tracked base drives through the rubble of the red arena; each step is 10 ms long."""
+    arena = load_arena("red")
+    start = replace(arena.start, x=0.8, y=2.2, theta=1.6)
+    chassis = replace(TRACKED, grip=2.0)
+    base = RoughBase(replace(arena, start=start), chassis, flippers=(0.6, 0.0))
+    times = []
+    for number in range(2000):
+        if base.stuck or number % 400 == 0:
+            base.command(-0.3 if base.commanded[0] > 0.0 else 0.3, 0.2)
+        begin = time.thread_time()
+        base.advance(GROUND_STEP)
+        times.append(time.thread_time() - begin)
+    value = sorted(times)[len(times) // 2] * 1e6
+    note = f"median over {len(times)} steps, thread time, {len(base.loads)} contact points"
+    report("sim.contact_step_us", value, "us", bar=300.0, note=note)
 
 
 def float_step() -> None:

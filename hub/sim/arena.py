@@ -16,7 +16,9 @@ from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import AirSpec, ArenaSpec, BerthSpec, WaterSpec
 from hub.sim.building import build
 from hub.sim.geometry import Box, Cylinder, Surface
-from hub.sim.height_map import HeightMap
+from hub.sim.ground.height_field import HeightField
+from hub.sim.ground.map_builder import build_ground
+from hub.sim.ground_checks import ground_problems
 from hub.values import dataclass
 
 SHIPPED = Path(__file__).parent / "arenas"
@@ -72,10 +74,11 @@ class Arena:
         ceiling: Height of the ceiling [m].
         floor: The surface of the floor.
         light: Brightness, 0 (dark) to 1.
-        ground: What stands out of the floor; None: it is level.
+        ground: The height map of rough ground; None: the floor is level.
         berths: Where robots of other kinds than the rover start.
         water: The water that stands on the floor; None: it is dry.
         air: How the air moves; None: it stands.
+        weight: What a victim that is found here counts.
     """
 
     name: str
@@ -86,10 +89,11 @@ class Arena:
     ceiling: float
     floor: Surface
     light: float
-    ground: HeightMap | None = None
+    ground: HeightField | None = None
     berths: tuple[BerthSpec, ...] = ()
     water: WaterSpec | None = None
     air: AirSpec | None = None
+    weight: float = 1.0
 
     def berth(self, robot: str) -> BerthSpec | None:
         """Where a kind of robot starts; None: the arena does not say."""
@@ -125,8 +129,11 @@ def load_arena(name_or_path: str) -> Arena:
         ArenaError: There is no such arena, or its file has mistakes, which are all listed.
     """
     path = arena_path(name_or_path)
-    arena = arena_from_spec(read_arena_file(path))
+    spec = read_arena_file(path)
+    arena = arena_from_spec(spec)
     problems = [f"start: the robot would touch {name}" for name in _touched_at_start(arena)]
+    if arena.ground is not None:
+        problems += ground_problems(spec, arena.ground, arena.start)
     problems += _berth_problems(arena)
     if problems:
         raise ArenaError(str(path), problems)
@@ -135,7 +142,10 @@ def load_arena(name_or_path: str) -> Arena:
 
 def arena_from_spec(spec: ArenaSpec) -> Arena:
     """Build the arena of a checked file."""
-    boxes, cylinders, origins = build(spec)
+    floor = Surface(texture=spec.hall.floor_texture, colour=spec.hall.floor_colour)
+    ground = build_ground(spec.ground, floor)
+    boxes, cylinders, origins = build(spec, ground)
+    start_height = 0.0 if ground is None else ground.height(*spec.start.at)
     return Arena(
         name=spec.name,
         start=Pose(
@@ -143,29 +153,48 @@ def arena_from_spec(spec: ArenaSpec) -> Arena:
         ),
         boxes=boxes,
         cylinders=cylinders,
-        footprints=footprints_of(boxes, cylinders, origins),
+        footprints=footprints_of(boxes, cylinders, origins, ground=start_height),
         ceiling=spec.hall.ceiling,
-        floor=Surface(texture=spec.hall.floor_texture, colour=spec.hall.floor_colour),
+        floor=floor,
         light=spec.hall.light,
+        ground=ground,
         berths=spec.berths,
         water=spec.water,
         air=spec.air,
+        weight=spec.scoring.weight,
     )
 
 
 def footprints_of(
-    boxes: tuple[Box, ...], cylinders: tuple[Cylinder, ...], origins: tuple[str, ...]
+    boxes: tuple[Box, ...],
+    cylinders: tuple[Cylinder, ...],
+    origins: tuple[str, ...],
+    *,
+    ground: float = 0.0,
+    height: float = BODY_HEIGHT,
 ) -> Footprints:
-    """The solids at the height of the robot's body."""
+    """The solids at the height of a robot's body.
+
+    Args:
+        boxes: All boxes.
+        cylinders: All cylinders.
+        origins: Place of each in the arena file, boxes first.
+        ground: Height of the ground that the robot stands on [m].
+        height: Height of the robot [m].
+    """
+
+    def in_the_way(low: float, high: float) -> bool:
+        return low < ground + height and high > ground + LOWEST_OBSTACLE
+
     near_boxes = [
         (box, origin)
         for box, origin in zip(boxes, origins, strict=False)
-        if _in_the_way(box.low[2], box.high[2])
+        if in_the_way(box.low[2], box.high[2])
     ]
     near_cylinders = [
         (item, origin)
         for item, origin in zip(cylinders, origins[len(boxes) :], strict=True)
-        if _in_the_way(item.low, item.high)
+        if in_the_way(item.low, item.high)
     ]
     surfaces = [box.surface for box, _ in near_boxes]
     surfaces += [item.surface for item, _ in near_cylinders]
@@ -177,10 +206,6 @@ def footprints_of(
         brightness=np.array([sum(item.colour) / 765.0 for item in surfaces], dtype=np.float64),
         origin=(*(origin for _, origin in near_boxes), *(origin for _, origin in near_cylinders)),
     )
-
-
-def _in_the_way(low: float, high: float) -> bool:
-    return low < BODY_HEIGHT and high > LOWEST_OBSTACLE
 
 
 def _touched_at_start(arena: Arena) -> list[str]:

@@ -24,11 +24,14 @@ from hub.sim.arena_specs import (
     HallSpec,
     LandmarkSpec,
     RingSpec,
+    ScoringSpec,
     StartSpec,
     VictimSpec,
     WallSpec,
     WaterSpec,
 )
+from hub.sim.ground.map_builder import MAX_CELLS, map_size
+from hub.sim.ground.specs import GROUND_TABLES, GroundSpec, TerrainSpec
 from hub.values import dataclass
 
 MAX_OBJECTS = 1000
@@ -61,7 +64,13 @@ _TABLES: Mapping[str, _Table] = {
     "berth": _Table(BerthSpec, "berths"),
     "water": _Table(WaterSpec, "water", repeated=False, optional=True),
     "air": _Table(AirSpec, "air", repeated=False, optional=True),
+    "scoring": _Table(ScoringSpec, "scoring", repeated=False),
 }
+_GROUND: Mapping[str, _Table] = {
+    "terrain": _Table(TerrainSpec, "terrain", repeated=False),
+    **{name: _Table(kind, field) for name, (kind, field) in GROUND_TABLES.items()},
+}
+"""The same, with their fields of `GroundSpec`."""
 _DOORWAY = _Table(DoorwaySpec, "doorways")
 
 
@@ -82,7 +91,7 @@ def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
     """Turn the file's content into a spec; None and all problems if it has mistakes."""
     problems = toml.Problems()
     top = toml.keys_of(ArenaSpec)
-    known = [*top, *_TABLES]
+    known = [*top, *_TABLES, *_GROUND]
     problems += [
         f"unknown table or key {toml.shorten(name)}{did_you_mean(name, known)}"
         for name in data
@@ -93,13 +102,29 @@ def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
     objects = sum(len(value) for value in data.values() if isinstance(value, list))
     if objects > MAX_OBJECTS:
         return None, [*problems, f"{objects} objects are more than the {MAX_OBJECTS} allowed"]
-    for name, table in _TABLES.items():
-        if table.repeated:
-            fields[table.field] = _read_repeated(name, table, data.get(name, []), problems)
-        else:
-            fields[table.field] = _read_single(name, table, data, problems)
+    fields |= _read_tables(_TABLES, data, problems)
     _check_names(fields, problems)
-    return (None if problems else ArenaSpec(**fields)), problems
+    shape = _read_tables(_GROUND, data, problems)
+    if problems:
+        return None, problems
+    ground = GroundSpec(**shape)
+    rows, columns = map_size(ground)
+    if rows * columns > MAX_CELLS:
+        text = f"terrain: {rows} by {columns} cells are more than the {MAX_CELLS} allowed"
+        return None, [f"{text}; make key 'cell' larger"]
+    return ArenaSpec(**fields, ground=ground), problems
+
+
+def _read_tables(
+    tables: Mapping[str, _Table], data: Mapping[str, Any], problems: toml.Problems
+) -> dict[str, Any]:
+    """The specs of all these tables by field name."""
+    return {
+        table.field: _read_repeated(name, table, data.get(name, []), problems)
+        if table.repeated
+        else _read_single(name, table, data, problems)
+        for name, table in tables.items()
+    }
 
 
 def _read_single(name: str, table: _Table, data: Mapping[str, Any], problems: toml.Problems) -> Any:  # noqa: ANN401 - the table's spec

@@ -6,33 +6,31 @@ have, and what it means; the tables of `docs/writing-an-arena.md` say the same.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
-from hub.nearest import did_you_mean
 from hub.sim.geometry import Colour, Side
-from hub.toml_reader import RefusedError, choice, degrees, key, number, numbers, shorten, text
+from hub.sim.ground.specs import GroundSpec
+from hub.sim.spec_values import (
+    COLOURS,
+    FACINGS,
+    FARTHEST,
+    SURFACE_TEXTURES,
+    Point,
+    read_colour,
+)
+from hub.toml_reader import (
+    RefusedError,
+    choice,
+    degrees,
+    key,
+    number,
+    numbers,
+    shorten,
+    text,
+    truth,
+)
 from hub.values import dataclass
 
-COLOURS: Mapping[str, Colour] = {
-    "white": (236, 236, 230),
-    "grey": (150, 150, 150),
-    "black": (32, 32, 34),
-    "red": (214, 40, 40),
-    "orange": (240, 130, 20),
-    "yellow": (240, 208, 40),
-    "green": (40, 160, 72),
-    "cyan": (40, 180, 200),
-    "blue": (40, 86, 208),
-    "violet": (134, 62, 190),
-    "pink": (232, 110, 170),
-    "brown": (140, 94, 56),
-    "sand": (208, 186, 144),
-    "brick": (176, 92, 70),
-    "slate": (104, 116, 130),
-}
-SURFACE_TEXTURES = ("plain", "brick", "panel", "wood", "concrete", "fabric", "checker")
-FACINGS = {side.name.lower(): side for side in (Side.EAST, Side.NORTH, Side.WEST, Side.SOUTH)}
 GAPS = ("right", "up-right", "up", "up-left", "left", "down-left", "down", "down-right")
 POSES = ("sitting", "lying")
 WATER_TYPES: Mapping[str, tuple[float, float, float]] = {
@@ -48,25 +46,11 @@ WATER_TYPES: Mapping[str, tuple[float, float, float]] = {
 """Loss of daylight on its way down, at 600, 525 and 450 nm [1/m] (Jerlov 1976, table XXVII): I to
 III are oceans, 1C to 9C coasts."""
 
-Point = tuple[float, float]
 Area = tuple[Point, Point]
 """South-west and north-east corner."""
 
 
 MAX_DOORWAYS = 16
-FARTHEST = 50.0
-"""Largest distance from the origin in x or y [m]."""
-
-
-def _colour(value: object) -> Colour:
-    if isinstance(value, str) and re.fullmatch("#[0-9a-fA-F]{6}", value):
-        red, green, blue = bytes.fromhex(value[1:])
-        return red, green, blue
-    if isinstance(value, str) and value in COLOURS:
-        return COLOURS[value]
-    hint = did_you_mean(value, COLOURS)
-    reason = f"{shorten(value)} is neither '#rrggbb' nor one of {', '.join(COLOURS)}{hint}"
-    raise RefusedError(reason)
 
 
 def _as_written(value: object) -> object:
@@ -92,7 +76,7 @@ class HallSpec:
     """The hall around the arena."""
 
     ceiling: float = key(number(1.0, 20.0), 3.0, "height of the ceiling")
-    floor_colour: Colour = key(_colour, COLOURS["grey"], "colour of the floor")
+    floor_colour: Colour = key(read_colour, COLOURS["grey"], "colour of the floor")
     floor_texture: str = key(_TEXTURE, "checker", "texture of the floor")
     light: float = key(
         number(0.0, 1.0),
@@ -185,7 +169,7 @@ class WallSpec:
     end: Point = key(_PLACE, meaning="x and y of the other end", at="to")
     height: float = key(number(0.02, 5.0), 1.2)
     thickness: float = key(number(0.02, 2.0), 0.1)
-    colour: Colour = key(_colour, COLOURS["sand"])
+    colour: Colour = key(read_colour, COLOURS["sand"])
     texture: str = key(_TEXTURE, "panel")
     doorways: tuple[DoorwaySpec, ...] = key(
         _as_written, (), f"a list of up to {MAX_DOORWAYS} tables, each with the keys below"
@@ -199,7 +183,7 @@ class BoxSpec:
     at: Point = key(_PLACE, meaning="x and y of its middle")
     size: tuple[float, float, float] = key(numbers(3, 0.01, 20.0), meaning="along x, y and z")
     base: float = key(number(0.0, 5.0), 0.0, "height of its bottom above the floor")
-    colour: Colour = key(_colour, COLOURS["brown"])
+    colour: Colour = key(read_colour, COLOURS["brown"])
     texture: str = key(_TEXTURE, "plain")
 
 
@@ -211,7 +195,7 @@ class CylinderSpec:
     radius: float = key(number(0.01, 5.0))
     height: float = key(number(0.02, 5.0))
     base: float = key(number(0.0, 5.0), 0.0, "height of its bottom above the floor")
-    colour: Colour = key(_colour, COLOURS["grey"])
+    colour: Colour = key(read_colour, COLOURS["grey"])
     texture: str = key(_TEXTURE, "plain")
 
 
@@ -225,7 +209,10 @@ class VictimSpec:
     pose: str = key(
         choice(POSES), "sitting", "`sitting` (0.9 m deep, 0.6 m wide) or `lying` (1.6 m long)"
     )
-    colour: Colour = key(_colour, COLOURS["blue"], "of the clothes")
+    colour: Colour = key(read_colour, COLOURS["blue"], "of the clothes")
+    deck: bool = key(
+        truth, default=False, meaning="it is on the deck there, not on the ground below it"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -239,7 +226,10 @@ class LandmarkSpec:
     facing: Side = key(_FACING)
     height: float = key(number(0.05, 5.0), 0.6, "of its middle above the floor")
     size: float = key(number(0.05, 3.0), 0.4, "its side")
-    colour: Colour = key(_colour)
+    colour: Colour = key(read_colour)
+    deck: bool = key(
+        truth, default=False, meaning="it is on the deck there, not on the ground below it"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -253,6 +243,18 @@ class RingSpec:
     height: float = key(number(0.05, 5.0), 0.6, "of its middle above the floor")
     gap_mm: float = key(number(1.0, 200.0), meaning="width of the gap in millimetres")
     gap: str = key(choice(GAPS), meaning="where the gap is, for who looks at it")
+    deck: bool = key(
+        truth, default=False, meaning="it is on the deck there, not on the ground below it"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScoringSpec:
+    """What finding victims here counts."""
+
+    weight: float = key(
+        number(0.0, 10.0), 1.0, "what a victim counts: yellow 0.5, orange 0.75, red 1"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -272,3 +274,5 @@ class ArenaSpec:
     berths: tuple[BerthSpec, ...]
     water: WaterSpec | None
     air: AirSpec | None
+    ground: GroundSpec
+    scoring: ScoringSpec

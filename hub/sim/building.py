@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
 
@@ -16,12 +17,15 @@ from hub.sim.arena_specs import (
     WallSpec,
 )
 from hub.sim.geometry import Box, Colour, Cylinder, Side, Surface
+from hub.sim.ground.height_field import HeightField
 
 PANEL_THICKNESS = 0.02
 """Distance of signs and rings from their wall [m]."""
 RING_PANEL_IN_GAPS = 7.0
 """Side of a ring's panel in widths of its gap; the ring itself is 5 gaps wide."""
 
+_IN_FRONT = 0.1
+"""Distance from a sign at which the ground below it is measured [m]."""
 _SLIVER = 1e-6
 """Pieces of a wall shorter than this [m] come from rounding only."""
 
@@ -31,19 +35,23 @@ FACE = Surface(texture="face", colour=(228, 176, 140))
 PANEL_WHITE: Colour = (240, 240, 236)
 
 
-def build(spec: ArenaSpec) -> tuple[tuple[Box, ...], tuple[Cylinder, ...], tuple[str, ...]]:
+def build(
+    spec: ArenaSpec, ground: HeightField | None = None
+) -> tuple[tuple[Box, ...], tuple[Cylinder, ...], tuple[str, ...]]:
     """All solids of an arena, and a name for the origin of each box, then each cylinder.
 
-    The names are the places in the file ("wall 3"), for messages to its author.
+    The names are the places in the file ("wall 3"), for messages to its author. Victims, signs and
+    rings stand on the ground.
     """
     boxes: list[Box] = []
     origins: list[str] = []
     parts: tuple[tuple[str, list[Iterator[Box]]], ...] = (
         ("wall", [_wall(item) for item in spec.walls]),
         ("box", [_box(item) for item in spec.boxes]),
-        ("victim", [_victim(item) for item in spec.victims]),
-        ("landmark", [_landmark(item) for item in spec.landmarks]),
-        ("ring", [_ring(item) for item in spec.rings]),
+        ("victim", [_lifted(_victim(item), item, ground) for item in spec.victims]),
+        ("landmark", [_lifted(_landmark(item), item, ground) for item in spec.landmarks]),
+        ("ring", [_lifted(_ring(item), item, ground) for item in spec.rings]),
+        ("deck", [iter((box,)) for box in (() if ground is None else ground.deck_boxes)]),
     )
     for kind, pieces in parts:
         for index, making in enumerate(pieces, start=1):
@@ -53,6 +61,28 @@ def build(spec: ArenaSpec) -> tuple[tuple[Box, ...], tuple[Cylinder, ...], tuple
     cylinders = tuple(_cylinder(item) for item in spec.cylinders)
     origins.extend(f"cylinder {index}" for index in range(1, len(cylinders) + 1))
     return tuple(boxes), cylinders, tuple(origins)
+
+
+def ground_point(item: VictimSpec | LandmarkSpec | RingSpec) -> tuple[float, float]:
+    """Where the ground counts that an item stands on: below it, or in front of a sign [m]."""
+    x, y = item.at
+    if isinstance(item, VictimSpec):
+        return x, y
+    ahead = item.facing.sign * _IN_FRONT
+    return (x + ahead, y) if item.facing.axis == 0 else (x, y + ahead)
+
+
+def _lifted(
+    boxes: Iterator[Box], item: VictimSpec | LandmarkSpec | RingSpec, ground: HeightField | None
+) -> Iterator[Box]:
+    """The boxes of an item on the ground, or on the deck."""
+    if ground is None:
+        yield from boxes
+        return
+    lift = ground.height(*ground_point(item), below=math.inf if item.deck else -math.inf)
+    for box in boxes:
+        low, high = ((x, y, z + lift) for x, y, z in (box.low, box.high))
+        yield dataclasses.replace(box, low=low, high=high)
 
 
 def _wall(wall: WallSpec) -> Iterator[Box]:

@@ -16,11 +16,12 @@ from hub import toml_reader
 from hub.robomon.module_table import ModuleSpec
 from hub.robots.body_tables import BumperTable, CameraTable, FrameTable, RangeTable
 from hub.robots.description import RobotDescription
-from hub.sim import arena_specs
+from hub.sim import arena_specs, spec_values
+from hub.sim.ground import specs as ground_specs
 from hub.toml_reader import REQUIRED, Key, Within, keys_of, tables_of
 
 _DOCS = Path(__file__).parents[2] / "docs"
-_COLOURS = {colour: f"`{name}`" for name, colour in arena_specs.COLOURS.items()}
+_COLOURS = {colour: f"`{name}`" for name, colour in spec_values.COLOURS.items()}
 _ARENA = {
     "At the top of the file": arena_specs.ArenaSpec,
     "`[start]`": arena_specs.StartSpec,
@@ -35,6 +36,9 @@ _ARENA = {
     "`[water]`": arena_specs.WaterSpec,
     "`[air]`": arena_specs.AirSpec,
     "`[[berth]]`": arena_specs.BerthSpec,
+    "`[scoring]`": arena_specs.ScoringSpec,
+    "`[terrain]`": ground_specs.TerrainSpec,
+    **{f"`[[{name}]]`": kind for name, (kind, _) in ground_specs.GROUND_TABLES.items()},
 }
 _BODY = {
     "`[[frame]]`": FrameTable,

@@ -31,10 +31,11 @@ from hub.sim.afloat.holds import (
     speed_force,
 )
 from hub.sim.afloat.lithium_battery import LithiumBattery
-from hub.sim.afloat.motion import NEUTRAL, BodyVelocity, SpatialPose
+from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.thrusters import TAIL_BEHIND, Propellers
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
+from hub.sim.spatial_pose import SpatialPose
 
 MASS = 0.184
 """[kg], blimp2b.h."""

@@ -1,31 +1,10 @@
-"""Poses and velocities in space, and the velocities that a body can be commanded to."""
+"""Velocities in space, and those that a body can be commanded to."""
 
 from __future__ import annotations
 
 import math
 
 from hub.values import dataclass
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SpatialPose:
-    """A place and an attitude in the world (x east, y north, z up).
-
-    Attributes:
-        x: Position [m].
-        y: Position [m].
-        z: Position [m].
-        roll: About x of the body [rad].
-        pitch: About y of the body [rad]; positive: nose down.
-        yaw: About z, counter-clockwise from east [rad].
-    """
-
-    x: float = 0.0
-    y: float = 0.0
-    z: float = 0.0
-    roll: float = 0.0
-    pitch: float = 0.0
-    yaw: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

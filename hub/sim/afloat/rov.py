@@ -31,12 +31,13 @@ from hub.sim.afloat.holds import (
     TurnGains,
 )
 from hub.sim.afloat.lithium_battery import LithiumBattery
-from hub.sim.afloat.motion import NEUTRAL, BodyVelocity, SpatialPose
+from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.rov_senses import RovReadings, RovSenses
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import Tether, TetherSpec
 from hub.sim.afloat.thrusters import EightThrusters
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
+from hub.sim.spatial_pose import SpatialPose
 
 SHAPE = ContactShape(radius=0.30, above=0.127, below=0.127)
 """A frame of 0.46 m by 0.58 m, 0.254 m high."""

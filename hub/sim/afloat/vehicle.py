@@ -8,8 +8,9 @@ import math
 from hub.sim.afloat.attitude import Vector, from_roll_pitch_yaw, roll_pitch_yaw
 from hub.sim.afloat.body_contact import BodyContact, ContactShape
 from hub.sim.afloat.floating_body import FloatingBody, HullSpec, Six
-from hub.sim.afloat.motion import NEUTRAL, BodyVelocity, SpatialPose
+from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.surroundings import Surroundings
+from hub.sim.spatial_pose import SpatialPose
 
 STEP = 0.02
 """Length of a step of the simulation [s]."""

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from hub.sim.camera.faces import GROUND_SIDES
 from hub.sim.camera.ground_light import ground_light
 from hub.sim.camera.view import CameraFrame, View
-from hub.sim.height_map import HeightMap
+from hub.sim.ground.height_field import HeightField
 
 _NEAREST = 0.04
 """Distance of the first sample [m]."""
@@ -41,7 +41,7 @@ _Integers = npt.NDArray[np.int32]
 class TerrainView:
     """Draws one height map."""
 
-    def __init__(self, ground: HeightMap, first_thing: int) -> None:
+    def __init__(self, ground: HeightField, first_thing: int) -> None:
         """Prepare it.
 
         Args:

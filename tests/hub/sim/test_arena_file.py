@@ -14,8 +14,9 @@ import pytest
 from hub.errors import ArenaError
 from hub.sim.arena import BODY_RADIUS, SHIPPED, load_arena, shipped_arenas
 from hub.sim.arena_file import MAX_OBJECTS, check_arena, read_arena_file
-from hub.sim.arena_specs import COLOURS, GAPS, SURFACE_TEXTURES
+from hub.sim.arena_specs import GAPS
 from hub.sim.camera.textures import TEXTURES
+from hub.sim.spec_values import COLOURS, SURFACE_TEXTURES
 from tests.support.cases import for_each
 from tests.support.footprints import distances
 
@@ -216,7 +217,7 @@ def test_a_misspelt_shipped_name_is_told_the_nearest() -> None:
 
 
 def test_every_shipped_arena_loads_and_has_room_for_the_robot() -> None:
-    assert set(shipped_arenas()) == {"empty", "pool", "yellow"}
+    assert set(shipped_arenas()) == {"empty", "orange", "pool", "red", "yellow"}
     for name in shipped_arenas():
         arena = load_arena(name)
         assert read_arena_file(SHIPPED / f"{name}.toml").landmarks

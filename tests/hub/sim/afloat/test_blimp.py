@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from hub.pose import wrapped
 from hub.sim.afloat.blimp import LIMITS, LONGEST_HOLD, LOW_BATTERY, SHAPE, Flight, SimulatedBlimp
 from hub.sim.afloat.fluid import Air
-from hub.sim.afloat.motion import NEUTRAL, BodyVelocity, SpatialPose
+from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.vehicle import LONGEST_ADVANCE, STEP
 from hub.sim.geometry import Box, Surface
+from hub.sim.spatial_pose import SpatialPose
 from tests.support.cases import for_each
 from tests.support.repetitions import repetitions
 

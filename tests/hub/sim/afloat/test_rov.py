@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from hub.pose import wrapped
 from hub.sim.afloat.fluid import Water
-from hub.sim.afloat.motion import SpatialPose
 from hub.sim.afloat.rov import LIMITS, SHAPE, SURFACED, Dive, SimulatedRov, hull
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import TetherSpec, drag_factor
 from hub.sim.afloat.vehicle import STEP
 from hub.sim.geometry import Box, Surface
+from hub.sim.spatial_pose import SpatialPose
 from tests.hub.sim.afloat.closed_forms import steady_speed
 from tests.support.cases import for_each
 from tests.support.repetitions import repetitions

@@ -1,14 +1,15 @@
-"""A height map with a ramp, posts, a hill and stairs, made without the simulator's own ground."""
+"""A height map with a ramp, posts, a hill and stairs, made without tables of a file."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.sim.arena import Arena
 from hub.sim.geometry import Surface
+from hub.sim.ground.height_field import HeightField
 
 CELL = 0.025
 SURFACES = (
@@ -19,23 +20,12 @@ SURFACES = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ground:
-    """A `HeightMap`."""
-
-    heights: npt.NDArray[np.float32]
-    cell: float = CELL
-    origin: tuple[float, float] = (0.0, 0.0)
-    appearance: npt.NDArray[np.uint16]
-    surfaces: tuple[Surface, ...] = SURFACES
-
-
-def on(ground: Ground, arena: Arena) -> Arena:
+def on(ground: HeightField, arena: Arena) -> Arena:
     """The arena with this ground."""
     return replace(arena, ground=ground)
 
 
-def rough_ground(origin: tuple[float, float] = (0.0, 0.0)) -> Ground:
+def rough_ground(origin: tuple[float, float] = (0.0, 0.0)) -> HeightField:
     """10 by 10 m: a ramp of 15 degrees, posts of 10 cm, a hill of them, stairs of 20 cm."""
     heights = np.zeros((400, 400), dtype=np.float32)
     appearance = np.zeros((400, 400), dtype=np.uint16)
@@ -53,4 +43,23 @@ def rough_ground(origin: tuple[float, float] = (0.0, 0.0)) -> Ground:
     for step in range(5):
         heights[150:200, 260 + 10 * step : 330] = 0.2 * (step + 1)
     appearance[150:200, 260:330] = 3
-    return Ground(heights=heights, origin=origin, appearance=appearance)
+    return height_field(heights, appearance, origin)
+
+
+def height_field(
+    heights: npt.NDArray[np.float32],
+    appearance: npt.NDArray[np.uint16],
+    origin: tuple[float, float] = (0.0, 0.0),
+    surfaces: tuple[Surface, ...] = SURFACES,
+) -> HeightField:
+    """Level cells of these heights."""
+    return HeightField(
+        heights=heights,
+        east=np.zeros_like(heights),
+        north=np.zeros_like(heights),
+        cell=CELL,
+        origin=origin,
+        grip=np.ones_like(heights),
+        appearance=appearance,
+        surfaces=surfaces,
+    )

@@ -12,8 +12,9 @@ from hub.sim.camera.ground_light import ground_light
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
 from hub.sim.geometry import Surface
+from hub.sim.ground.height_field import HeightField
 from tests.hub.sim.arenas import VOID, arena_of
-from tests.hub.sim.camera.rough_ground import CELL, Ground, on, rough_ground
+from tests.hub.sim.camera.rough_ground import CELL, height_field, on, rough_ground
 from tests.hub.sim.camera.slow_rays import rays_of
 
 GROUND = rough_ground()
@@ -22,7 +23,9 @@ FARTHEST = 7.0
 WALLS = VOID + "[[wall]]\nfrom=[9,0]\nto=[9,9]\nheight=2\n"
 
 
-def marched(ground: Ground, eyes: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def marched(
+    ground: HeightField, eyes: np.ndarray, rays: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Depth [m] at which each ray enters the ground, and the height of it there; shape (rays,)."""
     depth, height = np.full(len(rays), np.nan), np.zeros(len(rays))
     level = np.hypot(rays[:, 0], rays[:, 1])
@@ -92,7 +95,7 @@ def test_a_wall_hides_the_ground_behind_it_and_posts_hide_the_wall() -> None:
 
 
 def test_the_floor_shows_where_the_map_has_no_height_and_beyond_the_map() -> None:
-    flat = Ground(
+    flat = height_field(
         heights=np.zeros((40, 40), dtype=np.float32),
         appearance=np.zeros((40, 40), dtype=np.uint16),
     )
@@ -119,7 +122,7 @@ def test_each_cell_shows_its_surface_and_tops_are_brighter_than_sides() -> None:
     appearance = np.ones((80, 80), dtype=np.uint16)
     appearance[40:60] = 2
     colours = ((150, 150, 150), (200, 20, 20), (20, 20, 200))
-    ground = Ground(
+    ground = height_field(
         heights=heights,
         appearance=appearance,
         surfaces=tuple(Surface(texture="plain", colour=colour) for colour in colours),
@@ -146,7 +149,9 @@ def test_a_level_patch_shows_its_own_surface() -> None:
     appearance = np.zeros((80, 80), dtype=np.uint16)
     appearance[:, 40:60] = 1
     red = (GROUND.surfaces[0], Surface(texture="plain", colour=(220, 20, 20)))
-    patch = Ground(heights=np.zeros((80, 80), np.float32), appearance=appearance, surfaces=red)
+    patch = height_field(
+        heights=np.zeros((80, 80), np.float32), appearance=appearance, surfaces=red
+    )
     view = View(x=0.2, y=1.0, z=0.7, yaw=0.0, pitch=-0.45, roll=0.1, horizontal_fov=FOV)
     arena = arena_of(VOID)
     picture = RayCaster(on(patch, arena)).picture(view, 80, 60).astype(int)

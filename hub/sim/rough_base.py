@@ -1,0 +1,313 @@
+"""A wheeled or tracked base on rough ground: it climbs, slips, slides, hangs and tips."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.body import Bumper
+from hub.pose import Pose
+from hub.sim.arena import Arena
+from hub.sim.ground.chassis import Chassis
+from hub.sim.ground.footing import TIPPED, Footing, Stance
+from hub.sim.ground.map_builder import level_ground
+from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
+from hub.sim.odometry import Odometry
+from hub.sim.spatial_pose import SpatialPose
+from hub.sim.storeys import Storeys
+
+STEP = 0.01
+"""Length of a step of the simulation [s]."""
+LONGEST_ADVANCE = 5.0
+"""Longest advance of one call [s]; more is dropped, for example after a suspended process."""
+ROLLING = 0.03
+"""Rolling resistance as a share of the weight."""
+HANGING = 0.05
+"""With less of the weight on driven wheels the body hangs on its belly [share]."""
+GRAVITY = 9.81
+_STIFFNESS = 20.0
+"""The body follows the ground critically damped at this frequency [rad/s]."""
+_NO_SLIP = 0.5
+"""Up to this share of the grip wheels do not slip."""
+_MOST_SLIP = 0.3
+"""Slip at the limit of the grip, as a share of the wheels' speed."""
+_FASTEST_SLIDE = 3.0
+"""Largest speed of a slide [m/s]."""
+_TOPPLING = 5.0
+"""Rate at which a body that tips comes to lie [1/s]."""
+_PROBE = 0.02
+"""How far ahead the fall of the ground is sought where a body may slide [m]."""
+_ROUNDING = 1e-9
+
+
+class RoughBase:
+    """A base on the ground of an arena; it stops at walls.
+
+    The same seed and the same calls give the same values to the last bit. On level ground it moves
+    exactly as the base without a height map does.
+
+    Attributes:
+        pose: The true pose.
+        tipped: It lies on its side, for good.
+        stuck: Its wheels spin on the spot.
+        high_centred: Its driven wheels carry less than `HANGING` of the weight.
+        linear: True velocity along the heading [m/s].
+        angular: True turn rate [rad/s].
+        wheel_linear: Velocity by the encoders [m/s].
+        wheel_angular: Turn rate by the encoders [rad/s].
+        slip: Share of the wheels' speed that is lost, 0 to 1.
+        climb: True velocity upwards [m/s].
+        slide_speed: Speed of the body down a slope that it cannot hold [m/s].
+    """
+
+    def __init__(
+        self,
+        arena: Arena,
+        chassis: Chassis,
+        *,
+        seed: int = 0,
+        linear_limit: float = 0.5,
+        angular_limit: float = 1.0,
+        flippers: tuple[float, ...] | None = None,
+        bumpers: Sequence[Bumper] = (),
+    ) -> None:
+        """Stance at the start of the arena.
+
+        Args:
+            arena: Its arena.
+            chassis: Its body.
+            seed: Of the errors of its odometry.
+            linear_limit: Largest velocity [m/s].
+            angular_limit: Largest turn rate [rad/s].
+            flippers: Angle of each pair at the start [rad]; None: on level ground.
+            bumpers: Its bumpers.
+        """
+        odometry_seed, _ = np.random.SeedSequence(seed).spawn(2)
+        field = arena.ground or level_ground()
+        self.chassis = chassis
+        self._limits = linear_limit, angular_limit
+        self._odometry = Odometry(odometry_seed)
+        self._walls = Storeys(arena, field, chassis, bumpers)
+        self._angles = flippers or (0.0,) * len(chassis.flippers)
+        self._wanted_angles = self._angles
+        self._footing = Footing(field, chassis, self._angles)
+        self._field = field
+        self._commanded = (0.0, 0.0)
+        self._time_left = 0.0
+        self._rates = (0.0, 0.0, 0.0)
+        self.steps = 0
+        self.linear = self.angular = self.climb = 0.0
+        self.wheel_linear = self.wheel_angular = 0.0
+        self.slip = self.slide_speed = 0.0
+        self.stuck = self.high_centred = False
+        start = moved(arena.start, 0.0, 0.0)  # its heading is in (-pi, pi]
+        settled = self._footing.settled(start.x, start.y, start.theta)
+        self.tipped = settled is None
+        self.pose = settled or SpatialPose(
+            x=start.x, y=start.y, z=field.height(start.x, start.y), yaw=start.theta
+        )
+        self._stance = self._footing.stances(self.pose)[0]
+
+    def command(self, linear: float, angular: float) -> None:
+        """Set the velocity: forward [m/s], counter-clockwise [rad/s]; NaN counts as 0."""
+        self._commanded = limited(linear, self._limits[0]), limited(angular, self._limits[1])
+
+    def command_flippers(self, *angles: float) -> None:
+        """Set the angle above the ground of each pair, front first [rad]; NaN leaves one alone."""
+        self._wanted_angles = tuple(
+            wanted if math.isnan(angle) else max(pair.limits[0], min(pair.limits[1], angle))
+            for pair, wanted, angle in zip(
+                self.chassis.flippers, self._wanted_angles, angles, strict=True
+            )
+        )
+
+    def advance(self, seconds: float) -> None:
+        """Advance the simulated time in whole steps; the rest counts in the next call."""
+        if not seconds > 0.0:
+            return
+        self._time_left += min(seconds, LONGEST_ADVANCE)
+        while self._time_left >= STEP - _ROUNDING:
+            self._time_left -= STEP
+            self._step()
+
+    @property
+    def commanded(self) -> tuple[float, float]:
+        """The velocities that it was commanded [m/s, rad/s]."""
+        return self._commanded
+
+    @property
+    def flippers(self) -> tuple[float, ...]:
+        """Present angle of each pair of flippers, front first [rad]."""
+        return self._angles
+
+    @property
+    def odometry(self) -> Pose:
+        """The pose by the encoders; the start is its origin. It is wrong where wheels slip."""
+        return self._odometry.pose
+
+    @property
+    def contacts(self) -> int:
+        """Number of new contacts with obstacles."""
+        return self._walls.contacts
+
+    @property
+    def touches(self) -> bool:
+        """Whether it touches an obstacle."""
+        return self._walls.touches
+
+    @property
+    def bumpers(self) -> int:
+        """Bit i is set when something touches bumper i."""
+        return self._walls.bumpers(self.pose)
+
+    @property
+    def loads(self) -> npt.NDArray[np.float64]:
+        """The share of the weight on each contact point; nothing carries a body that tipped."""
+        if self.tipped or self._stance is None:
+            return np.zeros(len(self.chassis.contact_points(self._angles)))
+        return self._footing.loads(self._stance)
+
+    def _step(self) -> None:
+        self.steps += 1
+        self._turn_flippers()
+        linear = approach(self.wheel_linear, self._commanded[0], LINEAR, STEP)
+        angular = approach(self.wheel_angular, self._commanded[1], ANGULAR, STEP)
+        if self.tipped:
+            self._lie(linear, angular)
+            return
+        pose = self.pose
+        ahead = math.copysign(self.chassis.bridge + abs(linear) * STEP, linear)
+        way = ahead * math.cos(pose.yaw), ahead * math.sin(pose.yaw)
+        here, *there = self._footing.stances(pose, ((0.0, 0.0), way) if linear else ((0.0, 0.0),))
+        if here is None or pose.lean > TIPPED:
+            self.tipped = True
+            self._lie(linear, angular)
+            return
+        self._stance = here
+        grade = (
+            (there[0].centre_height - here.centre_height) / abs(ahead)
+            if there and there[0]
+            else 0.0
+        )
+        speed = self._speed(linear, grade, here)
+        turn = 0.0 if self.high_centred else angular
+        self._move(linear, angular, speed, turn, here)
+        self._follow(here)
+
+    def _turn_flippers(self) -> None:
+        if self._angles == self._wanted_angles:
+            return
+        self._angles = tuple(
+            now + max(-pair.speed * STEP, min(pair.speed * STEP, wanted - now))
+            for pair, now, wanted in zip(
+                self.chassis.flippers, self._angles, self._wanted_angles, strict=True
+            )
+        )
+        self._footing.turn_flippers(self._angles)
+
+    def _speed(self, linear: float, grade: float, here: Stance) -> float:
+        """Horizontal speed that the wheels give [m/s].
+
+        Virtual work: on a metre ahead the centre of mass rises by `grade`. That, the rolling
+        resistance and what drags need a push, which friction on driven wheels limits.
+        """
+        push = self.chassis.grip * here.push
+        need = max(grade + ROLLING + self.chassis.grip * here.drag, 0.0)
+        self.high_centred = here.driven_load < HANGING
+        self.stuck = linear != 0.0 and push <= need
+        if self.stuck:
+            self.slip = 1.0
+            return 0.0
+        over = max(0.0, need / push - _NO_SLIP) / (1.0 - _NO_SLIP) if linear else 0.0
+        self.slip = _MOST_SLIP * over * over
+        return linear * (1.0 - self.slip) / math.hypot(1.0, grade)
+
+    def _move(self, linear: float, angular: float, speed: float, turn: float, here: Stance) -> None:
+        before = self.pose
+        wanted = moved(Pose(x=before.x, y=before.y, theta=before.yaw), speed * STEP, turn * STEP)
+        self.slide_speed = self._slide(here)
+        if self.slide_speed > 0.0:
+            way = self.slide_speed * STEP
+            x, y = wanted.x + here.downhill[0] * way, wanted.y + here.downhill[1] * way
+            wanted = Pose(x=x, y=y, theta=wanted.theta)
+        after = self._walls.move(before, wanted)
+        heading = before.yaw + turn * STEP / 2
+        forward = (after.x - before.x) * math.cos(heading) + (after.y - before.y) * math.sin(
+            heading
+        )
+        self.linear, self.angular = speed, turn
+        if self._walls.touches or (after.x, after.y) != (wanted.x, wanted.y):
+            # Wheels that grip the floor stop with the body; their motors stall.
+            self.linear = max(min(forward / STEP, max(speed, 0.0)), min(speed, 0.0))
+            if speed:
+                linear *= self.linear / speed
+        self.wheel_linear, self.wheel_angular = linear, angular
+        self._odometry.moved(linear * STEP, angular * STEP, STEP)
+        self.pose = SpatialPose(
+            x=after.x, y=after.y, z=before.z, roll=before.roll, pitch=before.pitch, yaw=after.theta
+        )
+
+    def _slide(self, here: Stance) -> float:
+        """Speed down a slope that is steeper than brakes hold [m/s]."""
+        hold = self.chassis.grip * here.hold
+        if here.steepness <= hold and self.slide_speed == 0.0:
+            return 0.0
+        probe = here.downhill[0] * _PROBE, here.downhill[1] * _PROBE
+        (below,) = self._footing.stances(self.pose, (probe,))
+        fall = 0.0 if below is None else (here.centre_height - below.centre_height) / _PROBE
+        faster = self.slide_speed + GRAVITY * (fall - hold) * STEP
+        return max(0.0, min(_FASTEST_SLIDE, faster))
+
+    def _follow(self, here: Stance) -> None:
+        """Let height and lean follow the resting pose: above ground, and not faster than a fall."""
+        pose = self.pose
+        now, goals = (pose.z, pose.roll, pose.pitch), (here.z, here.roll, here.pitch)
+        values, rates = [], []
+        for place, goal, rate, least in zip(
+            now, goals, self._rates, (-GRAVITY, -math.inf, -math.inf), strict=True
+        ):
+            push = _STIFFNESS * _STIFFNESS * (goal - place) - 2.0 * _STIFFNESS * rate
+            rates.append(rate + max(push, least) * STEP)
+            values.append(place + rates[-1] * STEP)
+        if values[0] < here.lowest_z:
+            values[0], rates[0] = here.lowest_z, max(rates[0], 0.0)
+        self.climb = (values[0] - pose.z) / STEP
+        self._rates = (rates[0], rates[1], rates[2])
+        self.pose = SpatialPose(
+            x=pose.x, y=pose.y, z=values[0], roll=values[1], pitch=values[2], yaw=pose.yaw
+        )
+
+    def _lie(self, linear: float, angular: float) -> None:
+        """Fall to the side that is lower, and lie there; the wheels turn in the air."""
+        pose, reach = self.pose, self.chassis.reach
+        up_x, up_y, _ = pose.rotation()[:, 2].tolist()
+        falls_ahead = abs(pose.pitch) >= abs(pose.roll)
+        pitch = math.copysign(math.pi / 2, pose.pitch) if falls_ahead else 0.0
+        roll = 0.0 if falls_ahead else math.copysign(math.pi / 2, pose.roll)
+        part = 1.0 - math.exp(-_TOPPLING * STEP)
+        # The middle of the body moves away from the edge over which it turns.
+        way = part * max(0.0, 1.0 - math.hypot(up_x, up_y)) * _TOPPLING * reach
+        wanted = Pose(x=pose.x + up_x * way, y=pose.y + up_y * way, theta=pose.yaw)
+        after = self._walls.move(pose, wanted)
+        ground = self._field.height(after.x, after.y, below=pose.z + _ROUNDING) + reach
+        climb = self._rates[0] - GRAVITY * STEP
+        z = pose.z + climb * STEP
+        if z < ground:
+            z, climb = min(ground, pose.z + part * reach), 0.0
+        self._rates, self.climb = (climb, 0.0, 0.0), climb
+        self.pose = SpatialPose(
+            x=after.x,
+            y=after.y,
+            z=z,
+            roll=pose.roll + part * (roll - pose.roll),
+            pitch=pose.pitch + part * (pitch - pose.pitch),
+            yaw=pose.yaw,
+        )
+        self._stance = None
+        self.linear = self.angular = 0.0
+        self.stuck, self.high_centred, self.slip, self.slide_speed = linear != 0.0, False, 1.0, 0.0
+        self.wheel_linear, self.wheel_angular = linear, angular
+        self._odometry.moved(linear * STEP, angular * STEP, STEP)

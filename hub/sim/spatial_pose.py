@@ -1,0 +1,57 @@
+"""Poses in space."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.values import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpatialPose:
+    """A place and an attitude in the world (x east, y north, z up): yaw, then pitch, then roll.
+
+    Attributes:
+        x: Position [m].
+        y: Position [m].
+        z: Position [m].
+        roll: About x of the body [rad]; positive: right side down.
+        pitch: About y of the body [rad]; positive: nose down.
+        yaw: About z, counter-clockwise from east [rad].
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    roll: float = 0.0
+    pitch: float = 0.0
+    yaw: float = 0.0
+
+    def rotation(self) -> npt.NDArray[np.float64]:
+        """The body's axes in the arena's frame as columns, shape (3, 3)."""
+        cos_r, sin_r = math.cos(self.roll), math.sin(self.roll)
+        cos_p, sin_p = math.cos(self.pitch), math.sin(self.pitch)
+        cos_y, sin_y = math.cos(self.yaw), math.sin(self.yaw)
+        return np.array(
+            (
+                (
+                    cos_y * cos_p,
+                    cos_y * sin_p * sin_r - sin_y * cos_r,
+                    cos_y * sin_p * cos_r + sin_y * sin_r,
+                ),
+                (
+                    sin_y * cos_p,
+                    sin_y * sin_p * sin_r + cos_y * cos_r,
+                    sin_y * sin_p * cos_r - cos_y * sin_r,
+                ),
+                (-sin_p, cos_p * sin_r, cos_p * cos_r),
+            )
+        )
+
+    @property
+    def lean(self) -> float:
+        """Angle between the body's axis and the vertical [rad]."""
+        return math.acos(max(-1.0, min(1.0, math.cos(self.pitch) * math.cos(self.roll))))
