@@ -9,10 +9,10 @@ import math
 from collections.abc import Callable
 
 from hub.gcm.autonomy import AutonomyCommand, Behaviour
+from hub.gcm.beam_scans import ScanReader
 from hub.gcm.beams import beams_of
 from hub.gcm.navigation import GoalCommand, MotionState
 from hub.gcm.occupancy_map import OccupancyMap
-from hub.gcm.pose_history import PoseHistory
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.modules.autonomy.autonomy_driver import AutonomyDriver as Autonomy
@@ -59,7 +59,7 @@ class Exploration:
         self.occupancy = OccupancyGrid(ROBOT.map_resolution, ROBOT.map_size, BEAMS)
         self._governor = SpeedGovernor(BODY.linear_limit, BODY.angular_limit, 0.0)
         self._scans = ScanSelector(BEAMS)
-        self._poses = PoseHistory()
+        self._reader = ScanReader(ROBOT.body)
         self._mail: list[tuple[float, Callable[[], None]]] = []
         self._steps = 0
 
@@ -97,10 +97,11 @@ class Exploration:
         if readings is not None:
             self.navigator.scanned(readings, self.now, self.now)
         state = robot_state(drive, self.navigator, self._governor, 0, 1, self.now)
-        self._poses.add(state, self.now)
-        scan = readings and self._scans.scan(readings, self._poses.at(self.now))
-        if scan is not None:
-            self.occupancy.add(scan.pose, scan.ranges)
+        self._reader.moved(state, self.now)
+        scan = readings and self._reader.read(readings, self.now)
+        evidence = scan and self._scans.evidence(scan)
+        if scan is not None and evidence is not None:
+            self.occupancy.add(scan.pose, evidence)
         self.autonomy.see_robot(state, self.now)
         for due, deliver in self._mail[:]:
             if due <= self.now:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from benchmarks.figures import median_ms, report, say
+from hub.gcm.beam_scans import ScanReader
 from hub.gcm.beams import beams_of
 from hub.gcm.body import RangeGroup, RangeKind, RobotBody
 from hub.modules.mapping.grid import OccupancyGrid
@@ -24,11 +25,12 @@ from tests.hub.modules.mapping.touring import (
     Report,
     mapped,
     score,
+    state_of,
     surfaces_in_sight,
     tour,
     true_pose,
 )
-from tests.support.magellan import SimulatedMagellan
+from tests.support.magellan import SimulatedMagellan, magellan_body
 
 SEEDS = (1, 2, 3)
 RESOLUTION, SIZE = 0.05, 40.0
@@ -53,15 +55,15 @@ def update_times(reports: list[Report]) -> list[float]:
         ScanSelector(BEAMS),
         true_pose(arena.start),
     )
+    reader = ScanReader(magellan_body())
     times = []
     for item in reports:
-        here = pose(item)
-        if item.ranges is None:
-            continue
+        reader.moved(state_of(item, pose(item)), item.time)
         start = time.perf_counter()
-        scan = scans.scan(item.ranges, here)
-        if scan is not None:
-            grid.add(scan.pose, scan.ranges)
+        scan = item.ranges and reader.read(item.ranges, item.time)
+        evidence = scan and scans.evidence(scan)
+        if scan is not None and evidence is not None:
+            grid.add(scan.pose, evidence)
             times.append((time.perf_counter() - start) * 1e3)
     return times
 

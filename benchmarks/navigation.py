@@ -17,11 +17,11 @@ import numpy as np
 from benchmarks.barn import BODY, Outcome, World, drive, load, ours
 from benchmarks.figures import median_ms, report, say
 from benchmarks.peers.reference_window import ReferenceWindow
+from hub.gcm.beam_scans import ScanReader
 from hub.gcm.body import BodyFrame, RangeGroup, RangeKind, RobotBody
 from hub.gcm.ranges import RangeReadings, scan_of
 from hub.ipc.transport import heap
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import ScanReader
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import DynamicWindow

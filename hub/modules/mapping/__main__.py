@@ -13,17 +13,15 @@ import numpy as np
 from hub.bucket import Bucket
 from hub.errors import HandlerFailedError, MapFileError, MissionError, RobotFileError
 from hub.gcm import flight, mapping, navigation, ranges
-from hub.gcm.beams import beams_of
+from hub.gcm.beam_scans import LARGEST_TILT, ScanReader
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.occupancy_map import OccupancyMap
-from hub.gcm.pose_history import PoseHistory
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.missions import storage
 from hub.missions.folder import MissionFolder
 from hub.missions.keeper import MissionKeeper, MissionLimits
-from hub.modules.mapping.evidence import LEVEL
 from hub.modules.mapping.grid import LOADED, MAX_EDGE_CELLS, OccupancyGrid
 from hub.modules.mapping.mission_desk import MissionDesk
 from hub.modules.mapping.scans import ScanSelector
@@ -51,13 +49,12 @@ class Mapping:
         """Resume the running mission, subscribe, and answer requests."""
         self._client = client
         self._robot = robot
-        self._beams = beams = beams_of(robot.body)
+        self._reader = ScanReader(robot.body)
+        beams = self._reader.beams
         self._grid = OccupancyGrid(robot.map_resolution, robot.map_size, beams)
         self._scans = ScanSelector(beams)
-        self._poses = PoseHistory()
-        self._tilt = 0.0
         self._tilted = 0
-        steep = int((np.abs(beams.elevation) > LEVEL).sum())
+        steep = int((np.abs(beams.elevation) > LARGEST_TILT).sum())
         if steep:
             text = "%d of %d range beams look up or down: the map takes none of them"
             _logger.info(text, steep, len(beams.elevation))
@@ -140,20 +137,21 @@ class Mapping:
             self._start_map()
             self._desk.publish()
         self._keeper.trace(state.x, state.y, state.theta)
-        self._poses.add(state, reception.measured)
+        self._reader.moved(state, reception.measured)
 
-    def _attitude(self, attitude: flight.Attitude, _reception: MessageInfo) -> None:
-        self._tilt = max(abs(attitude.roll), abs(attitude.pitch))
+    def _attitude(self, attitude: flight.Attitude, reception: MessageInfo) -> None:
+        self._reader.tilted(attitude, reception.measured)
 
     def _ranges(self, readings: ranges.RangeReadings, reception: MessageInfo) -> None:
-        scan = self._scans.scan(readings, self._poses.at(reception.measured))
-        if scan is None:
-            return
-        if self._tilt > LEVEL:
+        scan = self._reader.read(readings, reception.measured)
+        if self._reader.tilt:
             self._tilted += 1
             if self._tilted == 1:
                 _logger.warning("the robot is tilted: its scans are left out of the map")
-        elif self._grid.add(scan.pose, scan.ranges):
+        evidence = self._scans.evidence(scan) if scan else None
+        if scan is None or evidence is None:
+            return
+        if self._grid.add(scan.pose, evidence):
             self._stamp = time.time()
             self._changed = True
         elif self._grid.outside == 1:
@@ -231,8 +229,8 @@ class Mapping:
     def _start_map(self) -> None:
         """Clear the map for a new mission or a new sheet."""
         self._grid.clear()
-        self._scans = ScanSelector(self._beams)
-        self._poses = PoseHistory()
+        self._scans = ScanSelector(self._reader.beams)
+        self._reader.restart()
         self._changed = True
 
 

@@ -75,8 +75,6 @@ MODELS: Mapping[RangeKind, SensorModel] = {
 
 FARTHEST = 10.0
 """Cells farther from a sensor get no evidence [m]: each metre costs time."""
-LEVEL = math.radians(5.0)
-"""Beams with a larger elevation give no evidence [rad]: they meet the floor or pass over things."""
 LEAST, MOST = -2.0, 3.5
 """Bounds of the log-odds, so that some scans are enough to learn a change."""
 WALL = 1.0
@@ -111,7 +109,6 @@ class Evidence:
         self._model = model = MODELS[RangeKind(int(beams.kind[one]))]
         self._resolution = resolution
         self._x, self._y = beams.x[group], beams.y[group]
-        self._level = np.abs(beams.elevation[group]) <= LEVEL
         self._nearest = np.float32(beams.nearest[one] - _ROUNDING)
         self._farthest = np.float32(beams.farthest[one] + _ROUNDING)
         cone = model.cone * float(beams.opening[one])
@@ -143,7 +140,7 @@ class Evidence:
         valid = (ranges >= self._nearest) & (ranges <= self._farthest)
         free = np.where(valid, np.minimum(ranges - _BEFORE, self._limit), 0.0)
         free[np.isposinf(ranges)] = model.silent * self._limit
-        used = np.flatnonzero((free > 0.0) & self._level)
+        used = np.flatnonzero(free > 0.0)
         if not len(used):
             return
         rays = self._rays(used, robot)

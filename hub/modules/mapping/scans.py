@@ -1,4 +1,4 @@
-"""New scans among the readings of range sensors; pure."""
+"""Picks the scans that count as evidence; pure."""
 
 from __future__ import annotations
 
@@ -6,12 +6,10 @@ import math
 
 import numpy as np
 
+from hub.gcm.beam_scans import BeamScan
 from hub.gcm.beams import Beams
-from hub.gcm.ranges import LaserScan, RangeReadings
-from hub.gcm.standard import Time
 from hub.modules.mapping.evidence import Floats
 from hub.pose import Pose, wrapped
-from hub.values import dataclass
 
 SAME_PLACE = 0.05
 """Scans nearer to each other than this come from the same place [m]."""
@@ -21,69 +19,31 @@ SCANS_A_PLACE = 2
 """Largest number of scans of a group used from one place: a sonar repeats its errors."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Scan:
-    """Ranges, and the pose at which they were measured.
-
-    Attributes:
-        pose: The robot's pose in `map`.
-        ranges: Range of each beam [m], shape (beams,); inf: no echo; NaN: no evidence.
-    """
-
-    pose: Pose
-    ranges: Floats
-
-
-@dataclass(slots=True, kw_only=True)
-class _LastScans:
-    """The last used scans of a group: its stamp, their place, and their number there."""
-
-    stamp: Time
-    place: Pose
-    used: int
-
-
 class ScanSelector:
-    """Picks the new scans out of the readings.
-
-    Readings repeat the scans of groups that have not measured since. A new scan has a new stamp.
-    """
+    """Picks the new ranges of a scan, unless enough of their group came from the same place."""
 
     def __init__(self, beams: Beams) -> None:
-        self._beams = beams
-        self._groups: dict[str, _LastScans] = {}
+        self._groups = beams.groups
+        self._places: dict[str, Pose] = {}
+        self._used = dict.fromkeys(beams.groups, 0)
 
-    def scan(self, readings: RangeReadings, pose: Pose) -> Scan | None:
-        """The new scans in the readings.
-
-        Args:
-            readings: The newest scan of each group.
-            pose: The robot's pose in `map` when the newest was measured; NaN: not known.
-
-        Returns:
-            None if nothing is new, if enough scans came from this place, or without a pose.
-        """
-        if not all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
+    def evidence(self, scan: BeamScan) -> Floats | None:
+        """The ranges that count [m], shape (beams,), NaN for the others; None: no range counts."""
+        counts = scan.fresh.copy()
+        for name, group in self._groups.items():
+            if counts[group].any():
+                counts[group] &= self._is_used(name, scan.pose)
+        if not counts.any():
             return None
-        new = tuple(scan for scan in readings.scans if self._is_used(scan, pose))
-        ranges = self._beams.ranges(RangeReadings(scans=new))
-        return None if np.isnan(ranges).all() else Scan(pose=pose, ranges=ranges)
+        return np.where(counts, scan.ranges, np.nan).astype(np.float32)
 
-    def _is_used(self, scan: LaserScan, pose: Pose) -> bool:
-        """Whether a scan is new, and not one too many from one place."""
-        name, stamp = scan.header.frame_id, scan.header.stamp
-        if name not in self._beams.groups:
-            return False
-        group = self._groups.get(name)
-        if group is None:
-            group = self._groups[name] = _LastScans(stamp=stamp, place=pose, used=0)
-        elif group.stamp == stamp:
-            return False
-        group.stamp = stamp
-        if _moved(group.place, pose):
-            group.place, group.used = pose, 0
-        group.used += 1
-        return group.used <= SCANS_A_PLACE
+    def _is_used(self, name: str, pose: Pose) -> bool:
+        """Count a scan of a group; returns whether it is not one too many from one place."""
+        before = self._places.get(name)
+        if before is None or _moved(before, pose):
+            self._places[name], self._used[name] = pose, 0
+        self._used[name] += 1
+        return self._used[name] <= SCANS_A_PLACE
 
 
 def _moved(before: Pose, now: Pose) -> bool:

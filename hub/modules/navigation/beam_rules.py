@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from hub.gcm.beams import Beams
 from hub.gcm.body import RangeKind, RobotBody
-from hub.modules.navigation.outline import exits
+from hub.gcm.outline import exits
 from hub.pose import each_wrapped
 from hub.values import dataclass
 

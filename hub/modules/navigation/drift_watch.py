@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections import deque
 
+from hub.gcm.beam_scans import BeamScan
 from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.matching import FARTHEST, Sightings, drift
 from hub.modules.navigation.pose_uncertainty import PoseUncertainty, Spread

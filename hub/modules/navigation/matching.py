@@ -18,10 +18,10 @@ from collections import deque
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.beam_scans import BeamScan
 from hub.grids.clearance import clearance
 from hub.grids.grid import Grid
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose
 from hub.values import dataclass

@@ -13,11 +13,11 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.beam_scans import BeamScan
 from hub.gcm.body import Bumper, RobotBody
 from hub.gcm.navigation import DriveState
+from hub.gcm.outline import exits
 from hub.modules.navigation.beam_rules import LONGEST_ARC, RIM, BeamRules
-from hub.modules.navigation.beam_scans import BeamScan
-from hub.modules.navigation.outline import exits
 from hub.pose import Pose, each_wrapped, wrapped
 
 Floats = npt.NDArray[np.float64]

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from hub.gcm.beam_scans import ScanReader
 from hub.gcm.body import RobotBody
 from hub.gcm.flight import Attitude
 from hub.gcm.mapping import MapRequest
@@ -25,7 +26,6 @@ from hub.grids.grid import Grid
 from hub.grids.planner import plan
 from hub.modules.navigation.assistance import AssistanceSwitch
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import ScanReader
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow

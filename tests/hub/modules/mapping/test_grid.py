@@ -157,17 +157,6 @@ def test_seven_ranges_and_a_laser_draw_the_walls_of_a_room() -> None:
     assert at(grid, -1.5, -1.5) < 0.0
 
 
-def test_beams_that_look_up_or_down_and_unknown_ranges_give_no_evidence() -> None:
-    frames = (BodyFrame(name="up", pitch=-0.1), BodyFrame(name="down", pitch=0.1))
-    groups = tuple(
-        RangeGroup(name=name, kind=RangeKind.LASER, farthest=5.0)
-        for name in ("up", "down", "level")
-    )
-    beams = beams_of(RobotBody(name="a", kind="b", radius=0.2, frames=frames, ranges=groups))
-    assert not after(beams, 1.0, 1.0, math.nan).log_odds.any()
-    assert after(beams, math.nan, math.nan, 1.0).log_odds.any()
-
-
 @for_each("value", [-math.inf, -1.0, 0.0, 0.05, 8.1, math.nan])
 def test_ranges_that_the_sensor_cannot_measure_give_no_evidence(value: float) -> None:
     assert not after(LASER, value).log_odds.any()

@@ -9,15 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.beam_scans import ScanReader
 from hub.gcm.beams import beams_of
 from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState
-from hub.gcm.pose_history import PoseHistory
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import ScanReader
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.pose import Pose, wrapped
@@ -164,14 +163,13 @@ def mapped(
     reports: Sequence[Report], pose: Callable[[Report], Pose], grid: OccupancyGrid
 ) -> OccupancyGrid:
     """The grid after all reports of a tour."""
-    poses, scans = PoseHistory(), ScanSelector(BEAMS)
+    reader, scans = ScanReader(magellan_body()), ScanSelector(BEAMS)
     for report in reports:
-        poses.add(state_of(report, pose(report)), report.time)
-        if report.ranges is None:
-            continue
-        scan = scans.scan(report.ranges, poses.at(report.time))
-        if scan is not None:
-            grid.add(scan.pose, scan.ranges)
+        reader.moved(state_of(report, pose(report)), report.time)
+        scan = report.ranges and reader.read(report.ranges, report.time)
+        evidence = scan and scans.evidence(scan)
+        if scan is not None and evidence is not None:
+            grid.add(scan.pose, evidence)
     return grid
 
 

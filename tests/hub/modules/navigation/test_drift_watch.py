@@ -8,11 +8,11 @@ import math
 import numpy as np
 import pytest
 
+from hub.gcm.beam_scans import BeamScan
 from hub.gcm.beams import beams_of
 from hub.grids.grid import Grid
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import OLDEST_S, YOUNGEST_S, DriftWatch
 from hub.modules.navigation.matching import drift

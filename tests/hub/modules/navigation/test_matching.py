@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.beam_scans import BeamScan
 from hub.gcm.beams import beams_of
 from hub.grids.grid import Grid
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.matching import FEWEST, Sightings, drift
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.pose import Pose

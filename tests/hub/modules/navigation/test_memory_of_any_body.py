@@ -9,12 +9,12 @@ import numpy.typing as npt
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.beam_scans import BeamScan
 from hub.gcm.beams import beams_of
 from hub.gcm.body import RobotBody
+from hub.gcm.outline import exits
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.obstacle_memory import CELLS, CONE_S, RESOLUTION, ObstacleMemory
-from hub.modules.navigation.outline import exits
 from hub.pose import Pose
 from tests.hub.modules.navigation.bodies import HALF_LENGTH, HALF_WIDTH, LONG
 from tests.support.messages import drive_state

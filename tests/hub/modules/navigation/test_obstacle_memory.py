@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from hub.gcm.beam_scans import BeamScan
 from hub.gcm.beams import beams_of
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.beam_scans import BeamScan
 from hub.modules.navigation.obstacle_memory import CONE_S, RAY_S, ObstacleMemory
 from hub.pose import Pose
 from tests.hub.modules.navigation.drives import ROBOT

@@ -10,11 +10,11 @@ import numpy.typing as npt
 from hub.gcm.beams import Beams, beams_of
 from hub.gcm.body import RobotBody
 from hub.gcm.flight import Attitude
-from hub.gcm.navigation import DriveState
+from hub.gcm.navigation import Measured
+from hub.gcm.outline import exits
 from hub.gcm.pose_history import UNKNOWN, PoseHistory
 from hub.gcm.ranges import RangeReadings
 from hub.gcm.standard import Time
-from hub.modules.navigation.outline import exits
 from hub.pose import Pose
 from hub.values import dataclass
 
@@ -35,7 +35,8 @@ class BeamScan:
     """The newest ranges of all beams.
 
     Attributes:
-        pose: The robot's pose in `odom` when those that are new were measured.
+        pose: The robot's pose when those that are new were measured, in the frame of the poses
+            that the reader was given.
         ranges: From the origin of each beam, along the ground [m], shape (n,); inf: nothing
             within reach, NaN: not known.
         fresh: Which of them are new, shape (n,).
@@ -66,12 +67,12 @@ class ScanReader:
         self._attitude = (0.0, -math.inf)
 
     def restart(self) -> None:
-        """Forget the poses: dead reckoning starts again."""
+        """Forget the poses: their frame is another one now."""
         self._poses = PoseHistory()
 
-    def moved(self, drive: DriveState, measured: float) -> None:
-        """Take a pose in `odom`, measured at a monotonic time [s]."""
-        self._poses.add(drive, measured)
+    def moved(self, state: Measured, measured: float) -> None:
+        """Take a pose, measured at a monotonic time [s]; all poses are in one frame."""
+        self._poses.add(state, measured)
 
     def tilted(self, attitude: Attitude, measured: float) -> None:
         """Take an attitude, measured at a monotonic time [s]."""

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from hub.gcm.beam_scans import ATTITUDE_S, LARGEST_TILT, BeamScan, ScanReader
 from hub.gcm.body import RobotBody
 from hub.gcm.flight import Attitude
 from hub.gcm.ranges import RangeReadings, scan_of
-from hub.modules.navigation.beam_scans import ATTITUDE_S, LARGEST_TILT, BeamScan, ScanReader
 from hub.pose import Pose
 from tests.hub.modules.navigation.bodies import HALF_WIDTH, LONG
 from tests.support.messages import drive_state
