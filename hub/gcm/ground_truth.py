@@ -22,6 +22,11 @@ class GroundTruth:
         commanded_angular: Commanded turn rate [rad/s].
         contacts: Number of collisions of the body since the start.
         touching: Whether it touches an obstacle now (0 or 1).
+        z: Height of its centre above the arena's floor [m]; of a base on wheels, of the ground.
+        roll: About x [rad], positive right side down.
+        pitch: About y [rad], positive nose down.
+        sway: True velocity to the left [m/s].
+        heave: True velocity upward [m/s].
     """
 
     time: Seconds
@@ -34,6 +39,11 @@ class GroundTruth:
     commanded_angular: TurnRate
     contacts: Number
     touching: Flag
+    z: Metres = 0.0
+    roll: Radians = 0.0
+    pitch: Radians = 0.0
+    sway: Speed = 0.0
+    heave: Speed = 0.0
 
 
 GROUND_TRUTH = MessageDefinition(

@@ -22,8 +22,8 @@ from hub.gcm.capability import Capability
 
 PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     navigation.ROBOT_STATE.name: (Capability.NAV_STATE,),
-    flight.ATTITUDE.name: (Capability.NAV_STATE,),
-    flight.ALTITUDE.name: (Capability.NAV_STATE,),
+    flight.ATTITUDE.name: (Capability.DRV_BASE,),
+    flight.ALTITUDE.name: (Capability.DRV_BASE,),
     navigation.NAVIGATION_STATUS.name: (
         Capability.NAV_STATE,
         Capability.NAV_MOVE,

@@ -2,20 +2,68 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.navigation import DriveState, GroundTruth, Twist
+from hub.gcm.navigation import GroundTruth, Twist
 from hub.gcm.ranges import LaserScan
 from hub.gcm.vision import CameraCommand, CameraState
 from hub.robots.left_alone import LeftAlone
 from hub.values import dataclass
 
 
-class DriveBase(Protocol):
-    """Wheels, range sensors, bumpers and battery; owned by the driver module."""
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sensors:
+    """The newest measurement of each part of a body; a part that it lacks keeps its default.
+
+    Attributes:
+        x: Dead-reckoned position in `odom` [m].
+        y: Dead-reckoned position in `odom` [m].
+        theta: Dead-reckoned heading in `odom` [rad], in (-pi, pi].
+        velocity: Measured velocity in `base_link`.
+        commanded: The velocity that it follows now, within its limits.
+        scans: The newest scan of each group of range sensors, in the order of the description.
+        bumpers: Bit i is set while bumper i of the description is pressed.
+        battery_voltage: [V]; NaN: not measured.
+        battery_fraction: Charge left, 0 to 1; NaN: not known.
+        roll: About x [rad], positive right side down; NaN: not measured.
+        pitch: About y [rad], positive nose down; NaN: not measured.
+        heading: Of a compass, counter-clockwise from x of `map` [rad]; NaN: not measured.
+        height: Above the origin of `map` [m]; NaN: not measured.
+        above_ground: Above the ground or the sea floor [m]; NaN: not measured.
+        depth: Below the water's surface [m]; NaN: not measured.
+        climb: Vertical velocity [m/s], positive up; NaN: not measured.
+        odometry: Number of this dead reckoning; it changes with each restart. 0: the driver
+            process gives it one.
+        origin: Number of the origin of `odom`; equal numbers mean equal places, even after a
+            restart of the dead reckoning. 0: the robot's place at the restart.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    theta: float = 0.0
+    velocity: Twist = Twist()
+    commanded: Twist = Twist()
+    scans: tuple[LaserScan, ...] = ()
+    bumpers: int = 0
+    battery_voltage: float = math.nan
+    battery_fraction: float = math.nan
+    roll: float = math.nan
+    pitch: float = math.nan
+    heading: float = math.nan
+    height: float = math.nan
+    above_ground: float = math.nan
+    depth: float = math.nan
+    climb: float = math.nan
+    odometry: int = 0
+    origin: int = 0
+
+
+class Body(Protocol):
+    """The hardware that moves and measures; owned by the driver module."""
 
     def command(self, twist: Twist) -> None:
         """Set the velocity in `base_link` [m/s, rad/s]; limits apply.
@@ -24,29 +72,18 @@ class DriveBase(Protocol):
         """
 
     def advance(self, seconds: float) -> None:
-        """Advance a simulation; real hardware does nothing here."""
+        """Advance a simulation; real hardware reads its port, without waiting."""
 
-    def drive_state(self, stamp: float) -> DriveState:
-        """The present measurements; `stamp` [s since the epoch] is copied into them."""
+    def sensors(self, stamp: float) -> Sensors:
+        """The present measurements; `stamp` is the time now [s since the epoch]."""
 
     def ground_truth(self) -> GroundTruth | None:
         """Its true pose; None: unknown."""
 
 
 @runtime_checkable
-class RangeSource(Protocol):
-    """A `DriveBase` with range sensors, as its robot file describes them."""
-
-    def ranges(self, stamp: float) -> tuple[LaserScan, ...] | None:
-        """The newest scan of each group, in the order of the description.
-
-        None: nothing is new since the last call. `stamp` is the time now [s since the epoch].
-        """
-
-
-@runtime_checkable
-class BaseLeftAlone(Protocol):
-    """A `DriveBase` with more actions than standing when it has no operator."""
+class BodyLeftAlone(Protocol):
+    """A `Body` with more actions than standing when it has no operator."""
 
     def left_alone(self, action: LeftAlone | None) -> None:
         """Do this from now on; None: it has an operator again.

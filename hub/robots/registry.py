@@ -10,7 +10,8 @@ from hub.errors import CameraError, UnknownKindError
 from hub.nearest import did_you_mean
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import RobotDescription
-from hub.robots.interfaces import Camera, DriveBase
+from hub.robots.interfaces import Body, Camera
+from hub.robots.robot_file import shipped_bodies
 from hub.values import dataclass
 
 
@@ -19,19 +20,19 @@ class RobotKind:
     """The functions that open the hardware of one kind of robot; each module opens its own part.
 
     Attributes:
-        open_base: Opens wheels, range sensors, bumpers, battery.
+        open_body: Opens wheels, range sensors, bumpers, battery.
         open_camera: Opens a camera of its own, by its table in the robot file; None: it has none.
             Use the function `open_camera`.
         imports: Python modules that the two functions import. The daemon imports them once, for
             all modules of the robot; they start no threads.
     """
 
-    open_base: Callable[[RobotDescription], DriveBase]
+    open_body: Callable[[RobotDescription], Body]
     open_camera: Callable[[RobotDescription, CameraTable], Camera] | None = None
     imports: tuple[str, ...] = ()
 
 
-def _simulated_base(robot: RobotDescription) -> DriveBase:
+def _simulated_body(robot: RobotDescription) -> Body:
     from hub.robots.simulated_base import SimulatedBase
     from hub.sim.arena import load_arena
 
@@ -50,13 +51,13 @@ def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
     )
 
 
-KINDS = {
-    "simulated-magellan": RobotKind(
-        open_base=_simulated_base,
-        open_camera=_simulated_camera,
-        imports=("hub.robots.magellan", "numpy.random"),
-    ),
-}
+_WHEELS = RobotKind(
+    open_body=_simulated_body,
+    open_camera=_simulated_camera,
+    imports=("hub.robots.magellan", "hub.robots.simulated_base", "numpy.random"),
+)
+KINDS = {"simulated-wheels": _WHEELS, **dict.fromkeys(shipped_bodies(), _WHEELS)}
+"""Each kind that Rune ships; a kind with a file of its own in `bodies/` has that body."""
 
 
 def kind_of(robot: RobotDescription) -> RobotKind:

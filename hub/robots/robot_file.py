@@ -27,7 +27,7 @@ from hub.robots.description import USUAL_RADIUS, RobotDescription
 
 SHIPPED = Path(__file__).parent / "files"
 BODIES = Path(__file__).parent / "bodies"
-"""The bodies of shipped kinds: what their robot files need not repeat."""
+"""The bodies of shipped kinds, a file each: their robot files need not repeat them."""
 _SAME_LENGTH = 1e-3
 """Lengths with a smaller difference are equal [m]."""
 
@@ -47,6 +47,11 @@ def find_robot_file(name_or_path: str) -> Path:
     hint = did_you_mean(name_or_path, names)
     advice = f"; give the path of a robot file, or the name of a shipped one: {', '.join(names)}"
     raise RobotFileError(name_or_path, [f"there is no such file{hint or advice}"])
+
+
+def shipped_bodies() -> dict[str, Path]:
+    """The file of each shipped kind with a body of its own, by the name of the kind."""
+    return {path.stem: path for path in sorted(BODIES.glob("*.toml"))}
 
 
 def read_description(
@@ -98,7 +103,8 @@ _BODY = ("frame", "range", "bumper", "camera")
 
 def _add_body_of_kind(data: dict[str, Any]) -> None:
     """Add the body of a shipped kind where the robot file has none of its own."""
-    file = next((each for each in BODIES.glob("*.toml") if each.stem == data.get("kind")), None)
+    kind = data.get("kind")
+    file = shipped_bodies().get(kind) if isinstance(kind, str) else None
     if file is None:
         return
     for name, values in toml.load(file, RobotFileError)[0].items():

@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
-from hub.gcm.navigation import SENSOR_COUNT, DriveState, GroundTruth, Twist
+from hub.gcm.navigation import GroundTruth, Twist, Vector3
 from hub.gcm.ranges import LaserScan, scan_of
 from hub.pose import Pose
+from hub.robots.interfaces import Sensors
 from hub.sim.arena import Arena
 from hub.sim.battery import Battery
 from hub.sim.contact import ContactBody
@@ -27,11 +28,10 @@ STEPS_PER_SCAN = 10
 LONGEST_ADVANCE = 5.0
 """Longest advance of one call [s]; more is dropped, for example after a suspended process."""
 _ROUNDING = 1e-9
-_NO_SENSORS = np.full(SENSOR_COUNT, np.nan, np.float32)
 
 
 class SimulatedBase:
-    """Wheels, range sensors, bumpers and battery of any body in an arena; implements `DriveBase`.
+    """Wheels, range sensors, bumpers and battery of any body in an arena; implements `Body`.
 
     The same seed and the same calls give the same values to the last bit. Reading a state changes
     nothing. Sensors scan at 10 Hz of simulated time; between two scans they report the last ranges.
@@ -59,6 +59,7 @@ class SimulatedBase:
         self._steps = 0
         self._time_left = 0.0
         self._measured: dict[str, npt.NDArray[np.float32]] = {}
+        self._scans: tuple[LaserScan, ...] = ()
         self._is_new = False
         # Compute the contacts of the body at the start.
         start = moved(arena.start, 0.0, 0.0)  # its heading is in (-pi, pi]
@@ -88,37 +89,27 @@ class SimulatedBase:
             self._time_left -= STEP
             self._step()
 
-    def drive_state(self, stamp: float) -> DriveState:
+    def sensors(self, stamp: float) -> Sensors:
         """The present measurements of encoders, range sensors, bumpers and battery."""
+        if self._is_new:
+            self._is_new = False
+            self._scans = tuple(
+                scan_of(group, self._measured[group.name], stamp) for group in self._groups
+            )
         pose = self._odometry.pose
-        return DriveState(
-            stamp=stamp,
+        surge, sway, yaw = self._commanded
+        return Sensors(
             x=pose.x,
             y=pose.y,
             theta=pose.theta,
-            linear=self._linear,
-            angular=self._angular,
-            commanded_linear=self._commanded[0],
-            commanded_angular=self._commanded[2],
-            sonar=self._sixteen("sonar"),
-            infrared=self._sixteen("infrared"),
+            velocity=_twist(self._linear, self._sway, self._angular),
+            commanded=_twist(surge, sway, yaw),
+            scans=self._scans,
             bumpers=self._body.bumpers(self._pose),
             battery_voltage=self._battery.voltage,
             battery_fraction=self._battery.fraction,
             origin=self._origin,
         )
-
-    def _sixteen(self, name: str) -> npt.NDArray[np.float32]:
-        """The ranges of a ring of sixteen, for receivers that do not take `GCM_Ranges` yet."""
-        measured = self._measured.get(name, _NO_SENSORS)
-        return measured.copy() if measured.shape == _NO_SENSORS.shape else _NO_SENSORS
-
-    def ranges(self, stamp: float) -> tuple[LaserScan, ...] | None:
-        """The newest ranges of each group; None: nothing is new."""
-        if not self._is_new:
-            return None
-        self._is_new = False
-        return tuple(scan_of(group, self._measured[group.name], stamp) for group in self._groups)
 
     def ground_truth(self) -> GroundTruth:
         """Its true pose in the arena's frame."""
@@ -133,6 +124,7 @@ class SimulatedBase:
             commanded_angular=self._commanded[2],
             contacts=self._body.contacts,
             touching=int(bool(self._body.touched)),
+            sway=self._sway,
         )
 
     def _step(self) -> None:
@@ -171,3 +163,7 @@ class SimulatedBase:
             group.name: self._sensors.measure(group.name, self._pose) for group in self._groups
         }
         self._is_new = True
+
+
+def _twist(surge: float, sway: float, yaw: float) -> Twist:
+    return Twist(linear=Vector3(x=surge, y=sway), angular=Vector3(z=yaw))

@@ -136,7 +136,9 @@ class RangeSensors:
         if known is None or known[0] != pose:
             obstacles = _within(self._obstacles, pose, group.reach())
             known = self._met[name] = pose, sensors.look(obstacles, pose)
-        return sensors.ranges(known[1]).astype(np.float32)
+        ranges = sensors.ranges(known[1]).astype(np.float32)
+        ranges.flags.writeable = False  # many read it
+        return ranges
 
 
 class _Sonars:

@@ -9,7 +9,8 @@ import numpy as np
 
 from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
-from hub.gcm.navigation import Twist
+from hub.gcm.navigation import DriveState, Twist
+from hub.modules.driver.reports import drive_state
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.robots.simulated_base import SimulatedBase
 from hub.sim.arena import Arena, Footprints
@@ -43,3 +44,6 @@ class SimulatedMagellan(SimulatedBase):
 
     def set_velocity(self, linear: float, angular: float) -> None:
         self.command(Twist.planar(linear, angular))
+
+    def drive_state(self, stamp: float) -> DriveState:
+        return drive_state(self.sensors(stamp), stamp)

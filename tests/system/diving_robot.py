@@ -16,7 +16,7 @@ VARIABLE = "RUNE_TEST_DEEDS"
 
 
 class DivingRobot(SimulatedMagellan):
-    """Implements `BaseLeftAlone`."""
+    """Implements `BodyLeftAlone`."""
 
     def __init__(self, robot: RobotDescription) -> None:
         super().__init__(load_arena(robot.arena))
@@ -27,5 +27,5 @@ class DivingRobot(SimulatedMagellan):
             file.write(f"{'operated' if action is None else action.value}\n")
 
 
-KIND = RobotKind(open_base=DivingRobot)
+KIND = RobotKind(open_body=DivingRobot)
 KIND_NAME = f"{__name__}:KIND"

@@ -91,7 +91,7 @@ class RecordedMagellan(SimulatedMagellan):
             self.advance(STEP)
 
 
-KIND = RobotKind(open_base=RecordedMagellan)
+KIND = RobotKind(open_body=RecordedMagellan)
 
 
 class Wheels:

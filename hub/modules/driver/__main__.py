@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-import dataclasses
 import secrets
 import sys
 import time
 from collections.abc import Callable
+from typing import TypeVar
 
 from hub.control_gate import follow_control
-from hub.gcm import navigation, ranges
+from hub.gcm import flight, navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
+from hub.gcm.standard import Time
 from hub.ipc.client import Client
+from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
+from hub.modules.driver import reports
 from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
-from hub.robots.interfaces import RangeSource
 from hub.robots.registry import kind_of
 from hub.runtime import run_module
+
+T = TypeVar("T")
 
 _PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
 """Time between two reports of the hardware [s]."""
@@ -35,19 +39,26 @@ class Driver:
 
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
-        self._base = kind_of(robot).open_base(robot)
-        self._loss = OperatorLoss(self._base, robot)
+        self._body = kind_of(robot).open_body(robot)
+        self._loss = OperatorLoss(self._body, robot)
         self._watchdog = CommandWatchdog()
         self._navigator = Navigator()
-        self._neutral = True
         self._stepped = time.monotonic()
         self._silence = client.alarm(self._watch)
+        self._measured: list[Time] = []
+        self._due: dict[str, float] = {}
         # Each process has its own number: after a crash the dead reckoning starts elsewhere.
         self._odometry = secrets.randbelow(2**32 - 1) + 1
         client.directory.follow(self._navigator.name, self._navigator.connected)
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
         follow_control(client, self._control_changed)
-        client.define(navigation.DRIVE_STATE, ranges.RANGES, navigation.GROUND_TRUTH)
+        client.define(
+            navigation.DRIVE_STATE,
+            ranges.RANGES,
+            flight.ATTITUDE,
+            flight.ALTITUDE,
+            navigation.GROUND_TRUTH,
+        )
         self._next_report = client.alarm(self._report)
         self._report_at = self._next_report.due = self._stepped + _PERIOD
 
@@ -57,8 +68,7 @@ class Driver:
         if obeys and self._watchdog.allows(now - reception.age, now, neutral=twist.neutral):
             self._silence.due = self._watchdog.deadline
             self._advance(now)  # the time until now passes with the velocity before
-            self._base.command(twist)
-            self._neutral = twist.neutral
+            self._body.command(twist)
             if not twist.neutral:
                 self._loss.watch.moved(now)
                 self._report_by(now + _PERIOD)
@@ -74,8 +84,7 @@ class Driver:
             self._stop()
 
     def _stop(self) -> None:
-        self._base.command(navigation.Twist())
-        self._neutral = True
+        self._body.command(navigation.Twist())
 
     def _report(self) -> None:
         self._watch()
@@ -89,24 +98,38 @@ class Driver:
         self._next_report.due = self._report_at = min(self._report_at, time)
 
     def _advance(self, now: float) -> None:
-        self._base.advance(min(now - self._stepped, _LONGEST_STEP))
+        self._body.advance(min(now - self._stepped, _LONGEST_STEP))
         self._stepped = now
 
     def _publish(self) -> bool:
         """Publish each state that the hardware gives; returns whether it may rest."""
         now = time.monotonic()
-        state = numbered(self._base.drive_state(time.time()), self._odometry)
+        stamp = time.time()
+        sensors = self._body.sensors(stamp)
+        state = reports.drive_state(sensors, stamp, self._odometry)
         self._client.publish(navigation.DRIVE_STATE, state, measured=now)
-        if isinstance(self._base, RangeSource):
-            scans = self._base.ranges(time.time())
-            if scans is not None:
-                self._client.publish(ranges.RANGES, ranges.RangeReadings(scans=scans), measured=now)
-        rests = self._neutral and _stands(state)
-        truth = self._base.ground_truth()
+        measured = [scan.header.stamp for scan in sensors.scans]
+        if measured != self._measured:
+            self._measured = measured
+            readings = ranges.RangeReadings(scans=sensors.scans)
+            self._client.publish(ranges.RANGES, readings, measured=now)
+        self._publish_slowly(flight.ATTITUDE, reports.attitude(sensors, stamp), now)
+        self._publish_slowly(flight.ALTITUDE, reports.altitude(sensors, stamp), now)
+        rests = reports.stands(sensors)
+        truth = self._body.ground_truth()
         if truth is not None:
             self._client.publish(navigation.GROUND_TRUTH, truth, measured=now)
             rests = rests and not self._client.has_subscribers(navigation.GROUND_TRUTH)
         return rests
+
+    def _publish_slowly(
+        self, definition: MessageDefinition[T], value: T | None, now: float
+    ) -> None:
+        """Publish a message at its own rate, if the body measures what it has."""
+        due = self._due.get(definition.name, 0.0)
+        if value is not None and now >= due:
+            self._due[definition.name] = max(due + 1.0 / definition.rate_hz, now)
+            self._client.publish(definition, value, measured=now)
 
     def finish(self) -> None:
         """Stop the wheels."""
@@ -117,17 +140,6 @@ class Driver:
 def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
     """Connect the hardware to the bus."""
     return Driver(client, robot).finish
-
-
-def _stands(state: navigation.DriveState) -> bool:
-    """Whether the hardware stands and has no order to move."""
-    velocities = state.linear, state.angular, state.commanded_linear, state.commanded_angular
-    return not any(velocities) and not state.bumpers
-
-
-def numbered(state: navigation.DriveState, odometry: int) -> navigation.DriveState:
-    """The state with a number for its dead reckoning, where the hardware gives it none."""
-    return state if state.odometry else dataclasses.replace(state, odometry=odometry)
 
 
 def abilities(robot: RobotDescription) -> Abilities:

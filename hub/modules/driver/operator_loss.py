@@ -13,7 +13,7 @@ import logging
 
 from hub.errors import RobotFileError
 from hub.robots.description import RobotDescription
-from hub.robots.interfaces import BaseLeftAlone, DriveBase
+from hub.robots.interfaces import Body, BodyLeftAlone
 from hub.robots.left_alone import LeftAlone, OperatorWatch
 
 _logger = logging.getLogger(__name__)
@@ -22,7 +22,7 @@ _logger = logging.getLogger(__name__)
 class OperatorLoss:
     """Begins and ends the action of a base that has lost its operator."""
 
-    def __init__(self, base: DriveBase, robot: RobotDescription) -> None:
+    def __init__(self, base: Body, robot: RobotDescription) -> None:
         """Check that the base can do what the robot file asks for.
 
         Raises:
@@ -30,7 +30,7 @@ class OperatorLoss:
         """
         requested = robot.left_alone
         self.watch = OperatorWatch(requested, robot.surface_after_s)
-        self._base = base if isinstance(base, BaseLeftAlone) else None
+        self._base = base if isinstance(base, BodyLeftAlone) else None
         self._action: LeftAlone | None = None
         if self._base is None and requested is not LeftAlone.STAND:
             problem = (

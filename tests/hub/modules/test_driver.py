@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
-from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, DriveState, GroundTruth, Twist
+from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, GroundTruth, Twist
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.watchdog import SILENCE_S
+from hub.robots.interfaces import Sensors
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import load_arena
 from tests.hub.modules.timed_bus import TimedBus
 from tests.support.magellan import SimulatedMagellan
 
 FORWARD, NEUTRAL = Twist.planar(0.4, 0.0), Twist.planar(0.0, 0.0)
-NOTHING = np.full(16, np.inf, np.float32)
 
 
 class Wheels:
@@ -44,19 +42,10 @@ class Wheels:
     def advance(self, seconds: float) -> None:
         assert seconds >= 0.0
 
-    def drive_state(self, stamp: float) -> DriveState:
+    def sensors(self, stamp: float) -> Sensors:
         del stamp
-        still = dict.fromkeys(("stamp", "x", "y", "theta", "angular", "commanded_angular"), 0.0)
-        return DriveState(
-            **still,
-            linear=self._linear,
-            commanded_linear=self._linear,
-            sonar=NOTHING,
-            infrared=NOTHING,
-            bumpers=0,
-            battery_voltage=math.nan,
-            battery_fraction=math.nan,
-        )
+        velocity = Twist.planar(self._linear, 0.0)
+        return Sensors(velocity=velocity, commanded=velocity)
 
     def ground_truth(self) -> GroundTruth | None:
         return self.truth
@@ -68,7 +57,7 @@ class Scene:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.bus = TimedBus(monkeypatch)
         self.wheels = Wheels(lambda: self.bus.now)
-        kind = SimpleNamespace(open_base=lambda _: self.wheels)
+        kind = SimpleNamespace(open_body=lambda _: self.wheels)
         monkeypatch.setattr(driver, "kind_of", lambda _: kind)
         robot, _ = read_description(find_robot_file("magellan"))
         driver.build(self.bus, robot)  # type: ignore[arg-type]

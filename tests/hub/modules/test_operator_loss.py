@@ -24,7 +24,7 @@ def robot(folder: Path, action: str) -> RobotDescription:
 
 def test_a_robot_that_rolls_stands_but_cannot_surface(tmp_path: Path) -> None:
     rolls = robot(tmp_path, "stand")
-    OperatorLoss(kind_of(rolls).open_base(rolls), rolls).update(0.0)
+    OperatorLoss(kind_of(rolls).open_body(rolls), rolls).update(0.0)
     dives = robot(tmp_path, "surface")
     with pytest.raises(RobotFileError, match="the kind 'simulated-magellan' can only stand"):
-        OperatorLoss(kind_of(dives).open_base(dives), dives)
+        OperatorLoss(kind_of(dives).open_body(dives), dives)

@@ -1,0 +1,93 @@
+"""A body that no shipped file describes: seven ranges, a laser, three cameras, sideways motion."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, closing
+
+import numpy as np
+import pytest
+
+from hub.errors import HandlerFailedError
+from hub.gcm import ranges, vision
+from hub.gcm.beams import beams_of
+from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, RangeKind
+from tests.system.harness import HubProcess, Observer
+
+_CAMERAS = "front", "rear", "mast"
+_TABLES = """
+[body]
+footprint = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]
+[[range]]
+name = "scan"
+kind = "laser"
+beams = 181
+first_deg = -90.0
+spread_deg = 180.0
+forward = 0.25
+farthest = 20.0
+[[camera]]
+name = "front"
+fov_deg = 70.0
+[[camera]]
+name = "rear"
+forward = -0.3
+yaw_deg = 180.0
+[[camera]]
+name = "mast"
+height = 0.9
+pan_limit_deg = 90.0
+""" + "".join(
+    f"""
+[[range]]
+name = "echo-{place}"
+kind = "{"sonar" if place % 2 else "infrared"}"
+opening_deg = {15 * (place % 2)}
+yaw_deg = {51 * place}
+ring = 0.2
+farthest = 3.0
+"""
+    for place in range(7)
+)
+HUB = {"kind": "simulated-wheels", "tables": _TABLES, "options": ("--set", "limits.sway=0.3")}
+
+
+@pytest.fixture
+def hub(lasting_hub: HubProcess) -> HubProcess:
+    return lasting_hub
+
+
+def test_the_hub_describes_it_and_its_ranges_come_in_that_order(
+    hub: HubProcess, stack: ExitStack
+) -> None:
+    observer = stack.enter_context(closing(Observer(hub.endpoint, ranges.RANGES)))
+    body = observer.client.last_value(ROBOT_DESCRIPTION, timeout=5.0)
+    assert [motion.freedom for motion in body.motions] == [
+        Freedom.SURGE,
+        Freedom.SWAY,
+        Freedom.YAW,
+    ]
+    assert [camera.name for camera in body.cameras] == [*_CAMERAS]
+    (_, readings), *_ = observer.seen[ranges.RANGES.name]
+    assert [scan.header.frame_id for scan in readings.scans] == [
+        group.name for group in body.ranges
+    ]
+    beams = beams_of(body)
+    measured = beams.ranges(readings)
+    laser = measured[beams.of_kind(RangeKind.LASER)]
+    assert len(measured) == 181 + 7
+    assert np.isfinite(laser).all(), "the empty hall has walls all around"
+
+
+def test_each_camera_has_its_own_picture(hub: HubProcess, stack: ExitStack) -> None:
+    observer = stack.enter_context(closing(Observer(hub.endpoint)))
+
+    def ask(camera: str) -> vision.Image:
+        request = vision.ImageRequest(width_px=32, height_px=24, camera=camera)
+        return observer.client.query_response(
+            vision.IMAGE_REQUEST, request, vision.IMAGE, timeout=5.0
+        )
+
+    assert [ask(name).camera.name for name in _CAMERAS] == [*_CAMERAS]
+    assert ask("").camera.name == "front"
+    with pytest.raises(HandlerFailedError, match="no camera 'left'; the robot has front, rear"):
+        ask("left")
