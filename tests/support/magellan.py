@@ -10,6 +10,7 @@ import numpy as np
 from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
 from hub.gcm.navigation import DriveState, Twist
+from hub.gcm.ranges import LaserScan
 from hub.modules.driver.reports import drive_state
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.robots.simulated_base import SimulatedBase
@@ -41,9 +42,16 @@ class SimulatedMagellan(SimulatedBase):
             for motion in magellan_body().motions
         )
         super().__init__(arena, dataclasses.replace(magellan_body(), motions=motions), seed=seed)
+        self._last: tuple[LaserScan, ...] | None = None
 
     def set_velocity(self, linear: float, angular: float) -> None:
         self.command(Twist.planar(linear, angular))
 
     def drive_state(self, stamp: float) -> DriveState:
         return drive_state(self.sensors(stamp), stamp)
+
+    def ranges(self, stamp: float) -> tuple[LaserScan, ...] | None:
+        """Its scans; None: they are those of the last call."""
+        scans = self.sensors(stamp).scans
+        last, self._last = self._last, scans
+        return None if scans is last else scans
