@@ -11,11 +11,11 @@ import numpy as np
 from benchmarks.figures import median_ms, report
 from hub.robots.magellan import SimulatedCamera
 from hub.sim.afloat.blimp import SimulatedBlimp
-from hub.sim.afloat.fluid import Water
 from hub.sim.afloat.rov import SimulatedRov
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.vehicle import STEP
 from hub.sim.arena import load_arena
+from hub.sim.arena_specs import WaterSpec
 from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
@@ -77,10 +77,10 @@ def contact_steps() -> None:
 def float_step() -> None:
     """Blimp and underwater robot with sensors, holds and thrusters."""
     arena = load_arena("yellow")
-    solids = Surroundings(arena.boxes, arena.cylinders, ceiling=arena.ceiling)
     start = SpatialPose(x=arena.start.x, y=arena.start.y, z=1.5)
-    blimp = SimulatedBlimp(solids, start=start)
-    rov = SimulatedRov(solids, start=start, water=Water(surface=3.0))
+    blimp = SimulatedBlimp(Surroundings.in_air(arena), start=start)
+    water = WaterSpec(surface=3.0)
+    rov = SimulatedRov(Surroundings.under_water(arena), start=start, water=water)
     blimp.command(surge=0.1, yaw=0.2)
     rov.command(surge=0.1, yaw=0.2)
     clock = time.thread_time

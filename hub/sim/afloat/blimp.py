@@ -19,7 +19,7 @@ from hub.pose import wrapped
 from hub.sim.afloat.blimp_senses import BlimpReadings, BlimpSenses
 from hub.sim.afloat.body_contact import ContactShape
 from hub.sim.afloat.floating_body import HullSpec
-from hub.sim.afloat.fluid import AIR_DENSITY, Air, Drafts
+from hub.sim.afloat.fluid import AIR_DENSITY, Drafts
 from hub.sim.afloat.holds import (
     OFF,
     ClimbGains,
@@ -35,6 +35,7 @@ from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.thrusters import TAIL_BEHIND, Propellers
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
+from hub.sim.arena_specs import AirSpec
 from hub.sim.spatial_pose import SpatialPose
 
 MASS = 0.184
@@ -111,7 +112,7 @@ class SimulatedBlimp(FloatingVehicle):
         surroundings: Surroundings,
         *,
         start: SpatialPose,
-        air: Air | None = None,
+        air: AirSpec | None = None,
         heavy: float = HEAVY,
         charge: float = 1.0,
         seed: int = 0,
@@ -121,14 +122,14 @@ class SimulatedBlimp(FloatingVehicle):
         Args:
             surroundings: Solids and ground of its arena.
             start: Its first pose.
-            air: Drafts and wind.
+            air: Drafts and wind; None: it stands.
             heavy: Mass over that of the displaced air [kg]; the propeller lifts 4.6 g at most.
             charge: Of the battery, 0 to 1.
             seed: Of all noise.
         """
         super().__init__(hull(heavy), SHAPE, surroundings, start)
         air_seed, senses_seed = np.random.SeedSequence(seed).spawn(2)
-        self._drafts = Drafts(air or Air(), air_seed)
+        self._drafts = Drafts(air or AirSpec(draft=0.0), air_seed)
         self._propellers = Propellers()
         self._battery = LithiumBattery(
             cells=2, energy=7.4 * 3600.0, resistance=0.1, fraction=charge

@@ -96,7 +96,7 @@ class BlimpSenses:
         x, y, z = body.position
         self.vertical = ClimbObserver(
             body.hull,
-            height=z - surroundings.ground(x, y),
+            height=z - surroundings.ground.height(x, y),
             rate=_OBSERVER_RATE,
             most_trim=_MOST_TRIM,
         )

@@ -12,6 +12,8 @@ from hub.values import dataclass
 
 TOUCH = 1e-3
 """The body touches what is this near [m]."""
+LEDGE = 0.05
+"""The body slides over ground that rises by less in a step [m]."""
 _GAP = 1e-6
 """Distance that is left when the body is pushed out of something [m]."""
 _PUSHES = 6
@@ -63,17 +65,46 @@ class BodyContact:
             if self._free <= TOUCH:
                 place = self._pushed_out(wanted)
         if place is None:
-            self.normals.append(_away(before, wanted))
-            place = before
+            place = self._refused(before, wanted)
+        place = self._within_area(place)
         x, y, z = place
-        lowest = self._surroundings.ground(x, y) + self._shape.below
-        highest = self._surroundings.ceiling - self._shape.above
+        shape, ground = self._shape, self._surroundings.ground
+        lowest = ground.highest(x, y, shape.radius) + shape.below
+        if z < lowest - LEDGE:
+            # Ground that rises steeply is a wall.
+            x, y, z = self._refused((*before[:2], z), place)
+            lowest = ground.highest(x, y, shape.radius) + shape.below
+        highest = self._surroundings.ceiling - shape.above
         if z <= lowest:
             self.normals.append(_UP)
         elif z >= highest:
             self.normals.append(_DOWN)
         self.supported = any(normal[2] > 0.0 for normal in self.normals)
         return x, y, max(lowest, min(highest, z))
+
+    def _refused(self, before: Vector, wanted: Vector) -> Vector:
+        """The place before a motion that is not possible; the motion ends."""
+        way = math.dist(before, wanted)
+        if way > 0.0:
+            x, y, z = ((old - new) / way for old, new in zip(before, wanted, strict=True))
+            self.normals.append((x, y, z))
+        return before
+
+    def _within_area(self, place: Vector) -> Vector:
+        """The nearest place at which the body is within the area."""
+        area = self._surroundings.area
+        if area is None:
+            return place
+        (west, south), (east, north) = area
+        x, y, z = place
+        radius = self._shape.radius
+        held_x = max(west + radius, min(east - radius, x))
+        held_y = max(south + radius, min(north - radius, y))
+        if held_x != x:
+            self.normals.append((math.copysign(1.0, held_x - x), 0.0, 0.0))
+        if held_y != y:
+            self.normals.append((0.0, math.copysign(1.0, held_y - y), 0.0))
+        return held_x, held_y, z
 
     def _pushed_out(self, wanted: Vector) -> Vector | None:
         """The wanted place moved out of solids by the shortest ways; None if that fails."""
@@ -100,10 +131,3 @@ class BodyContact:
                 z += -out if under else out
                 self.normals.append(_DOWN if under else _UP)
         return None
-
-
-def _away(before: Vector, wanted: Vector) -> Vector:
-    """Unit vector back from a motion that is not possible."""
-    length = math.dist(before, wanted) or 1.0
-    x, y, z = ((old - new) / length for old, new in zip(before, wanted, strict=True))
-    return x, y, z

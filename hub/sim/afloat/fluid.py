@@ -1,4 +1,4 @@
-"""The fluid around a body: still air with drafts and wind, water with a current."""
+"""The fluid around a body: air with drafts and wind, water with a surface."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from hub.sim.afloat.attitude import Vector
-from hub.values import dataclass
+from hub.sim.arena_specs import AirSpec
 
 AIR_DENSITY = 1.2
 """[kg/m^3], at 20 degrees Celsius."""
@@ -23,39 +23,14 @@ HULL_HEIGHT = 0.254
 """Height of the underwater robot [m]; as it leaves the water, it displaces less."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Air:
-    """The air of a hall.
-
-    Attributes:
-        draft: Standard deviation of drafts along x and along y [m/s]: 0.04 in a still room, 0.15
-            in a drafty one; rooms have 0.05 to 0.40 m/s (Fanger 1988).
-        wind: Steady wind along x and y [m/s].
-    """
-
-    draft: float = 0.04
-    wind: tuple[float, float] = (0.0, 0.0)
+def submerged(depth: float) -> float:
+    """Share of the underwater robot that is in water, 0 to 1, at the depth of its middle [m]."""
+    return max(0.0, min(1.0, 0.5 + depth / HULL_HEIGHT))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Water:
-    """The water of a pool.
-
-    Attributes:
-        surface: Height of the surface above the pool's floor [m].
-        current: Steady current along x and y [m/s].
-    """
-
-    surface: float
-    current: tuple[float, float] = (0.0, 0.0)
-
-    def submerged(self, height: float) -> float:
-        """Share of the robot that is in water, 0 to 1, at the height of its middle [m]."""
-        return max(0.0, min(1.0, 0.5 + (self.surface - height) / HULL_HEIGHT))
-
-    def thrust_share(self, height: float) -> float:
-        """Share of its thrust that is left, 0 to 1: near the surface propellers draw air."""
-        return max(0.0, min(1.0, (self.surface - height) / AIRLESS_DEPTH))
+def thrust_share(depth: float) -> float:
+    """Share of its thrust that is left, 0 to 1: near the surface propellers draw air."""
+    return max(0.0, min(1.0, depth / AIRLESS_DEPTH))
 
 
 class Drafts:
@@ -65,7 +40,7 @@ class Drafts:
         flow: The velocity of the air in the world [m/s].
     """
 
-    def __init__(self, air: Air, seed: np.random.SeedSequence) -> None:
+    def __init__(self, air: AirSpec, seed: np.random.SeedSequence) -> None:
         self._random = np.random.default_rng(seed)
         self._wind = (*air.wind, 0.0)
         self._deviations = (air.draft, air.draft, VERTICAL_SHARE * air.draft)

@@ -18,7 +18,7 @@ import numpy as np
 from hub.sim.afloat.attitude import Vector, into_body
 from hub.sim.afloat.body_contact import ContactShape
 from hub.sim.afloat.floating_body import HullSpec, Six
-from hub.sim.afloat.fluid import SEA_WATER_DENSITY, Water
+from hub.sim.afloat.fluid import SEA_WATER_DENSITY, submerged, thrust_share
 from hub.sim.afloat.holds import (
     OFF,
     ClimbGains,
@@ -37,6 +37,7 @@ from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import Tether, TetherSpec
 from hub.sim.afloat.thrusters import EightThrusters
 from hub.sim.afloat.vehicle import STEP, FloatingVehicle
+from hub.sim.arena_specs import WaterSpec
 from hub.sim.spatial_pose import SpatialPose
 
 SHAPE = ContactShape(radius=0.30, above=0.127, below=0.127)
@@ -96,7 +97,7 @@ class SimulatedRov(FloatingVehicle):
         surroundings: Surroundings,
         *,
         start: SpatialPose,
-        water: Water,
+        water: WaterSpec,
         tether: TetherSpec | None = None,
         density: float = SEA_WATER_DENSITY,
         leaks_at: float = math.inf,
@@ -208,12 +209,12 @@ class SimulatedRov(FloatingVehicle):
         powered = self._battery.fraction > 0.0
         self._thrusters.advance(self._wanted() if powered else (0.0,) * 6, STEP)
         self._battery = self._battery.after(STEP, IDLE_POWER + self._thrusters.power)
-        submerged = self._water.submerged(body.position[2])
+        depth = self._water.surface - body.position[2]
         pull = self._tether.pull(body.position, body.world_velocity, self._flow)
         px, py, pz = into_body(body.attitude, pull)
-        share = self._water.thrust_share(body.position[2])
+        share = thrust_share(depth)
         x, y, z, roll, pitch, yaw = (share * each for each in self._thrusters.wrench)
-        self._move((x + px, y + py, z + pz, roll, pitch, yaw), self._flow, submerged)
+        self._move((x + px, y + py, z + pz, roll, pitch, yaw), self._flow, submerged(depth))
         x, y, _ = body.position
         vx, vy, vz = body.world_velocity
         speed = math.hypot(vx - self._flow[0], vy - self._flow[1], vz)

@@ -9,12 +9,12 @@ import numpy as np
 from hub.sim.afloat.attitude import Vector, roll_pitch_yaw
 from hub.sim.afloat.estimators import ClimbObserver, HeadingFilter
 from hub.sim.afloat.floating_body import FloatingBody
-from hub.sim.afloat.fluid import Water
 from hub.sim.afloat.sensors import Compass, EchoSounder, Gyro, PressureSensor, TiltSensor
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import Tether
 from hub.sim.afloat.thrusters import EightThrusters
 from hub.sim.afloat.vehicle import STEP
+from hub.sim.arena_specs import WaterSpec
 from hub.values import dataclass
 
 WORST_COMPASS = math.radians(5.0)
@@ -66,7 +66,7 @@ class RovSenses:
         self,
         surroundings: Surroundings,
         body: FloatingBody,
-        water: Water,
+        water: WaterSpec,
         tether: Tether,
         seed: np.random.SeedSequence,
     ) -> None:

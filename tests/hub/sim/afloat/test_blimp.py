@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from hub.pose import wrapped
 from hub.sim.afloat.blimp import LIMITS, LONGEST_HOLD, LOW_BATTERY, SHAPE, Flight, SimulatedBlimp
-from hub.sim.afloat.fluid import Air
 from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.vehicle import LONGEST_ADVANCE, STEP
+from hub.sim.arena_specs import AirSpec
 from hub.sim.geometry import Box, Surface
 from hub.sim.spatial_pose import SpatialPose
 from tests.support.cases import for_each
@@ -39,7 +39,7 @@ def blimp(
     charge: float = 1.0,
     seed: int = 1,
 ) -> SimulatedBlimp:
-    air = Air(draft=draft, wind=(wind, 0.0))
+    air = AirSpec(draft=draft, wind=(wind, 0.0))
     start = SpatialPose(z=height)
     return SimulatedBlimp(around, start=start, air=air, charge=charge, seed=seed)
 

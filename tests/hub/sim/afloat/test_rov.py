@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hub.pose import wrapped
-from hub.sim.afloat.fluid import Water
 from hub.sim.afloat.rov import LIMITS, SHAPE, SURFACED, Dive, SimulatedRov, hull
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import TetherSpec, drag_factor
 from hub.sim.afloat.vehicle import STEP
+from hub.sim.arena_specs import WaterSpec
 from hub.sim.geometry import Box, Surface
 from hub.sim.spatial_pose import SpatialPose
 from tests.hub.sim.afloat.closed_forms import steady_speed
@@ -44,7 +44,7 @@ def rov(
     return SimulatedRov(
         around,
         start=SpatialPose(z=SURFACE - depth),
-        water=Water(surface=SURFACE, current=(current, 0.0)),
+        water=WaterSpec(surface=SURFACE, current=(current, 0.0)),
         tether=tether,
         density=density,
         leaks_at=leaks_at,

@@ -23,6 +23,8 @@ from hub.sim.afloat.sensors import (
 )
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.geometry import Box, Cylinder, Surface
+from tests.hub.sim.arenas import VOID, arena_of
+from tests.hub.sim.camera.rough_ground import height_field, on
 from tests.support.cases import for_each
 
 WOOD, CLOTH = Surface(texture="wood", colour=(9, 9, 9)), Surface(texture="fabric", colour=(9, 9, 9))
@@ -102,12 +104,45 @@ def test_contacts_count_and_only_what_is_below_supports() -> None:
     assert contact.supported
 
 
-def test_ramps_below_are_ground() -> None:
-    slope = Surroundings(ceiling=3.0, ground=lambda x, _: 0.1 * x)
+def slope_and_wall() -> Surroundings:
+    """Ground that rises by a tenth to the east, and by a metre at x = 3."""
+    x = (np.arange(200) + 0.5) * 0.025
+    heights = np.tile(np.where(x < 3.0, 0.1 * x, 1.3), (200, 1)).astype(np.float32)
+    ground = height_field(heights, np.zeros((200, 200), dtype=np.uint16), (0.0, -2.5))
+    return Surroundings.in_air(on(ground, arena_of(VOID)))
+
+
+def test_rough_ground_lifts_the_body_and_a_ledge_stops_it() -> None:
+    slope = slope_and_wall()
     contact = BodyContact(slope, SHAPE)
-    x, _, z = moved(contact, (0.0, 0.0, 0.25), (2.0, 0.0, 0.0))
-    assert (x, z) == pytest.approx((2.0, 0.45), abs=TOUCH)
-    assert slope.below(2.0, 0.0, 1.2, 0.1).distance == pytest.approx(1.0)
+    x, _, z = moved(contact, (0.5, 0.0, 0.3), (1.5, 0.0, 0.0))
+    assert (x, z) == pytest.approx((2.0, 0.25 + 0.1 * 2.3), abs=0.005)
+    assert slope.below(2.0, 0.0, 1.2, 0.1).distance == pytest.approx(1.0, abs=0.002)
+    place = moved(contact, (x, 0.0, z), (2.0, 0.0, 0.0))
+    x, _, z = place
+    assert x == pytest.approx(2.7, abs=0.05)
+    assert z < 0.6
+    assert moved(contact, place, (0.5, 0.0, 0.5))[2] == pytest.approx(z + 0.5)
+    assert moved(contact, (0.5, 0.0, 2.0), (3.0, 0.0, 0.0))[2] == 2.0
+    assert slope.ground.height(-0.01, 0.0) == slope.ground.height(9.0, 9.0) == 0.0
+    assert slope.ground.highest(-0.2, 0.0, 0.3) == pytest.approx(0.01, abs=0.003)
+    assert slope.ground.highest(5.2, 2.6, 0.3) == pytest.approx(1.3)
+
+
+def test_water_is_ground_in_the_air_and_a_diver_stays_within_it() -> None:
+    text = VOID + "[water]\nsurface = 1.5\narea = [[-2.0, -2.0], [2.0, 2.0]]\n"
+    arena = arena_of(text)
+    above = Surroundings.in_air(arena)
+    assert above.below(0.0, 0.0, 2.0, 0.1).distance == pytest.approx(0.5)
+    assert above.below(2.1, 0.0, 2.0, 0.1).distance == pytest.approx(2.0)
+    contact = BodyContact(above, SHAPE)
+    assert moved(contact, (0.0, 0.0, 2.0), (0.0, 0.0, -1.0))[2] == pytest.approx(1.75)
+    assert contact.supported
+    contact = BodyContact(Surroundings.under_water(arena), SHAPE)
+    end = moved(contact, (0.0, 0.0, 1.0), (5.0, -5.0, 0.0))
+    assert end == pytest.approx((1.7, -1.7, 1.0))
+    assert contact.normals == [(-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)]
+    assert moved(contact, end, (0.0, 0.0, -2.0))[2] == pytest.approx(0.25)
 
 
 @for_each(

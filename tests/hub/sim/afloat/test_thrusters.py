@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.sim.afloat.floating_body import STILL
-from hub.sim.afloat.fluid import Air, Drafts, Water
+from hub.sim.afloat.fluid import Drafts, submerged, thrust_share
 from hub.sim.afloat.lithium_battery import LithiumBattery
 from hub.sim.afloat.tether import Tether, TetherSpec, drag_factor
 from hub.sim.afloat.thrusters import (
@@ -25,6 +25,7 @@ from hub.sim.afloat.thrusters import (
     t200_throttle,
     t200_thrust,
 )
+from hub.sim.arena_specs import AirSpec
 from tests.support.cases import for_each
 
 FORCE, MOMENT = st.floats(-200.0, 200.0), st.floats(-30.0, 30.0)
@@ -94,7 +95,7 @@ def test_propellers_are_limited_each_way_and_pitch_and_roll_the_blimp() -> None:
 
 
 def test_drafts_have_their_strength_and_forget_it_in_seconds() -> None:
-    drafts = Drafts(Air(draft=0.1, wind=(0.3, 0.0)), np.random.SeedSequence(1))
+    drafts = Drafts(AirSpec(draft=0.1, wind=(0.3, 0.0)), np.random.SeedSequence(1))
     flows = []
     for _ in range(8000):
         drafts.advance(0.5)
@@ -107,9 +108,8 @@ def test_drafts_have_their_strength_and_forget_it_in_seconds() -> None:
 
 
 def test_a_robot_displaces_less_as_it_leaves_the_water() -> None:
-    water = Water(surface=2.0)
-    found = [water.submerged(height) for height in (0.0, 1.87, 2.0, 2.13)]
-    assert found == pytest.approx([1.0, 1.0, 0.5, 0.0])
+    assert [submerged(depth) for depth in (2.0, 0.127, 0.0, -0.127)] == [1.0, 1.0, 0.5, 0.0]
+    assert [thrust_share(depth) for depth in (2.0, 0.05, 0.0, -0.1)] == [1.0, 0.5, 0.0, 0.0]
 
 
 def test_a_third_of_the_tether_drags_across_the_water() -> None:
