@@ -31,6 +31,8 @@ _MOST_AZIMUTHS = 2.5
 """Most azimuths, as a multiple: a camera that looks down sees all around, and not far."""
 _SIDE_HEIGHT = 0.02
 """Least step between two samples that is drawn as a side [m]; smaller ones are a slope."""
+_STEEPEST = 0.8
+"""Steepest slope that is drawn as one: far off, samples are apart more than cells."""
 _BEYOND = 1.02
 _IN_PLANE = 0.9999
 
@@ -98,7 +100,8 @@ class TerrainView:
         beside = ~((way >= near) & (way <= far * np.float32(_BEYOND)))
         # Where a slope is made of small steps, the top's plane may be met a little beside.
         np.clip(way, near, far, out=way, where=beside)
-        beside &= height - self._height.take(before) > _SIDE_HEIGHT
+        rise = height - self._height.take(before)
+        beside &= rise > np.maximum((far - near) * np.float32(_STEEPEST), _SIDE_HEIGHT)
         beside &= seen
         things = self._top_thing.take(cell)
         sides = np.flatnonzero(beside)

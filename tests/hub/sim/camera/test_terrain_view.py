@@ -161,3 +161,20 @@ def test_a_level_patch_shows_its_own_surface() -> None:
         RayCaster(on(patch, arena)).depth(view, 80, 60) < 1.0,
         RayCaster(arena).depth(view, 80, 60) < 1.0,
     )
+
+
+def test_a_slope_is_no_step_from_near_and_far() -> None:
+    """Far off, two samples are apart so far that a slope rises more between them than a step."""
+    heights = np.zeros((80, 480), dtype=np.float32)
+    heights[:, 80:] = np.arange(400, dtype=np.float32) * (0.3 * CELL)
+    plain = (GROUND.surfaces[0], Surface(texture="plain", colour=(220, 20, 20)))
+    appearance = np.ones((80, 480), dtype=np.uint16)
+    slope = height_field(heights, appearance, surfaces=plain)
+    hall = arena_of(VOID + "[hall]\nceiling=8\n")
+    view = View(x=0.5, y=1.0, z=0.6, yaw=0.0, pitch=0.1, roll=0.05, horizontal_fov=0.3)
+    picture = RayCaster(on(slope, hall)).picture(view, 160, 120).astype(int)
+    red = picture[..., 0] - picture[..., 1]
+    rows = [row[row > 25] for row in red[:, 60:100] if (row > 25).all()]
+    assert len(rows) > 60
+    # Each row shows one height of the slope, in one brightness.
+    assert max(np.ptp(row) for row in rows) < 0.15 * max(row.max() for row in rows)
