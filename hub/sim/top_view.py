@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from hub.sim.arena import BODY_HEIGHT, BODY_RADIUS, Arena
+from hub.sim.arena import BODY_HEIGHT, BODY_RADIUS, LOWEST_OBSTACLE, Arena
 from hub.sim.arena_specs import WATER_TYPES
 from hub.sim.camera.ground_light import ground_light
 from hub.sim.geometry import Box, Colour, Cylinder, Side
@@ -58,7 +58,7 @@ def draw_top_view(
     solids = sorted(_solids(arena), key=_top)
     for solid in solids:
         if _top(solid) <= surface:
-            _draw_solid(canvas, solid)
+            _draw_solid(canvas, solid, _share(arena, solid))
     if arena.water is not None:
         loss = np.array(WATER_TYPES[arena.water.type])
         colour = 255.0 * np.exp(-loss * _WATER_PATH)
@@ -66,7 +66,7 @@ def draw_top_view(
         canvas.fill(*area, tuple(colour.tolist()), _WATER_SHARE)
     for solid in solids:
         if _top(solid) > surface:
-            _draw_solid(canvas, solid)
+            _draw_solid(canvas, solid, _share(arena, solid))
     _draw_marks(canvas, arena, victims)
     canvas.scale_bar()
     return canvas.picture()
@@ -118,10 +118,21 @@ def _top(solid: Box | Cylinder) -> float:
     return solid.high[2] if isinstance(solid, Box) else solid.high
 
 
-def _draw_solid(canvas: Canvas, solid: Box | Cylinder) -> None:
+def _share(arena: Arena, solid: Box | Cylinder) -> float:
+    """Share of a solid's colour: those that hang above the robot are see-through."""
+    if isinstance(solid, Box):
+        x, y = (solid.low[0] + solid.high[0]) / 2, (solid.low[1] + solid.high[1]) / 2
+        bottom = solid.low[2]
+    else:
+        x, y, bottom = solid.x, solid.y, solid.low
+    below = 0.0
+    if arena.ground is not None:
+        below = arena.ground.height(x, y, bottom + LOWEST_OBSTACLE)
+    return _SEE_THROUGH if bottom >= below + BODY_HEIGHT else 1.0
+
+
+def _draw_solid(canvas: Canvas, solid: Box | Cylinder, share: float) -> None:
     """Its shadow, its rim and its top, the brighter the higher."""
-    bottom = solid.low[2] if isinstance(solid, Box) else solid.low
-    share = _SEE_THROUGH if bottom >= BODY_HEIGHT else 1.0
     top = _top(solid)
     bright = min(0.75 + 0.2 * top, 1.1)
     surface = solid.surface

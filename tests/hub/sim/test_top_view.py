@@ -51,6 +51,14 @@ def test_what_hangs_above_the_robot_is_see_through_and_higher_solids_hide_lower_
     assert hanging[0] < 2 * hanging[1]
 
 
+def test_what_stands_on_a_deck_does_not_hang() -> None:
+    deck = "[[deck]]\nat=[-1,-1]\nsize=[2,2]\nheight=1.0\n"
+    box = '[[box]]\nat=[0,0]\nsize=[1,1,0.3]\nbase={}\ncolour="red"\n'
+    alone, on_deck = drawn(box.format(1.0)), drawn(deck + box.format(1.0))
+    assert at(on_deck, 0.1, 0.1)[0] > 3 * at(on_deck, 0.1, 0.1)[1]
+    assert at(alone, 0.1, 0.1)[0] < 2.5 * at(alone, 0.1, 0.1)[1]
+
+
 def test_water_colours_what_is_below_its_surface_only() -> None:
     boxes = (
         '[[box]]\nat=[-2,0]\nsize=[1,1,0.5]\ncolour="white"\n'
