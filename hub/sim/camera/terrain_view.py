@@ -32,7 +32,7 @@ _MOST_AZIMUTHS = 2.5
 _SIDE_HEIGHT = 0.02
 """Least step between two samples that is drawn as a side [m]; smaller ones are a slope."""
 _STEEPEST = 0.8
-"""Steepest slope that is drawn as one: far off, samples are apart more than cells."""
+"""Steepest slope that is drawn as one: with distance, samples are apart by more than a cell."""
 _BEYOND = 1.02
 _IN_PLANE = 0.9999
 
