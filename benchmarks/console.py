@@ -19,7 +19,7 @@ import psutil
 from benchmarks.figures import report, say
 from benchmarks.stand_in_robot import StandInRobot, coded, fleet
 from hub.gcm import vision
-from hub.robots.magellan import SimulatedCamera
+from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
 from tests.system.harness import ConsoleProcess
 

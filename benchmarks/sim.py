@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.figures import median_ms, report
-from hub.robots.magellan import SimulatedCamera
+from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.afloat.blimp import SimulatedBlimp
 from hub.sim.afloat.rov import SimulatedRov
 from hub.sim.afloat.surroundings import Surroundings

@@ -18,7 +18,7 @@ from hub.ipc.transport.heap import keep_heap
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness
-from hub.robots.magellan import SimulatedCamera
+from hub.robots.simulated_camera import SimulatedCamera
 from hub.robots.video_camera import VideoCamera
 from hub.sim.arena import load_arena
 from tests.hub.sim.arenas import free_poses

@@ -40,7 +40,7 @@ def _simulated_body(robot: RobotDescription) -> Body:
 
 
 def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
-    from hub.robots.magellan import SimulatedCamera
+    from hub.robots.simulated_camera import SimulatedCamera
     from hub.sim.arena import load_arena
 
     return SimulatedCamera(
@@ -54,7 +54,7 @@ def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
 _WHEELS = RobotKind(
     open_body=_simulated_body,
     open_camera=_simulated_camera,
-    imports=("hub.robots.magellan", "hub.robots.simulated_base", "numpy.random"),
+    imports=("hub.robots.simulated_camera", "hub.robots.simulated_base", "numpy.random"),
 )
 KINDS = {"simulated-wheels": _WHEELS, **dict.fromkeys(shipped_bodies(), _WHEELS)}
 """Each kind that Rune ships; a kind with a file of its own in `bodies/` has that body."""

@@ -31,7 +31,7 @@ from hub.gcm.navigation import (
 )
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.pose import Pose
-from hub.robots.magellan import SimulatedCamera
+from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.picture import PictureFile

@@ -22,7 +22,7 @@ Step = tuple[str, set[str]]
             ("hub.gcm.catalog", CONSOLE_ONLY | {"zmq"}),
             (
                 "hub.cli, hub.robomon.daemon, hub.inspection.message_commands,"
-                " hub.robots.magellan, hub.modules.driver.__main__,"
+                " hub.robots.simulated_camera, hub.modules.driver.__main__,"
                 " hub.modules.navigation.__main__, hub.modules.vision.__main__,"
                 " hub.modules.mapping.__main__, hub.robots.video_camera,"
                 " hub.modules.autonomy.__main__",

@@ -45,7 +45,7 @@ _IMPORTS: Final = (
     "hub.inspection.message_commands",
     "hub.inspection.module_commands",
     *(f"hub.modules.{name}.__main__" for name in _MODULES),
-    "hub.robots.magellan",
+    "hub.robots.simulated_camera",
     "rune_tui.cli",
     "rune_tui.ui.sturdy_driver",
     "textual.layouts.horizontal",

@@ -9,7 +9,7 @@ import math
 import pytest
 
 from hub.gcm.vision import CameraCommand, CameraMotion
-from hub.robots.magellan import SimulatedCamera
+from hub.robots.simulated_camera import SimulatedCamera
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import Picture
 from tests.hub.sim.arenas import VOID, arena_of

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.vision import CameraCommand, CameraMotion
-from hub.robots.magellan import SimulatedCamera
+from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
 from hub.sim.camera.pan_tilt_zoom import (
     PAN_LIMIT,

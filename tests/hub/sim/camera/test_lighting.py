@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hub.robots.magellan import SimulatedCamera
+from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
 from hub.sim.camera.image_noise import DEVIATION, SensorNoise
 from hub.sim.camera.lighting import Lighting

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.robots.magellan import MOUNT_FORWARD, MOUNT_HEIGHT, SimulatedCamera
+from hub.robots.simulated_camera import MOUNT_FORWARD, MOUNT_HEIGHT, SimulatedCamera
 from hub.sim.arena import load_arena
 from hub.sim.camera.mount import Mount, Stand, mounted_view
 from hub.sim.camera.ray_caster import RayCaster
