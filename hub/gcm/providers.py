@@ -22,8 +22,8 @@ from hub.gcm.capability import Capability
 
 PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     navigation.ROBOT_STATE.name: (Capability.NAV_STATE,),
-    flight.ATTITUDE.name: (Capability.DRV_BASE,),
-    flight.ALTITUDE.name: (Capability.DRV_BASE,),
+    flight.ATTITUDE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
+    flight.ALTITUDE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     navigation.NAVIGATION_STATUS.name: (
         Capability.NAV_STATE,
         Capability.NAV_MOVE,
@@ -31,7 +31,7 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     ),
     navigation.DRIVE_COMMAND.name: (Capability.NAV_MOVE, Capability.NAV_GOAL),
     navigation.DRIVE_STATE.name: (Capability.DRV_BASE,),
-    ranges.RANGES.name: (Capability.DRV_BASE,),
+    ranges.RANGES.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     navigation.GROUND_TRUTH.name: (Capability.SIM_TRUTH,),
     vision.IMAGE.name: (Capability.VIS_VID,),
     vision.CAMERA_STATE.name: (Capability.VIS_PTZ, Capability.VIS_VID, Capability.VIS_NIGHT),
@@ -41,7 +41,10 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     mission.MISSION_STATE.name: (Capability.PRO_POINTS,),
     autonomy.AUTONOMY_STATE.name: (Capability.AUT_PILOT,),
 }
-"""The capabilities that publish a message, by its name; the nearest first."""
+"""The capabilities that bring a message, by its name; the nearest first.
+
+Navigation needs the driver, so it brings what the driver publishes.
+"""
 
 TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
     navigation.VELOCITY_COMMAND.name: (Capability.NAV_MOVE,),

@@ -42,9 +42,20 @@ def _simulated_body(robot: RobotDescription) -> Body:
 def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
     from hub.robots.simulated_camera import SimulatedCamera
     from hub.sim.arena import load_arena
+    from hub.sim.camera.mount import Mount
 
+    frame = table.frame
     return SimulatedCamera(
         load_arena(robot.arena),
+        body=table.camera,
+        mount=Mount(
+            forward=frame.x,
+            left=frame.y,
+            height=frame.z,
+            roll=frame.roll,
+            pitch=frame.pitch,
+            yaw=frame.yaw,
+        ),
         light=robot.light,
         headlight=table.headlight,
         seed=robot.seed,

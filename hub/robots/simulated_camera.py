@@ -1,4 +1,4 @@
-"""A simulated camera after the Sony EVI-D30."""
+"""A simulated camera: any that a robot file describes; the Sony EVI-D30 unless it is given one."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.body import CameraBody
 from hub.gcm.vision import CameraCommand, CameraMotion, CameraState
 from hub.robots.cropping import cropped_fov, size_within, vertical_fov
 from hub.robots.interfaces import Picture
@@ -17,7 +18,9 @@ from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.mount import Mount, Stand, mounted_view
 from hub.sim.camera.pan_tilt_zoom import (
     PAN_LIMIT,
+    TELE_FOV,
     TILT_LIMIT,
+    WIDE_FOV,
     PanTiltZoom,
     horizontal_fov,
 )
@@ -29,6 +32,15 @@ MOUNT_FORWARD = 0.05
 MOUNT_HEIGHT = 0.37
 """Camera above the ground [m]."""
 _MOUNT = Mount(forward=MOUNT_FORWARD, height=MOUNT_HEIGHT)
+_EVI_D30 = CameraBody(
+    name="camera",
+    horizontal_fov=WIDE_FOV,
+    pan_limit=PAN_LIMIT,
+    tilt_lowest=-TILT_LIMIT,
+    tilt_highest=TILT_LIMIT,
+    zoom=math.tan(WIDE_FOV / 2) / math.tan(TELE_FOV / 2),
+    headlight=1,
+)
 SENSOR_WIDTH_PX = 320
 SENSOR_HEIGHT_PX = 240
 _SENSOR = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
@@ -49,6 +61,8 @@ class SimulatedCamera:
         self,
         arena: Arena,
         *,
+        body: CameraBody = _EVI_D30,
+        mount: Mount = _MOUNT,
         light: float | None = None,
         headlight: bool = True,
         seed: int = 0,
@@ -57,12 +71,19 @@ class SimulatedCamera:
 
         Args:
             arena: Its arena.
+            body: What the camera can do; its pictures have 320 by 240 pixels at most.
+            mount: Where it is on its robot.
             light: Brightness of the arena, 0 (dark) to 1; None: the arena file's.
             headlight: Whether there is one beside the camera.
             seed: Of the noise in the dark.
         """
         self._caster = RayCaster(arena)
-        self._head = PanTiltZoom()
+        self._body = body
+        self._mount = mount
+        self._tele = 2.0 * math.atan(math.tan(body.horizontal_fov / 2) / body.zoom)
+        self._head = PanTiltZoom(
+            body.pan_limit, body.tilt_lowest, body.tilt_highest, zooms=body.zoom > 1.0
+        )
         self._robot = Stand(x=arena.start.x, y=arena.start.y, theta=arena.start.theta)
         self._placed = -math.inf
         self._has_headlight = headlight
@@ -95,12 +116,12 @@ class SimulatedCamera:
             pan=self._head.pan,
             tilt=self._head.tilt,
             zoom=self._head.zoom,
-            horizontal_fov=horizontal_fov(self._head.zoom),
-            vertical_fov=vertical_fov(horizontal_fov(self._head.zoom)),
-            mount_forward=MOUNT_FORWARD,
-            mount_height=MOUNT_HEIGHT,
-            pan_limit=PAN_LIMIT,
-            tilt_limit=TILT_LIMIT,
+            horizontal_fov=self._fov(),
+            vertical_fov=vertical_fov(self._fov()),
+            mount_forward=self._mount.forward,
+            mount_height=self._mount.height,
+            pan_limit=self._body.pan_limit,
+            tilt_limit=max(-self._body.tilt_lowest, self._body.tilt_highest),
             slewing=int(self._head.slewing),
             headlight=self._lighting.headlight if self._has_headlight else math.nan,
         )
@@ -133,7 +154,7 @@ class SimulatedCamera:
             pixels=pixels,
             # Without a new pose for long, nothing moves.
             measured=self._placed if 0.0 <= age < _PLACES_STOPPED else now,
-            horizontal_fov=cropped_fov(horizontal_fov(self._head.zoom), size, _SENSOR),
+            horizontal_fov=cropped_fov(self._fov(), size, _SENSOR),
         )
 
     def capture(self, width_px: int, height_px: int) -> npt.NDArray[np.uint8]:
@@ -141,14 +162,18 @@ class SimulatedCamera:
         width, height = size_within(width_px, height_px, _SENSOR)
         view = mounted_view(
             self._robot,
-            _MOUNT,
+            self._mount,
             pan=self._head.pan,
             tilt=self._head.tilt,
-            horizontal_fov=cropped_fov(horizontal_fov(self._head.zoom), (width, height), _SENSOR),
+            horizontal_fov=cropped_fov(self._fov(), (width, height), _SENSOR),
         )
         pixels = self._caster.picture(view, width, height, self._lighting)
         # In full light noise would only cost time and bandwidth.
         return pixels if self._lighting.ambient == 1.0 else self._noise.added(pixels)
+
+    def _fov(self) -> float:
+        """Field of view of the whole sensor now [rad]."""
+        return horizontal_fov(self._head.zoom, self._body.horizontal_fov, self._tele)
 
     def close(self) -> None:
         """Do nothing: nothing is open."""

@@ -139,7 +139,15 @@ class Vision:
 
     def _place(self, truth: navigation.GroundTruth, reception: MessageInfo) -> None:
         for camera in self._simulated:
-            camera.place(truth.x, truth.y, truth.theta, reception.measured)
+            camera.place(
+                truth.x,
+                truth.y,
+                truth.theta,
+                reception.measured,
+                z=truth.z,
+                roll=truth.roll,
+                pitch=truth.pitch,
+            )
 
 
 def _tables(robot: RobotDescription) -> tuple[CameraTable, ...]:

@@ -15,20 +15,35 @@ WIDE_FOV = math.radians(48.8)
 TELE_FOV = math.radians(4.3)
 """Horizontal field of view at zoom 1 [rad]; between the two it is linear in zoom."""
 
-_LOW = (-PAN_LIMIT, -TILT_LIMIT, 0.0)
-_HIGH = (PAN_LIMIT, TILT_LIMIT, 1.0)
 _SPEED = (PAN_SPEED, TILT_SPEED, ZOOM_SPEED)
 
 
-def horizontal_fov(zoom: float) -> float:
+def horizontal_fov(zoom: float, wide: float = WIDE_FOV, tele: float = TELE_FOV) -> float:
     """Field of view from left to right [rad] at a zoom of 0 to 1."""
-    return WIDE_FOV + (TELE_FOV - WIDE_FOV) * zoom
+    return wide + (tele - wide) * zoom
 
 
 class PanTiltZoom:
     """The position and the target of the head: pan [rad], tilt [rad], zoom [0 to 1]."""
 
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        pan_limit: float = PAN_LIMIT,
+        tilt_lowest: float = -TILT_LIMIT,
+        tilt_highest: float = TILT_LIMIT,
+        *,
+        zooms: bool = True,
+    ) -> None:
+        """Look straight ahead.
+
+        Args:
+            pan_limit: Largest pan to either side [rad].
+            tilt_lowest: Lowest tilt [rad].
+            tilt_highest: Highest tilt [rad].
+            zooms: Whether it has a zoom.
+        """
+        self._low = (-pan_limit, tilt_lowest, 0.0)
+        self._high = (pan_limit, tilt_highest, 1.0 if zooms else 0.0)
         self._now = [0.0, 0.0, 0.0]
         self._goal = [0.0, 0.0, 0.0]
 
@@ -57,7 +72,7 @@ class PanTiltZoom:
         wanted = (pan, tilt, zoom)
         self._goal = [
             old if math.isnan(new) else max(low, min(high, new))
-            for old, new, low, high in zip(self._goal, wanted, _LOW, _HIGH, strict=True)
+            for old, new, low, high in zip(self._goal, wanted, self._low, self._high, strict=True)
         ]
 
     def go_by(self, pan: float, tilt: float, zoom: float) -> None:
