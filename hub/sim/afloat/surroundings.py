@@ -105,17 +105,20 @@ class Surroundings:
         ground: Ground | None = None,
         area: Area | None = None,
     ) -> None:
-        self._low: Floats = np.array([box.low[:2] for box in boxes]).reshape(-1, 2)
-        self._high: Floats = np.array([box.high[:2] for box in boxes]).reshape(-1, 2)
-        self._axis: Floats = np.array([(each.x, each.y) for each in cylinders]).reshape(-1, 2)
-        self._radius: Floats = np.array([each.radius for each in cylinders], dtype=np.float64)
-        bottoms = [box.low[2] for box in boxes] + [each.low for each in cylinders]
-        tops = [box.high[2] for box in boxes] + [each.high for each in cylinders]
-        textures = [box.surface.texture for box in boxes]
-        textures += [each.surface.texture for each in cylinders]
-        self.bottom: Floats = np.array(bottoms, dtype=np.float64)
-        self.top: Floats = np.array(tops, dtype=np.float64)
-        self._soft = np.array([each in _SOFT for each in textures], dtype=np.bool_)
+        # From above, a cylinder is a point with a round edge around it.
+        edges = [(box.low, box.high, 0.0, box.surface) for box in boxes]
+        for each in cylinders:
+            axis = (each.x, each.y)
+            edges.append(((*axis, each.low), (*axis, each.high), each.radius, each.surface))
+        low: Floats = np.array([edge[0] for edge in edges], dtype=np.float64).reshape(-1, 3)
+        high: Floats = np.array([edge[1] for edge in edges], dtype=np.float64).reshape(-1, 3)
+        middle, half = (low + high) / 2.0, (high - low) / 2.0
+        self._middle_x, self._middle_y = middle[:, 0].copy(), middle[:, 1].copy()
+        self._half_x, self._half_y = half[:, 0].copy(), half[:, 1].copy()
+        self._round = np.array([edge[2] for edge in edges], dtype=np.float64)
+        self.bottom: Floats = low[:, 2].copy()
+        self.top: Floats = high[:, 2].copy()
+        self._soft = np.array([edge[3].texture in _SOFT for edge in edges], dtype=np.bool_)
         self.ceiling = ceiling
         self.ground = ground or Ground()
         self.area = area
@@ -134,27 +137,21 @@ class Surroundings:
 
     def distances(self, x: float, y: float) -> Floats:
         """From a point to each solid as seen from above [m]; negative inside, shape (n,)."""
-        point = np.array((x, y))
-        beyond = np.maximum(self._low - point, point - self._high)
-        outside = np.maximum(beyond, 0.0)
-        inside = np.minimum(beyond.max(axis=1, initial=-math.inf), 0.0)
-        away = self._axis - point
-        return np.concatenate(
-            (
-                np.hypot(outside[:, 0], outside[:, 1]) + inside,
-                np.hypot(away[:, 0], away[:, 1]) - self._radius,
-            )
-        )
+        beyond_x = np.abs(x - self._middle_x) - self._half_x
+        beyond_y = np.abs(y - self._middle_y) - self._half_y
+        outside = np.hypot(np.maximum(beyond_x, 0.0), np.maximum(beyond_y, 0.0))
+        inside = np.minimum(np.maximum(beyond_x, beyond_y), 0.0)
+        distances: Floats = outside + inside - self._round
+        return distances
 
     def direction_from(self, number: int, x: float, y: float) -> tuple[float, float]:
         """Unit vector from a solid's nearest point to a point outside of it; zero if inside."""
-        boxes = len(self._low)
-        if number < boxes:
-            near_x, near_y = np.clip((x, y), self._low[number], self._high[number]).tolist()
-        else:
-            near_x, near_y = self._axis[number - boxes].tolist()
-        length = math.hypot(x - near_x, y - near_y)
-        return ((x - near_x) / length, (y - near_y) / length) if length > 0.0 else (0.0, 0.0)
+        east, north = x - float(self._middle_x[number]), y - float(self._middle_y[number])
+        across, along = float(self._half_x[number]), float(self._half_y[number])
+        east -= max(-across, min(across, east))
+        north -= max(-along, min(along, north))
+        length = math.hypot(east, north)
+        return (east / length, north / length) if length > 0.0 else (0.0, 0.0)
 
     def below(self, x: float, y: float, z: float, half_beam: float) -> Below:
         """The highest thing that a beam straight down meets.

@@ -97,7 +97,8 @@ class EightThrusters:
         thrusts = np.interp(self._throttles, _THROTTLES, _THRUSTS)
         x, y, z, roll, pitch, yaw = (MIX @ thrusts).tolist()
         self.wrench = (x, y, z, roll, pitch, yaw)
-        self.power = self.POWER_PER_THRUST * float((np.abs(thrusts) ** 1.5).sum())
+        sizes = np.abs(thrusts)
+        self.power = self.POWER_PER_THRUST * float(sizes @ np.sqrt(sizes))
 
 
 def allocated(wanted: Six) -> Floats:
