@@ -28,7 +28,7 @@ def ground_problems(spec: ArenaSpec, ground: HeightField, start: Pose) -> list[s
 def _at_start(ground: HeightField, start: Pose) -> Iterable[str]:
     footing = Footing(ground, WHEELED, ())
     pose = footing.settled(start.x, start.y, start.theta)
-    stand = None if pose is None else footing.stances(pose)[0]
+    stand = None if pose is None else footing.stance(pose)
     if stand is None:
         yield "start: a robot would tip over there"
     elif stand.steepness > _STEEPEST_START:

@@ -41,6 +41,8 @@ _TOPPLING = 5.0
 _PROBE = 0.02
 """How far ahead the fall of the ground is sought where a body may slide [m]."""
 _ROUNDING = 1e-9
+_AT_REST = 1e-9
+"""A body that moves slower than this stands until the next command [m/s or rad/s]."""
 
 
 class RoughBase:
@@ -109,14 +111,17 @@ class RoughBase:
         self.pose = settled or SpatialPose(
             x=start.x, y=start.y, z=field.height(start.x, start.y), yaw=start.theta
         )
-        self._stance = self._footing.stances(self.pose)[0]
+        self._stance = self._footing.stance(self.pose)
+        self._is_at_rest = False
 
     def command(self, linear: float, angular: float) -> None:
         """Set the velocity: forward [m/s], counter-clockwise [rad/s]; NaN counts as 0."""
         self._commanded = limited(linear, self._limits[0]), limited(angular, self._limits[1])
+        self._is_at_rest = False
 
     def command_flippers(self, *angles: float) -> None:
         """Set the angle above the ground of each pair, front first [rad]; NaN leaves one alone."""
+        self._is_at_rest = False
         self._wanted_angles = tuple(
             wanted if math.isnan(angle) else max(pair.limits[0], min(pair.limits[1], angle))
             for pair, wanted, angle in zip(
@@ -172,6 +177,8 @@ class RoughBase:
 
     def _step(self) -> None:
         self.steps += 1
+        if self._is_at_rest:
+            return
         self._turn_flippers()
         linear = approach(self.wheel_linear, self._commanded[0], LINEAR, STEP)
         angular = approach(self.wheel_angular, self._commanded[1], ANGULAR, STEP)
@@ -181,18 +188,13 @@ class RoughBase:
         pose = self.pose
         ahead = math.copysign(self.chassis.bridge + abs(linear) * STEP, linear)
         way = ahead * math.cos(pose.yaw), ahead * math.sin(pose.yaw)
-        here, *there = self._footing.stances(pose, ((0.0, 0.0), way) if linear else ((0.0, 0.0),))
+        here = self._footing.stance(pose, way if linear else None)
         if here is None or pose.lean > TIPPED:
             self.tipped = True
             self._lie(linear, angular)
             return
         self._stance = here
-        grade = (
-            (there[0].centre_height - here.centre_height) / abs(ahead)
-            if there and there[0]
-            else 0.0
-        )
-        speed = self._speed(linear, grade, here)
+        speed = self._speed(linear, here.rise / abs(ahead), here)
         turn = 0.0 if self.high_centred else angular
         self._move(linear, angular, speed, turn, here)
         self._follow(here)
@@ -256,8 +258,8 @@ class RoughBase:
         if here.steepness <= hold and self.slide_speed == 0.0:
             return 0.0
         probe = here.downhill[0] * _PROBE, here.downhill[1] * _PROBE
-        (below,) = self._footing.stances(self.pose, (probe,))
-        fall = 0.0 if below is None else (here.centre_height - below.centre_height) / _PROBE
+        below = self._footing.stance(self.pose, probe)
+        fall = 0.0 if below is None else -below.rise / _PROBE
         faster = self.slide_speed + GRAVITY * (fall - hold) * STEP
         return max(0.0, min(_FASTEST_SLIDE, faster))
 
@@ -275,6 +277,12 @@ class RoughBase:
         if values[0] < here.lowest_z:
             values[0], rates[0] = here.lowest_z, max(rates[0], 0.0)
         self.climb = (values[0] - pose.z) / STEP
+        moves = (*rates, self.climb, self.linear, self.wheel_linear, self.angular)
+        self._is_at_rest = (
+            max(map(abs, (*moves, self.wheel_angular, self.slide_speed))) < _AT_REST
+            and self._angles == self._wanted_angles
+            and self._commanded == (0.0, 0.0)
+        )
         self._rates = (rates[0], rates[1], rates[2])
         self.pose = SpatialPose(
             x=pose.x, y=pose.y, z=values[0], roll=values[1], pitch=values[2], yaw=pose.yaw

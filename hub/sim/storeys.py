@@ -12,7 +12,7 @@ from hub.pose import Pose
 from hub.sim.arena import Arena, footprints_of
 from hub.sim.contact import ContactBody
 from hub.sim.ground.chassis import Chassis
-from hub.sim.ground.height_field import NO_DECK, HeightField
+from hub.sim.ground.height_field import HeightField
 from hub.sim.spatial_pose import SpatialPose
 
 STOREY = 0.1
@@ -78,16 +78,22 @@ class Storeys:
             wanted = Pose(x=before.x, y=before.y, theta=wanted.theta)
         return self._body.move(start, wanted)
 
+    def _nears_a_deck(self, at: Pose) -> bool:
+        reach = self._chassis.reach
+        return any(
+            box.low[0] - reach < at.x < box.high[0] + reach
+            and box.low[1] - reach < at.y < box.high[1] + reach
+            for box in self._field.deck_boxes
+        )
+
     def _below_a_deck(self, pose: SpatialPose, at: Pose) -> bool:
         """Whether a deck there is too low to drive under, and too high to drive onto."""
         decks, undersides = self._field.decks, self._field.undersides
-        if decks is None or undersides is None:
+        if decks is None or undersides is None or not self._nears_a_deck(at):
             return False
         x, y = self._rim
         cells = self._field.cells(at.x + x, at.y + y)
         tops, lower = decks.take(cells), undersides.take(cells)
-        if not (lower < NO_DECK).any():
-            return False
         up = pose.rotation()[:, 2]
         floor = pose.z - (up[0] * x + up[1] * y) / max(float(up[2]), 0.1)
         in_the_way = (tops > floor + _HEADROOM) & (lower < floor + self._chassis.height)

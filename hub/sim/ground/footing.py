@@ -32,7 +32,7 @@ class Stance:
         pitch: As in `SpatialPose` [rad].
         steepness: Slope of its underside [m/m].
         downhill: Unit vector of the way down; (0, 0) on level ground.
-        centre_height: What the centre of mass adds to its height by standing here [m].
+        rise: How much higher the centre of mass is at the other place [m].
         lowest_z: Least z with which no contact point is below ground at the present lean [m].
         driven_load: Share of the weight on driven contacts.
         push: The same, weighed by the ground's grip.
@@ -47,7 +47,7 @@ class Stance:
     pitch: float
     steepness: float
     downhill: tuple[float, float]
-    centre_height: float
+    rise: float
     lowest_z: float
     driven_load: float
     push: float
@@ -76,56 +76,48 @@ class Footing:
         """Move the contact points of the flippers to these angles [rad]."""
         self._middles = self._chassis.middles(angles)
 
-    def stances(
-        self, pose: SpatialPose, shifts: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
-    ) -> tuple[Stance | None, ...]:
-        """How the body would rest at its place, and at places beside it; None: it tips.
+    def stance(self, pose: SpatialPose, shift: tuple[float, float] | None = None) -> Stance | None:
+        """How the body would rest at its place; None: it tips.
 
         The pose gives the lean from which the resting pose is sought. One call finds it where the
         lean changes little; `settled` repeats it.
 
         Args:
             pose: The present pose.
-            shifts: The places, seen from the present one [m].
+            shift: Another place, seen from the present one, for the rise to it [m].
         """
         rotation = pose.rotation()
         points = rotation @ self._middles
         centre_x, centre_y, _ = (rotation @ self._centre).tolist()
-        x, y = points[0] + pose.x, points[1] + pose.y
-        if len(shifts) > 1 or shifts[0] != (0.0, 0.0):
-            x = np.concatenate([x + shift for shift, _ in shifts])
-            y = np.concatenate([y + shift for _, shift in shifts])
-        middle = np.tile(points[2] + pose.z, len(shifts))
-        support, grip = self._ground.supports(x, y, middle)
+        x, y, z = points[0] + pose.x, points[1] + pose.y, points[2] + pose.z
+        if shift is not None:
+            x, y = np.concatenate((x, x + shift[0])), np.concatenate((y, y + shift[1]))
+            z = np.concatenate((z, z))
+        support, grip = self._ground.supports(x, y, z)
         count = len(self._radii)
-        found: list[Stance | None] = []
-        for start in range(0, count * len(shifts), count):
-            heights = support[start : start + count] + self._radii - points[2]
-            plane = resting_plane(
-                points[0], points[1], heights, (centre_x, centre_y), self._triangle
+        reach = self._radii - points[2]
+        heights = support[:count] + reach
+        centre = centre_x, centre_y
+        plane = resting_plane(points[0], points[1], heights, centre, self._triangle)
+        if plane is None:
+            return None
+        self._triangle = plane.triangle
+        rise = 0.0
+        if shift is not None and not np.array_equal(support[:count], support[count:]):
+            there = resting_plane(
+                points[0], points[1], support[count:] + reach, centre, plane.triangle
             )
-            if plane is None:
-                return (None,) * len(shifts)
-            if start == 0:
-                self._triangle = plane.triangle
-            found.append(
-                self._stance(
-                    plane,
-                    rotation[:, 2].tolist(),
-                    pose.yaw,
-                    plane.above(centre_x, centre_y),
-                    float(heights.max()),
-                    grip[start : start + count],
-                )
-            )
-        return tuple(found)
+            # The same points hold the same centre of mass, so there is always a plane.
+            rise = 0.0 if there is None else there.above(*centre) - plane.above(*centre)
+        upright = rotation[:, 2].tolist()
+        return self._stance(plane, upright, pose.yaw, rise, float(heights.max()), grip)
 
     def _stance(
         self,
         plane: RestingPlane,
         upright: list[float],
         yaw: float,
-        centre_height: float,
+        rise: float,
         lowest_z: float,
         grip: Floats,
     ) -> Stance:
@@ -137,22 +129,26 @@ class Footing:
         along, left = new_x * cosine + new_y * sine, new_y * cosine - new_x * sine
         length = math.sqrt(along * along + left * left + new_z * new_z)
         level = math.hypot(new_x, new_y)
-        loads = [
-            (load, self._drives[corner], self._brakes[corner], float(grip[corner]))
-            for load, corner in zip(plane.loads, plane.triangle, strict=True)
-        ]
+        driven_load = push = hold = drag = 0.0
+        for load, corner in zip(plane.loads, plane.triangle, strict=True):
+            drives, held = self._drives[corner], load * float(grip[corner])
+            braked = held * self._brakes[corner]
+            driven_load += load * drives
+            push += held * drives
+            hold += braked
+            drag += 0.0 if drives else braked
         return Stance(
             z=plane.height,
             roll=math.asin(max(-1.0, min(1.0, -left / length))),
             pitch=math.atan2(along, new_z),
             steepness=level / max(new_z, 1e-9),
             downhill=(new_x / level, new_y / level) if level > 0.0 else (0.0, 0.0),
-            centre_height=centre_height,
+            rise=rise,
             lowest_z=lowest_z,
-            driven_load=sum(load * drives for load, drives, _, _ in loads),
-            push=sum(load * drives * held for load, drives, _, held in loads),
-            hold=sum(load * brakes * held for load, _, brakes, held in loads),
-            drag=sum(load * brakes * held for load, drives, brakes, held in loads if not drives),
+            driven_load=driven_load,
+            push=push,
+            hold=hold,
+            drag=drag,
             triangle=plane.triangle,
             loads=plane.loads,
         )
@@ -170,7 +166,7 @@ class Footing:
         pose = SpatialPose(x=x, y=y, z=height, yaw=yaw)
         self._triangle = None
         for number in range(_ROUNDS):
-            (stance,) = self.stances(pose)
+            stance = self.stance(pose)
             if stance is None:
                 return None
             part = 1.0 if number < _SURE_ROUNDS else 0.5
@@ -187,7 +183,7 @@ class Footing:
                 return None
             if change < _AT_REST:
                 break
-        (stance,) = self.stances(pose)
+        stance = self.stance(pose)
         if stance is None:
             return None
         return SpatialPose(x=x, y=y, z=stance.lowest_z, roll=pose.roll, pitch=pose.pitch, yaw=yaw)

@@ -51,7 +51,7 @@ def test_no_contact_point_is_below_ground_and_loads_sum_to_one(
     assert (lowest - ground).min() < 1e-6
     pose = footing.settled(x, y, yaw)
     assert pose is not None
-    (stand,) = footing.stances(pose)
+    stand = footing.stance(pose)
     assert stand is not None
     loads = footing.loads(stand)
     assert abs(loads.sum() - 1.0) < 1e-9
@@ -89,7 +89,7 @@ def test_a_wheel_stands_on_the_ground_as_a_ball_does(radius: float) -> None:
     """Against all points of the ground near the wheel, 1 mm apart."""
     random = np.random.default_rng(5)
     x, y = random.uniform(1.3, 4.9, 40), random.uniform(0.3, 2.3, 40)
-    rolling = RollingGround(RUBBLE, np.array([radius]))
+    rolling = RollingGround(RUBBLE, np.full(40, radius))
     found, _ = rolling.supports(x, y, np.zeros(40))
     offsets = np.arange(-radius, radius + 5e-4, 1e-3)
     east, north = (part.ravel() for part in np.meshgrid(offsets, offsets))
@@ -124,7 +124,7 @@ def test_the_weight_moves_downhill() -> None:
         footing = Footing(field_of(ramp(degrees)), WHEELED, ())
         pose = footing.settled(2.5, 1.5, 0.0)
         assert pose is not None
-        (stand,) = footing.stances(pose)
+        stand = footing.stance(pose)
         assert stand is not None
         shares.append(stand.driven_load)
     assert abs(shares[0] - 0.8) < 1e-3

@@ -292,6 +292,19 @@ def test_commands_and_times_that_are_no_numbers_do_no_harm(value: float) -> None
     assert math.isfinite(base.pose.x + base.pose.z)
 
 
+def test_at_rest_on_rough_ground_nothing_moves_until_the_next_command() -> None:
+    base = RoughBase(ground_arena(stepfields("flat", 0.05, 7), (2.0, 1.5)), TRACKED)
+    base.advance(5.0)
+    pose, loads = base.pose, base.loads
+    base.advance(5.0)
+    assert base.pose == pose
+    assert (base.loads == loads).all()
+    assert base.climb == 0.0
+    base.command(0.3, 0.0)
+    base.advance(1.0)
+    assert base.pose.x > pose.x
+
+
 def test_time_that_is_left_over_counts_in_the_next_call() -> None:
     base = RoughBase(ground_arena(""), WHEELED)
     for _ in range(300):

@@ -109,6 +109,22 @@ def test_the_red_arena_can_be_driven_by_tracks(
         assert base.pose.z == pytest.approx(height, abs=0.03)
 
 
+def test_flippers_take_the_pipe_steps_of_the_red_arena() -> None:
+    """Up on the front flippers, lifted over the pipe by all four, and down on the other side."""
+    base = RoughBase(load_arena("red"), TRACKED, flippers=(math.radians(20.0), 0.0))
+    base.command(0.4, 0.0)
+    base.advance(5.0)
+    base.advance(2.0)
+    assert base.stuck
+    assert base.pose.x < 3.6
+    for front, rear in ((-30.0, -30.0), (0.0, -30.0), (0.0, 0.0)):
+        base.command_flippers(math.radians(front), math.radians(rear))
+        base.advance(4.0)
+    base.advance(3.0)
+    assert base.pose.x > 5.0
+    assert base.pose.z == pytest.approx(0.0, abs=0.001)
+
+
 def test_wheels_are_lost_in_the_red_arena() -> None:
     arena = load_arena("red")
     assert not follow(RoughBase(arena, WHEELED), ((4.3, 1.2),), 8.0)
