@@ -81,6 +81,7 @@ class Shader:
         if not lighting.plain:
             brightness *= lighting.share(frame, depth)
 
+        grey = None
         if haze:
             depth *= -_FADE_PER_METRE
             depth += _CLEAR
@@ -88,7 +89,7 @@ class Shader:
             grey = ((1.0 - share) * (_HAZE * 256.0 * lighting.ambient)).astype(np.uint16)
             share *= brightness
         else:
-            share, grey = brightness, np.zeros_like(brightness, dtype=np.uint16)
+            share = brightness
         share *= 256.0
         light = share.astype(np.uint16)
         picture = np.empty((frame.height, frame.width, 3), dtype=np.uint8)
@@ -174,10 +175,13 @@ class Shader:
 
 
 def _saturating_product(
-    colour: npt.NDArray[np.uint16], light: npt.NDArray[np.uint16], grey: npt.NDArray[np.uint16]
+    colour: npt.NDArray[np.uint16],
+    light: npt.NDArray[np.uint16],
+    grey: npt.NDArray[np.uint16] | None,
 ) -> npt.NDArray[np.uint16]:
-    """`colour * light + grey`, at most 65535."""
+    """`colour * light + grey`, at most 65535; None: no grey."""
     total = colour.astype(np.uint32)
     total *= light
-    total += grey
+    if grey is not None:
+        total += grey
     return np.minimum(total, 65535, out=total).astype(np.uint16)

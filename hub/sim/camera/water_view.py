@@ -180,11 +180,11 @@ class WaterView:
     ) -> None:
         """Draw the surface from below: a bright window overhead, a mirror around it."""
         pixels = np.flatnonzero(above)
-        ray_z = np.broadcast_to(frame.ray_z, above.shape).ravel()[pixels].astype(np.float32)
+        ray_z = np.broadcast_to(frame.ray_z, above.shape).take(pixels).astype(np.float32)
         way = np.float32(self._water.surface - view.z) / ray_z
         ripple = self._ripple(view, frame, pixels, way)
         low, high = _WINDOW
-        window = (ray_z / frame.length.ravel()[pixels] + ripple - low) / (high - low)
+        window = (ray_z / frame.length.take(pixels) + ripple - low) / (high - low)
         window = np.clip(window, 0.0, 1.0)
         flat = picture.reshape(-1, 3)
         for channel, dark in enumerate(self._tables.backscatter[:, -1].tolist()):
@@ -197,8 +197,8 @@ class WaterView:
         self, view: View, frame: CameraFrame, pixels: npt.NDArray[np.intp], way: _Floats
     ) -> _Floats:
         """Waves where rays meet the surface, between -RIPPLES and RIPPLES; they stand still."""
-        x = np.float32(view.x) + frame.ray_x.ravel()[pixels] * way
-        y = np.float32(view.y) + frame.ray_y.ravel()[pixels] * way
+        x = np.float32(view.x) + frame.ray_x.take(pixels) * way
+        y = np.float32(view.y) + frame.ray_y.take(pixels) * way
         waves: _Floats = np.sin(9.0 * x + 2.0 * np.sin(5.0 * y))
         waves *= np.float32(_RIPPLES)
         return waves
@@ -216,29 +216,34 @@ class WaterView:
         pixels = np.flatnonzero(-ray_z > frame.inverse_depth * drop)
         if not len(pixels):
             return
-        down = -ray_z.ravel()[pixels].astype(np.float32)
+        down = -ray_z.take(pixels).astype(np.float32)
         way = drop / down
-        x = np.float32(view.x) + frame.ray_x.ravel()[pixels] * way
-        y = np.float32(view.y) + frame.ray_y.ravel()[pixels] * way
-        inside = _within(self._water.area, x, y)
-        pixels, down, way = pixels[inside], down[inside], way[inside]
-        length = frame.length.ravel()[pixels]
-        under = 1.0 / frame.inverse_depth.ravel()[pixels] - way
-        at = (under * length * np.float32(self._tables.steps_per_metre)).astype(np.intp)
-        deep = under * down * np.float32(self._tables.depth_steps_per_metre)
-        day_at = deep.astype(np.intp)
-        steep = down / length
-        steep += self._ripple(view, frame, pixels, way)
-        share = np.clip(1.0 - steep, 0.0, 1.0) ** 3
-        reflected = _REFLECTED_AHEAD + (_REFLECTED_GRAZING - _REFLECTED_AHEAD) * share
+        if self._water.area is not None:
+            x = np.float32(view.x) + frame.ray_x.take(pixels) * way
+            y = np.float32(view.y) + frame.ray_y.take(pixels) * way
+            inside = np.flatnonzero(_within(self._water.area, x, y))
+            if len(inside) < len(pixels):
+                pixels, down, way = pixels.take(inside), down.take(inside), way.take(inside)
+        tables = self._tables
+        length = frame.length.take(pixels)
+        under = np.float32(1.0) / frame.inverse_depth.take(pixels) - way
+        at = (under * length * np.float32(tables.steps_per_metre)).astype(np.intp)
+        day_at = (under * down * np.float32(tables.depth_steps_per_metre)).astype(np.intp)
+        aslant = np.float32(1.0) - down / length - self._ripple(view, frame, pixels, way)
+        np.maximum(aslant, 0.0, out=aslant)
+        reflected = aslant * aslant * aslant
+        reflected *= np.float32(_REFLECTED_GRAZING - _REFLECTED_AHEAD)
+        reflected += np.float32(_REFLECTED_AHEAD)
         ambient = np.float32(lighting.ambient)
         flat = picture.reshape(-1, 3)
         for channel in range(3):
-            seen = flat[pixels, channel] * self._tables.passed[channel].take(at, mode="clip")
-            seen *= self._tables.day[channel].take(day_at, mode="clip")
-            seen += self._tables.backscatter[channel].take(at, mode="clip") * ambient
+            plane = flat[:, channel]
+            seen = tables.passed[channel].take(at, mode="clip")
+            seen *= tables.day[channel].take(day_at, mode="clip")
+            seen *= plane.take(pixels)
+            seen += (tables.backscatter[channel] * ambient).take(at, mode="clip")
             seen += reflected * (np.float32(_REFLECTION[channel]) * ambient - seen)
-            flat[pixels, channel] = np.minimum(seen, 255.0)
+            plane[pixels] = seen
 
 
 def _within(
