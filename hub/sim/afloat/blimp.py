@@ -145,10 +145,15 @@ class SimulatedBlimp(FloatingVehicle):
     def brake_and_hold(self) -> None:
         """Brake, hold height and heading; after ten minutes or at a low battery, land.
 
-        The ten minutes begin with the first of several calls; `command` with a motion ends them.
+        The ten minutes begin with the first of several calls. `resume` ends them, and a command
+        that is not neutral.
         """
         self._commanded = NEUTRAL
         self._alone_since = min(self._alone_since, self.time)
+
+    def resume(self) -> None:
+        """Take note that it has an operator again; a landing goes on until a command."""
+        self._alone_since = math.inf
 
     def land(self) -> None:
         """Stop the lift propeller, brake, and sink to what is below."""
@@ -204,7 +209,7 @@ class SimulatedBlimp(FloatingVehicle):
         )
 
     def _moved(self) -> None:
-        self._alone_since = math.inf
+        self.resume()
         if self._flight is Flight.LANDING or self._commanded.heave > 0.0:
             self._flight = Flight.FLYING
 

@@ -224,6 +224,10 @@ def test_left_alone_it_lands_at_a_low_battery_but_not_under_command() -> None:
     fly(robot, 2.0)
     assert robot.flight is Flight.FLYING
     robot.brake_and_hold()
+    robot.resume()
+    fly(robot, 2.0)
+    assert robot.flight is Flight.FLYING
+    robot.brake_and_hold()
     fly(robot, 12.0)
     assert robot.flight is Flight.LANDED
 
