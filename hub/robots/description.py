@@ -26,6 +26,22 @@ LONGEST_EXPLORING_S = 600.0
 """Time after which an exploring robot is back at its start [s]."""
 
 
+class Base(enum.Enum):
+    """How a simulated body moves.
+
+    Attributes:
+        WHEELS: On wheels that may also go sideways; on rough ground, as the Magellan's.
+        TRACKS: On tracks with flippers.
+        BLIMP: In air.
+        ROV: In water.
+    """
+
+    WHEELS = "wheels"
+    TRACKS = "tracks"
+    BLIMP = "blimp"
+    ROV = "rov"
+
+
 class MissionBegin(enum.Enum):
     """The event that starts a mission, besides a mark and the operator's order.
 
@@ -215,6 +231,12 @@ class RobotDescription:
         at="autonomy.longest_s",
     )
     arena: str = key(text(200), "yellow", "a shipped arena, or the path of one", at="simulation.")
+    base: Base = key(
+        choice({each.value: each for each in Base}),
+        Base.WHEELS,
+        "how a simulated body moves: on wheels, on tracks, in air, in water",
+        at="simulation.",
+    )
     seed: int = key(
         whole_number(0, 2**63 - 1), 1, "the same seed gives the same run", at="simulation."
     )

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from hub.errors import CameraError, UnknownKindError
 from hub.nearest import did_you_mean
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
-from hub.robots.description import RobotDescription
+from hub.robots.description import Base, RobotDescription
 from hub.robots.interfaces import Body, Camera
 from hub.robots.robot_file import shipped_bodies
 from hub.values import dataclass
@@ -36,7 +36,23 @@ def _simulated_body(robot: RobotDescription) -> Body:
     from hub.robots.simulated_base import SimulatedBase
     from hub.sim.arena import load_arena
 
-    return SimulatedBase(load_arena(robot.arena), robot.body, seed=robot.seed)
+    arena = load_arena(robot.arena)
+    match robot.base:
+        case Base.BLIMP:
+            from hub.robots.simulated_floats import BlimpBody
+
+            return BlimpBody(arena, robot.body, seed=robot.seed)
+        case Base.ROV:
+            from hub.robots.simulated_floats import RovBody
+
+            return RovBody(arena, robot.body, seed=robot.seed)
+        case Base.WHEELS if arena.ground is None:
+            return SimulatedBase(arena, robot.body, seed=robot.seed)
+    from hub.robots.simulated_rough_base import RoughBody
+    from hub.sim.ground.chassis import TRACKED, WHEELED
+
+    chassis = TRACKED if robot.base is Base.TRACKS else WHEELED
+    return RoughBody(arena, robot.body, chassis, seed=robot.seed)
 
 
 def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
@@ -62,12 +78,12 @@ def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
     )
 
 
-_WHEELS = RobotKind(
+_SIMULATED = RobotKind(
     open_body=_simulated_body,
     open_camera=_simulated_camera,
     imports=("hub.robots.simulated_camera", "hub.robots.simulated_base", "numpy.random"),
 )
-KINDS = {"simulated-wheels": _WHEELS, **dict.fromkeys(shipped_bodies(), _WHEELS)}
+KINDS = {"simulated-wheels": _SIMULATED, **dict.fromkeys(shipped_bodies(), _SIMULATED)}
 """Each kind that Rune ships; a kind with a file of its own in `bodies/` has that body."""
 
 

@@ -1,0 +1,212 @@
+"""The simulated blimp and the simulated underwater robot as bodies of the driver."""
+
+from __future__ import annotations
+
+import abc
+import zlib
+from dataclasses import replace
+
+from hub.errors import ArenaError
+from hub.gcm.body import RobotBody
+from hub.gcm.navigation import GroundTruth, Twist, Vector3
+from hub.pose import Pose, wrapped
+from hub.robots.interfaces import Sensors
+from hub.robots.left_alone import LeftAlone
+from hub.sim.afloat.blimp import SimulatedBlimp
+from hub.sim.afloat.blimp_senses import BlimpReadings
+from hub.sim.afloat.lithium_battery import LithiumBattery
+from hub.sim.afloat.rov import SimulatedRov
+from hub.sim.afloat.rov_senses import RovReadings
+from hub.sim.afloat.surroundings import Surroundings
+from hub.sim.afloat.vehicle import FloatingVehicle
+from hub.sim.arena import Arena
+from hub.sim.kinematics import limited, moved
+from hub.sim.spatial_pose import SpatialPose
+
+FLIES_AT = 1.2
+"""Height of a blimp's start where the arena has no berth for it [m]."""
+NO_WATER = "it has no water to dive in; give it a table [water]"
+DIVES_AT = 0.5
+"""Depth of an underwater robot's start where the arena has no berth for it [m]."""
+
+
+class _FloatingBody(abc.ABC):
+    """What both have in common; implements `Body` and `BodyLeftAlone`.
+
+    It has no encoders: its dead reckoning adds up what it wants to do, so it drifts with the air
+    or the water.
+    """
+
+    def __init__(self, vehicle: FloatingVehicle, body: RobotBody, origin: int) -> None:
+        """Take a vehicle at its start.
+
+        Args:
+            vehicle: The simulated vehicle.
+            body: Its described velocities, which limit the commands too.
+            origin: Number of its start.
+        """
+        self._vehicle = vehicle
+        self._limits = [0.0] * 6
+        for motion in body.motions:
+            self._limits[motion.freedom] = motion.limit
+        self._origin = origin
+        self._reckoned = Pose()
+        self._heading = self.heading
+
+    @property
+    @abc.abstractmethod
+    def heading(self) -> float:
+        """The heading that it measures [rad]."""
+
+    def command(self, twist: Twist) -> None:
+        """Set the velocity; NaN counts as 0."""
+        linear, angular = twist.linear, twist.angular
+        wanted = (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+        self._vehicle.command(*map(limited, wanted, self._limits))
+
+    def advance(self, seconds: float) -> None:
+        """Advance the simulated time."""
+        before = self._vehicle.time
+        self._vehicle.advance(seconds)
+        passed = self._vehicle.time - before
+        speed = self._vehicle.commanded
+        heading = self.heading
+        turn = wrapped(heading - self._heading)
+        self._heading = heading
+        self._reckoned = moved(self._reckoned, speed.surge * passed, turn, speed.sway * passed)
+
+    def ground_truth(self) -> GroundTruth:
+        """Its true pose in the arena's frame."""
+        pose, velocity = self._vehicle.pose, self._vehicle.velocity
+        commanded = self._vehicle.commanded
+        return GroundTruth(
+            time=self._vehicle.time,
+            x=pose.x,
+            y=pose.y,
+            theta=wrapped(pose.yaw),
+            linear=velocity.surge,
+            angular=velocity.yaw,
+            commanded_linear=commanded.surge,
+            commanded_angular=commanded.yaw,
+            contacts=self._vehicle.contacts,
+            touching=int(self._vehicle.touching),
+            z=pose.z,
+            roll=pose.roll,
+            pitch=pose.pitch,
+            sway=velocity.sway,
+            heave=velocity.heave,
+        )
+
+    def _measured(
+        self, read: BlimpReadings | RovReadings, battery: LithiumBattery, surge: float
+    ) -> Sensors:
+        """The part that both measure; `surge` is what they know of their speed [m/s]."""
+        speed, pose = self._vehicle.commanded, self._reckoned
+        return Sensors(
+            x=pose.x,
+            y=pose.y,
+            theta=pose.theta,
+            velocity=_twist(surge, speed.sway, read.climb, read.rates[2]),
+            commanded=_twist(speed.surge, speed.sway, speed.heave, speed.yaw),
+            battery_voltage=battery.voltage,
+            battery_fraction=battery.fraction,
+            roll=read.roll,
+            pitch=read.pitch,
+            heading=self.heading,
+            climb=read.climb,
+            origin=self._origin,
+        )
+
+
+class BlimpBody(_FloatingBody):
+    """The blimp."""
+
+    def __init__(self, arena: Arena, body: RobotBody, *, seed: int = 0) -> None:
+        """Fly at its berth, else over the start.
+
+        Args:
+            arena: Its arena.
+            body: Its described velocities.
+            seed: Of all noise.
+        """
+        start = start_of(arena, "blimp", FLIES_AT)
+        self._blimp = SimulatedBlimp(
+            Surroundings.in_air(arena), start=start, air=arena.air, seed=seed
+        )
+        super().__init__(self._blimp, body, origin_of(arena, start))
+
+    @property
+    def heading(self) -> float:
+        """Of gyro and compass [rad]."""
+        return self._blimp.readings.heading
+
+    def sensors(self, stamp: float) -> Sensors:  # noqa: ARG002 - it has no range sensors
+        """The present measurements."""
+        read = self._blimp.readings
+        common = self._measured(read, self._blimp.battery, read.airspeed)
+        return replace(common, height=read.height, above_ground=read.altitude)
+
+    def left_alone(self, action: LeftAlone | None) -> None:
+        """Brake and hold, with any action; it lands after ten minutes or at a low battery."""
+        if action is None:
+            self._blimp.resume()
+        else:
+            self._blimp.brake_and_hold()
+
+
+class RovBody(_FloatingBody):
+    """The underwater robot."""
+
+    def __init__(self, arena: Arena, body: RobotBody, *, seed: int = 0) -> None:
+        """Dive at its berth, else below the surface over the start.
+
+        Args:
+            arena: Its arena.
+            body: Its described velocities.
+            seed: Of all noise.
+
+        Raises:
+            ArenaError: There is no water.
+        """
+        if arena.water is None:
+            raise ArenaError(arena.name, [NO_WATER])
+        start = start_of(arena, "rov", arena.water.surface - DIVES_AT)
+        self._rov = SimulatedRov(
+            Surroundings.under_water(arena), start=start, water=arena.water, seed=seed
+        )
+        super().__init__(self._rov, body, origin_of(arena, start))
+
+    @property
+    def heading(self) -> float:
+        """Of gyro and compass [rad]."""
+        return self._rov.readings.heading
+
+    def sensors(self, stamp: float) -> Sensors:  # noqa: ARG002 - it has no range sensors
+        """The present measurements."""
+        read = self._rov.readings
+        common = self._measured(read, self._rov.battery, self._rov.commanded.surge)
+        return replace(common, depth=read.depth, above_ground=read.altitude)
+
+    def left_alone(self, action: LeftAlone | None) -> None:
+        """Hold depth and heading, or surface."""
+        if action is LeftAlone.SURFACE:
+            self._rov.surface()
+        elif action is not None:
+            self._rov.brake_and_hold()
+
+
+def start_of(arena: Arena, robot: str, height: float) -> SpatialPose:
+    """The first pose of a robot: its berth, else the start at a height [m]."""
+    berth = arena.berth(robot)
+    if berth is not None:
+        return SpatialPose(x=berth.at[0], y=berth.at[1], z=berth.height, yaw=berth.heading)
+    return SpatialPose(x=arena.start.x, y=arena.start.y, z=height, yaw=arena.start.theta)
+
+
+def origin_of(arena: Arena, start: SpatialPose) -> int:
+    """Number of a start: its world restarts with a robot, so it is the same place again."""
+    return zlib.crc32(repr((arena.name, start)).encode()) | 1
+
+
+def _twist(surge: float, sway: float, heave: float, yaw: float) -> Twist:
+    return Twist(linear=Vector3(x=surge, y=sway, z=heave), angular=Vector3(z=yaw))
