@@ -21,7 +21,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.registry import VISUALIZERS
-from tests.console.states import robot_of, visualizer_spec
+from tests.console.states import range_readings, robot_of, visualizer_spec
 
 WIDTH, HEIGHT = 160, 96
 RUNS = 200
@@ -69,6 +69,7 @@ def driving(step: int) -> RobotState:
         camera=received(PICTURE.camera, step),
         map=received(MAP, step),
         navigation=received(navigation, step),
+        ranges=received(READINGS, step),
     )
 
 
@@ -88,6 +89,7 @@ def grid() -> OccupancyMap:
 
 
 PICTURE, MAP = picture(), grid()
+READINGS = range_readings(np.linspace(0.4, 3.0, 16, dtype=np.float32), 1.0)
 
 
 def main() -> None:

@@ -1,22 +1,13 @@
-"""The robot's outline on the ground."""
+"""The robot's outline on the ground, and its bumpers."""
 
 from __future__ import annotations
 
-import functools
 import math
 
 import numpy as np
 
-from hub.gcm.body import RobotBody
+from hub.gcm.body import Bumper, RobotBody
 from rune_tui.model.sightings import Floats
-
-
-def rim(body: RobotBody | None, count: int) -> Floats:
-    """Distances of the robot's rim from its origin [m], shape (count,).
-
-    The directions begin straight ahead, counter-clockwise. For an unknown body all distances are 0.
-    """
-    return _rim(body, count)
 
 
 def largest_radius(body: RobotBody | None) -> float:
@@ -35,31 +26,39 @@ def corners(body: RobotBody | None) -> Floats:
     return np.array([(point.x, point.y) for point in points], np.float64).reshape(-1, 2)
 
 
-@functools.lru_cache(maxsize=64)
-def _rim(body: RobotBody | None, count: int) -> Floats:
+def rooms(body: RobotBody, points: Floats) -> Floats:
+    """Distance from the robot's footprint to each point [m], shape (n,); 0 inside of it.
+
+    Args:
+        body: The robot's body.
+        points: Points in its frame [m], shape (n, 2).
+    """
     around = corners(body)
     if not len(around):
-        distances = np.full(count, largest_radius(body))
-    else:
-        distances = _ray_lengths(around, count)
-    distances.flags.writeable = False
+        away: Floats = np.hypot(points[:, 0], points[:, 1]) - largest_radius(body)
+        return np.maximum(away, 0.0)
+    # Axis 0 has the points, axis 1 the edges from p to p + e.
+    p, e = around, np.roll(around, -1, axis=0) - around
+    from_p = points[:, None, :] - p
+    length = np.maximum((e * e).sum(axis=1), np.finfo(np.float64).tiny)
+    along = np.clip((from_p * e).sum(axis=2) / length, 0.0, 1.0)
+    off = from_p - along[..., None] * e
+    nearest = np.hypot(off[..., 0], off[..., 1]).min(axis=1)
+    # A point is inside if a ray from it to the left crosses an odd number of edges.
+    low, high = p[:, 1] > points[:, 1:2], np.roll(p[:, 1], -1) > points[:, 1:2]
+    across = from_p[..., 0] * e[:, 1] - from_p[..., 1] * e[:, 0]
+    crossed = (low != high) & ((across > 0.0) == (e[:, 1] > 0.0))
+    outside = crossed.sum(axis=1) % 2 == 0
+    distances: Floats = np.where(outside, nearest, 0.0)
     return distances
 
 
-def _ray_lengths(around: Floats, count: int) -> Floats:
-    """Distance from the origin to the farthest edge in each direction [m].
+def pressed_bumpers(body: RobotBody | None, bits: int) -> tuple[Bumper, ...]:
+    """The bumpers that are pressed.
 
-    A ray `s d` meets the edge `p + t e` at `s=(p x e)/(d x e)` and `t=(p x d)/(d x e)`.
+    Args:
+        body: The robot's body; None: its bumpers are not known.
+        bits: `bumpers` of the robot's state.
     """
-    angles = np.arange(count) * (math.tau / count)
-    ray_x, ray_y = np.cos(angles)[:, None], np.sin(angles)[:, None]
-    x, y = around.T
-    edge_x, edge_y = np.roll(x, -1) - x, np.roll(y, -1) - y
-    across = ray_x * edge_y - ray_y * edge_x
-    with np.errstate(divide="ignore", invalid="ignore"):
-        length = (x * edge_y - y * edge_x) / across
-        along = (x * ray_y - y * ray_x) / across
-    # A corner belongs to both edges: a rounding error must not let a ray pass between them.
-    meets = (along >= -1e-9) & (along <= 1.0 + 1e-9) & (length > 0.0)
-    distances: Floats = np.where(meets, length, 0.0).max(axis=1)
-    return distances
+    bumpers = body.bumpers if body is not None else ()
+    return tuple(each for number, each in enumerate(bumpers) if bits >> number & 1)

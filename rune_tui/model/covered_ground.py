@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.navigation import RobotState as NavigationState
+from rune_tui.model.robot_ranges import RobotRanges
 from rune_tui.model.sightings import Floats
 
 COVERS_M: Final = 1.2
@@ -20,21 +21,46 @@ _STEP_M: Final = 0.2
 _MOST_STEPS: Final = 256
 """Most points of a line; a longer line has longer steps."""
 _GRAIN_M: Final = 0.05
+_DIRECTIONS: Final = 120
+"""Number of directions around the robot."""
+_TURN: Final = math.tau / _DIRECTIONS
 
 
-def covers_of(navigation: NavigationState | None) -> tuple[float, ...]:
+def covers_of(ranges: RobotRanges | None) -> tuple[float, ...]:
     """Distance of the visible ground in each direction [m]; inf: no obstacle hides it.
 
-    Empty if no obstacle hides any. Rounded, so that noise of the sensors is not visible.
+    The directions are equally far apart, and begin straight ahead, counter-clockwise. Empty if
+    no obstacle hides any ground. Rounded, so that noise of the sensors is not visible.
     """
-    if navigation is None:
+    if ranges is None:
         return ()
-    nearest = np.fmin(navigation.sonar, navigation.infrared).astype(np.float64)
-    near = np.isfinite(nearest) & (nearest < COVERS_M)
-    if not near.any():
+    of = ranges.of
+    hides = np.flatnonzero(np.isfinite(ranges.room) & (~of.wide | (ranges.ranges < COVERS_M)))
+    if not len(hides):
         return ()
-    steps = np.round(nearest / _GRAIN_M) * _GRAIN_M
-    return tuple(np.where(near, steps, np.inf).tolist())
+    covers = np.full(_DIRECTIONS, np.inf)
+    away = np.round(np.hypot(ranges.x[hides], ranges.y[hides]) / _GRAIN_M) * _GRAIN_M
+    first, last = (_edges(ranges, hides, side) for side in (-1.0, 1.0))
+    count = np.clip(last - first + 1, 1, _DIRECTIONS)
+    # One row for each direction of each beam.
+    rows = np.repeat(np.arange(len(hides)), count)
+    number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    np.minimum.at(covers, (first[rows] + number) % _DIRECTIONS, away[rows])
+    return tuple(covers.tolist())
+
+
+def _edges(ranges: RobotRanges, hides: npt.NDArray[np.intp], side: float) -> npt.NDArray[np.intp]:
+    """The direction of an edge of each beam's cone at its end, seen from the robot's origin."""
+    of, beams = ranges.of, ranges.of.beams
+    turned = beams.bearing[hides] + side * of.half[hides]
+    reach = ranges.ranges[hides] * np.cos(beams.elevation[hides])
+    x = beams.x[hides] + reach * np.cos(turned)
+    y = beams.y[hides] + reach * np.sin(turned)
+    middle = np.arctan2(ranges.y[hides], ranges.x[hides])
+    # Counted from the middle, so that no edge is a turn away from it.
+    aside = (np.arctan2(y, x) - middle + np.pi) % math.tau - np.pi
+    directions: npt.NDArray[np.intp] = np.round((middle + aside) / _TURN).astype(np.intp)
+    return directions
 
 
 def covered(points: Floats, covers: tuple[float, ...]) -> npt.NDArray[np.bool_]:

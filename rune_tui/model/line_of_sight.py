@@ -5,9 +5,9 @@ range sensors. The first row that applies decides:
 
 | on the line | source | error, besides that of the pose |
 | --- | --- | --- |
-| a hit of an infrared sensor along it | RANGES | its noise |
+| a hit of a narrow beam along it | RANGES | its noise |
 | an occupied cell of the map | MAP | diagonal of a cell, width of the pixel |
-| a sonar's echo before ground that is not free on the map | RANGES | half the cone's width |
+| an echo of a wide beam before ground that is not free on the map | RANGES | half the cone |
 | nothing before the floor | FLOOR | ground that the pixel covers |
 | nothing, and the line does not meet the floor | none: there is no place | |
 
@@ -24,11 +24,11 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.values import dataclass
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.pose import Pose
+from rune_tui.model.robot_ranges import RobotRanges
 from rune_tui.model.world import DistanceSource, WorldPoint
 
 FARTHEST_M: Final = 12.0
@@ -40,8 +40,7 @@ OCCUPIED: Final = 65
 
 _AT_FOOT_M: Final = 0.15
 """Largest distance between an obstacle and the floor's place if the click is at its foot [m]."""
-_INFRARED_HALF: Final = math.radians(4.0)
-_INFRARED_OFF_M: Final = 0.04
+_NARROW_OFF_M: Final = 0.04
 _STANDARD_DEVIATIONS: Final = 2.0
 """Standard deviations of the pose that count, because the other errors are bounds."""
 
@@ -53,14 +52,14 @@ class Surroundings:
     Attributes:
         pose: The robot's pose.
         grid: The map; None: there is none.
-        navigation: The robot's ranges, from about the same moment and place; None: none.
+        ranges: The robot's ranges, from about the same moment and place; None: none.
         position_off: Standard deviation of the robot's position [m]; 0: not known.
         heading_off: Standard deviation of its heading [rad]; 0: not known.
     """
 
     pose: Pose
     grid: OccupancyMap | None = None
-    navigation: NavigationState | None = None
+    ranges: RobotRanges | None = None
     position_off: float = 0.0
     heading_off: float = 0.0
 
@@ -142,9 +141,9 @@ def _obstacle(
     forward: float, bearing: float, reach: float, pixel_m: float, around: Surroundings
 ) -> _Obstacle | None:
     """The first obstacle on a line from the camera."""
-    infrared, sonar = _ranges(forward, bearing, around.navigation)
-    if infrared is not None and infrared.way < reach:
-        return infrared
+    narrow, wide = _hits(forward, bearing, around.ranges)
+    if narrow is not None and narrow.way < reach:
+        return narrow
     mapped, free = None, 0.0
     if around.grid is not None:
         line = _cells(forward, bearing, reach, around.pose, around.grid)
@@ -158,30 +157,42 @@ def _obstacle(
         free = float(not_free[0] if len(not_free) else len(line)) * step
     if mapped is not None and free >= mapped.way - _AT_FOOT_M:
         return mapped
-    if sonar is not None and free < sonar.way + _AT_FOOT_M and sonar.way < reach:
-        return sonar if mapped is None or sonar.way < mapped.way else mapped
+    if wide is not None and free < wide.way + _AT_FOOT_M and wide.way < reach:
+        return wide if mapped is None or wide.way < mapped.way else mapped
     return mapped
 
 
-def _ranges(
-    forward: float, bearing: float, navigation: NavigationState | None
+def _hits(
+    forward: float, bearing: float, ranges: RobotRanges | None
 ) -> tuple[_Obstacle | None, _Obstacle | None]:
-    """The hit of the infrared sensor and the echo of the sonar along a line, if any."""
-    if navigation is None:
+    """The nearest hit of a narrow beam and the nearest echo of a wide one along a line, if any.
+
+    The line `c + w d` meets the circle of radius r around a beam's origin at
+    `w = -b + sqrt(r^2 - |c|^2 + b^2)` with `b = c d`, if c counts from that origin.
+    """
+    if ranges is None:
         return None, None
-    count = len(navigation.sonar)
-    opening = math.tau / count
-    number = round(bearing / opening)
-    beside = abs(bearing - number * opening)
-    echo, seen = float(navigation.sonar[number % count]), float(navigation.infrared[number % count])
-    infrared = sonar = None
-    if math.isfinite(seen) and beside <= _INFRARED_HALF:
-        way = max(0.0, seen - forward * math.cos(bearing))
-        infrared = _Obstacle(way=way, off=_INFRARED_OFF_M, source=DistanceSource.RANGES)
-    if math.isfinite(echo):
-        way = max(0.0, echo - forward * math.cos(bearing))
-        sonar = _Obstacle(way=way, off=way * math.sin(opening / 2.0), source=DistanceSource.RANGES)
-    return infrared, sonar
+    of, beams = ranges.of, ranges.of.beams
+    radius = np.hypot(ranges.x - beams.x, ranges.y - beams.y)
+    ahead, left = math.cos(bearing), math.sin(bearing)
+    from_x, from_y = forward - beams.x, -beams.y
+    along = from_x * ahead + from_y * left
+    room = radius**2 - from_x**2 - from_y**2 + along**2
+    way = np.maximum(0.0, np.sqrt(np.maximum(room, 0.0)) - along)
+    there = np.arctan2(from_y + way * left, from_x + way * ahead)
+    beside = np.abs((there - beams.bearing + np.pi) % math.tau - np.pi)
+    met = np.isfinite(ranges.room) & (room >= 0.0) & (beside <= of.half)
+    found: list[_Obstacle | None] = []
+    for wanted in (~of.wide, of.wide):
+        ways = np.where(met & wanted, way, np.inf)
+        number = int(ways.argmin()) if len(ways) else -1
+        if number < 0 or math.isinf(ways[number]):
+            found.append(None)
+            continue
+        nearest = float(ways[number])
+        off = nearest * math.sin(of.half[number]) if of.wide[number] else _NARROW_OFF_M
+        found.append(_Obstacle(way=nearest, off=off, source=DistanceSource.RANGES))
+    return found[0], found[1]
 
 
 def _step(grid: OccupancyMap) -> float:

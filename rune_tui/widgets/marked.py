@@ -20,6 +20,7 @@ from hub.gcm.mapping import (
     PointKind,
 )
 from hub.gcm.navigation import LANDMARK_CORRECTION, ROBOT_STATE, LandmarkCorrection
+from hub.gcm.ranges import RANGES
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule, NumberOption, Section
 from rune_tui.layout.spec import WidgetSpec
@@ -175,7 +176,7 @@ class CorrectLandmark(PointedWidget):
             )
         },
         sends=(LANDMARK_CORRECTION.name,),
-        uses=(INTEREST_POINTS.name, ROBOT_STATE.name),
+        uses=(INTEREST_POINTS.name, ROBOT_STATE.name, RANGES.name),
         pointed=True,
     )
 

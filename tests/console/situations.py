@@ -30,6 +30,7 @@ from hub.gcm.navigation import (
     Task,
 )
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.gcm.ranges import RangeReadings
 from hub.pose import Pose
 from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
@@ -41,7 +42,7 @@ from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, 
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
-from tests.console.states import described, robot_of
+from tests.console.states import described, range_readings, robot_of
 from tests.support.footprints import distances
 from tests.support.magellan import magellan_sensors
 from tests.support.messages import robot_state
@@ -69,9 +70,9 @@ def _seen(pose: Pose) -> Picture:
 
 
 @functools.cache
-def _ranges(pose: Pose) -> tuple[Any, Any]:
+def _ranges(pose: Pose) -> RangeReadings:
     sensors = magellan_sensors(load_arena("yellow").footprints, 0)
-    return sensors.measure("sonar", pose), sensors.measure("infrared", pose)
+    return range_readings(sensors.measure("sonar", pose), sensors.measure("infrared", pose))
 
 
 @functools.cache
@@ -139,14 +140,12 @@ def robot(
     **motion: Any,
 ) -> RobotState:
     """A robot in the yellow arena, all that it reports `age` seconds old [s]."""
-    seen, (sonar, infrared) = _seen(at), _ranges(at)
+    seen = _seen(at)
     navigation = robot_state(
         **{
             "x": at.x,
             "y": at.y,
             "theta": at.theta,
-            "sonar": sonar,
-            "infrared": infrared,
             "battery_fraction": 0.74,
             "battery_voltage": 24.8,
         }
@@ -177,6 +176,7 @@ def robot(
         camera=_known(seen.camera, age),
         map=_known(_map(), age + 1.0),
         navigation=_known(navigation, age),
+        ranges=_known(_ranges(at), age),
         messages=messages,
     )
 

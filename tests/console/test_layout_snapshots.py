@@ -14,13 +14,14 @@ from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import MotionState
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.gcm.ranges import RANGES
 from hub.gcm.supervision import MODULE_REPORTS, ModulePhase, ModuleReport, ModuleReports
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.view import View
 from tests.console.situations import shipped
-from tests.console.states import described, renamed, rendered, robot_of
+from tests.console.states import described, range_readings, renamed, rendered, robot_of
 from tests.support.cases import for_each
 from tests.support.messages import camera_state, robot_state
 
@@ -47,12 +48,12 @@ NAVIGATION = robot_state(
     angular=-0.2,
     commanded_linear=0.5,
     commanded_angular=-0.2,
-    sonar=np.linspace(0.5, 4.0, 16).astype(np.float32),
     battery_voltage=24.6,
     motion=MotionState.MOVING,
 )
 
 
+READINGS = range_readings(sonar=np.linspace(0.5, 4.0, 16, dtype=np.float32))
 FOUND = InterestPoints(
     points=(
         InterestPoint(
@@ -125,6 +126,7 @@ def robot(age: float) -> RobotState:
         messages={
             ROBOT_DESCRIPTION.name: described("magellan"),
             INTEREST_POINTS.name: Received(value=FOUND, measured=measured, number=5),
+            RANGES.name: Received(value=READINGS, measured=measured, number=7),
             MODULE_REPORTS.name: Received(value=MODULES, measured=measured, number=6),
         },
     )

@@ -15,6 +15,7 @@ from rune_tui.view import View
 from tests.console.states import (
     Standing,
     layout_of,
+    range_readings,
     rendered,
     robot_of,
     standing,
@@ -28,7 +29,6 @@ CAMERA = camera_state(pan=0.5, tilt=0.1)
 NAVIGATION = robot_state(
     linear=0.1,
     commanded_linear=0.1,
-    sonar=np.full(16, 1.5, np.float32),
     battery_fraction=0.5,
     motion=MotionState.MOVING,
 )
@@ -47,6 +47,7 @@ def robot(name: str = "magellan", shade: int = 200, number: int = 1, **changes: 
         "picture": known(Picture(pixels=wall, camera=CAMERA), number),
         "navigation": known(NAVIGATION),
         "camera": known(CAMERA),
+        "ranges": known(range_readings(sonar=1.5)),
     }
     return robot_of(name=name, **values | changes)
 

@@ -41,7 +41,7 @@ class Plot:
                 default="linear",
                 longest=100,
                 names="field",
-                meaning="which number of the message, such as linear, sonar[0] or points[1].x",
+                meaning="number of the message, such as linear, scans[0].ranges[3] or points[1].x",
             ),
             "seconds": NumberOption(
                 default=30.0, least=1.0, most=86_400.0, unit="s", meaning="time from left to right"

@@ -19,7 +19,7 @@ _PLAIN = (int, float, np.number, np.bool_)
 
 
 def number_at(value: object, path: str) -> float | None:
-    """The number at a path such as `linear`, `sonar[0]` or `points[2].x`; None if there is none."""
+    """The number at a path such as `linear`, `scans[0].ranges[3]` or `points[2].x`; None: none."""
     found = value
     for step in path.replace("[", ".[").split("."):
         found = _element(found, step) if step.startswith("[") else _field(found, step)

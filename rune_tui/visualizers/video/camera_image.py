@@ -7,6 +7,7 @@ import math
 from collections.abc import Hashable
 from typing import ClassVar, Final, Self
 
+from hub.gcm.ranges import RANGES
 from hub.gcm.vision import CameraState
 from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
@@ -15,6 +16,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.line_of_sight import Surroundings, place_of_pixel
 from rune_tui.model.pose import Pose
+from rune_tui.model.robot_ranges import ranges_of
 from rune_tui.model.robot_state import Picture, RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.model.world import WorldPoint
@@ -186,12 +188,12 @@ class CameraImage:
 
 def _surroundings(robot: RobotState, pose: Pose) -> Surroundings:
     """The surroundings of the newest picture."""
-    navigation, near = robot.navigation, False
-    if navigation is not None and robot.picture is not None:
-        value = navigation.value
+    navigation, measured, near = robot.navigation, robot.newest(RANGES), False
+    if navigation is not None and measured is not None and robot.picture is not None:
+        value, then = navigation.value, robot.picture.measured
         turned = math.remainder(value.theta - pose.theta, math.tau)
         near = (
-            abs(navigation.measured - robot.picture.measured) < _SAME_MOMENT_S
+            max(abs(each.measured - then) for each in (navigation, measured)) < _SAME_MOMENT_S
             and math.hypot(value.x - pose.x, value.y - pose.y) < _SAME_PLACE_M
             and abs(turned) < _SAME_HEADING
         )
@@ -199,7 +201,7 @@ def _surroundings(robot: RobotState, pose: Pose) -> Surroundings:
     return Surroundings(
         pose=pose,
         grid=robot.map.value if robot.map is not None else None,
-        navigation=navigation.value if navigation is not None and near else None,
+        ranges=ranges_of(robot) if near else None,
         position_off=off[0] if math.isfinite(off[0]) else 0.0,
         heading_off=off[1] if math.isfinite(off[1]) else 0.0,
     )

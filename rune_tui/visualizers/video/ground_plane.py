@@ -8,6 +8,8 @@ from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
+from hub.gcm.body import ROBOT_DESCRIPTION
+from hub.gcm.ranges import RANGES
 from hub.gcm.vision import CameraState
 from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
@@ -18,6 +20,7 @@ from rune_tui.model.covered_ground import covered, covers_of, uncovered
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.ground_lines import visible_lines
 from rune_tui.model.pose import Pose
+from rune_tui.model.robot_ranges import ranges_of
 from rune_tui.model.robot_state import Received, RobotState
 from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
@@ -98,7 +101,7 @@ class GroundPlane:
         "robot will pass over; to lie over a viewport of the camera's picture of the same place, "
         "size and fit",
         message="GCM_CameraState",
-        others=("GCM_RobotState",),
+        others=("GCM_RobotState", ROBOT_DESCRIPTION.name, RANGES.name),
         option=NumberOption(
             default=0.0,
             least=0.0,
@@ -233,9 +236,10 @@ class GroundPlane:
 
 def _covers(robot: RobotState, state: ConsoleState) -> tuple[float, ...]:
     """The distance of the visible ground in each direction."""
-    if robot.navigation is None or age_look(robot.navigation, state.now)[0] is Staleness.STALE:
+    measured = robot.newest(RANGES)
+    if measured is None or age_look(measured, state.now)[0] is Staleness.STALE:
         return ()
-    return covers_of(robot.navigation.value)
+    return covers_of(ranges_of(robot))
 
 
 def _course(robot: RobotState, ground: _Ground, state: ConsoleState) -> Course | None:

@@ -6,6 +6,7 @@ from collections.abc import Hashable
 from typing import ClassVar
 
 from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.ranges import RANGES
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
@@ -33,6 +34,7 @@ class Alarms(PlainVisualizer):
             "GCM_Control_State",
             "GCM_AutonomyState",
             "GCM_NavigationStatus",
+            RANGES.name,
         ),
         vital=True,
     )

@@ -8,6 +8,7 @@ from typing import ClassVar, Self
 
 from hub.gcm.autonomy import AUTONOMY_STATE
 from hub.gcm.navigation import NAVIGATION_STATUS
+from hub.gcm.ranges import RANGES
 from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -45,6 +46,7 @@ class Status:
             "GCM_Control_State",
             AUTONOMY_STATE.name,
             NAVIGATION_STATUS.name,
+            RANGES.name,
         ),
         options={
             "beside": ChoiceOption(

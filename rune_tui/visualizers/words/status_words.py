@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import numpy as np
-
-from hub.gcm.body import RobotBody
-from hub.gcm.navigation import SENSOR_COUNT, MotionState
+from hub.gcm.navigation import MotionState
 from hub.gcm.navigation import RobotState as NavigationState
+from hub.gcm.ranges import RANGES
 from rune_tui.layout.rules import Purpose
-from rune_tui.model.body import rim
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
+from rune_tui.model.robot_ranges import lack_of_ranges, ranges_of
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.robot_task import task_of
-from rune_tui.visualizers.maps.range_data import Nearness, effective_nearness, nearness_of
 from rune_tui.visualizers.parts.control_words import control_parts
+from rune_tui.visualizers.parts.nearness import Nearness, avoids_obstacles, nearness_of
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import (
     ALARM_AFTER_S,
@@ -115,18 +113,33 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
         return
     age = robot.navigation.age(now)
     navigation = robot.navigation.value
-    linked = robot.link.phase is LinkPhase.CONNECTED
-    if linked and staleness(age) is not Staleness.FRESH:
+    old = staleness(age) is not Staleness.FRESH
+    if old and robot.link.phase is LinkPhase.CONNECTED:
         yield Part(f"STATE {age_text(age)} OLD", 9, Severity.ALARM)
-    known = (
-        *_moving(robot, navigation, now),
-        *_battery(navigation),
-        *_nearest(navigation, robot.body),
-    )
-    if staleness(age) is Staleness.STALE:
-        yield from map(_past, known)
-    else:
-        yield from known
+    known = (*_moving(robot, navigation, now), *_battery(navigation))
+    yield from map(_past, known) if staleness(age) is Staleness.STALE else known
+    yield from _obstacles(robot, now, silent=old)
+
+
+def _obstacles(robot: RobotState, now: float, *, silent: bool) -> Iterator[Part]:
+    """The nearest obstacle, or why it is not known.
+
+    Args:
+        robot: The robot.
+        now: Present time [s].
+        silent: Whether the words about the robot's state report its silence already.
+    """
+    linked = robot.link.phase is LinkPhase.CONNECTED
+    measured = robot.newest(RANGES)
+    if (lack := lack_of_ranges(robot)) and linked:
+        yield Part(lack, 5, Severity.WARNING, short="no ranges")
+    if lack or measured is None:
+        return
+    age = measured.age(now)
+    if linked and not silent and staleness(age) is not Staleness.FRESH:
+        yield Part(f"RANGES {age_text(age)} OLD", 8, Severity.ALARM)
+    nearest = _nearest(robot, now)
+    yield from map(_past, nearest) if staleness(age) is Staleness.STALE else nearest
 
 
 def _past(part: Part) -> Part:
@@ -187,17 +200,15 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
     yield Part(text, 6 if low else 4.5, severity, short, gauge=not low)
 
 
-def _nearest(navigation: NavigationState, body: RobotBody | None) -> Iterator[Part]:
-    """The nearest obstacle and its distance from the robot's rim, or its centre."""
-    ranges = np.fmin(navigation.sonar, navigation.infrared)
-    rooms = np.where(np.isnan(ranges), np.inf, ranges) - rim(body, len(ranges))
-    sensor = int(rooms.argmin())
-    room = max(0.0, float(rooms[sensor]))
-    if not math.isfinite(room):
+def _nearest(robot: RobotState, now: float) -> Iterator[Part]:
+    """The nearest obstacle and its distance from the robot's footprint."""
+    ranges = ranges_of(robot)
+    number = ranges.nearest if ranges is not None else None
+    if ranges is None or number is None:
         return
-    word, weight, severity = _NEAREST[effective_nearness(nearness_of(room), navigation)]
-    origin = "" if body is not None else " of its centre"
-    yield Part(f"{word} {room:.2f} m {side_of(sensor)}{origin}", weight, severity)
+    room = float(ranges.room[number])
+    word, weight, severity = _NEAREST[nearness_of(room, avoids=avoids_obstacles(robot, now))]
+    yield Part(f"{word} {room:.2f} m {side_of(ranges.bearing(number))}", weight, severity)
 
 
 _NEAREST = {
@@ -309,9 +320,10 @@ def _release(state: ConsoleState) -> Part:
     return Part(f"release: timed {state.hold_s:.2f} s", 0, Severity.FAINT, short="release: timed")
 
 
-def side_of(sensor: int) -> str:
-    """The direction of a sensor; each side takes a quarter of the circle around its middle."""
-    return _SIDES[round(4 * sensor / SENSOR_COUNT) % 4]
+def side_of(bearing: float) -> str:
+    """The side of a direction [rad]; each takes a quarter of the circle around its middle."""
+    # A rounding error must not decide about a corner.
+    return _SIDES[round(round(bearing / (math.pi / 2.0), 6)) % 4]
 
 
 def signed(value: float, digits: int) -> str:

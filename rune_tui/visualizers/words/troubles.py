@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Final
 
 from hub.gcm.navigation import Assistance
+from rune_tui.model.body import pressed_bumpers
 from rune_tui.model.console_state import Banner, ConsoleState
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.model.robot_task import task_of
-from rune_tui.visualizers.maps.range_data import pressed_bumpers
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import Staleness, staleness
 from rune_tui.visualizers.parts.task_words import SILENT_S, task_parts
@@ -75,7 +75,8 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     known = robot.navigation
     if known is not None and staleness(known.age(state.now)) is not Staleness.STALE:
         navigation = known.value
-        sides = dict.fromkeys(map(side_of, pressed_bumpers(navigation)))
+        pressed = pressed_bumpers(robot.body, navigation.bumpers)
+        sides = dict.fromkeys(side_of(bumper.direction) for bumper in pressed)
         if sides:
             yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Severity.ALARM)
         if navigation.assistance is Assistance.OFF:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hub.gcm import navigation, vision
+from hub.gcm import navigation, ranges, vision
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.node.responders import Reply
@@ -19,6 +19,7 @@ from hub.modules.vision.coding import code
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.model.robot_state import RobotState
 from rune_tui.startup.opening import open_layout
+from tests.console.states import IN_THE_OPEN
 from tests.support.messages import camera_state, robot_state
 from tests.support.ports import free_port
 from tests.support.thin_link import ThinLink
@@ -66,6 +67,7 @@ class Robot:
     def _tell(self) -> None:
         now = time.monotonic()
         self._client.publish(navigation.ROBOT_STATE, robot_state(x=now), measured=now)
+        self._client.publish(ranges.RANGES, IN_THE_OPEN, measured=now)
 
     def _answer(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:
         now = time.monotonic()
@@ -127,7 +129,8 @@ def test_on_a_link_that_broadcasts_would_fill_pictures_and_states_stay_live(
 
 def worst_age(state: RobotState) -> float:
     assert state.picture is not None
-    return max(true(state), state.navigation.age(clock()) if state.navigation else np.inf)
+    messages = (state.navigation, state.newest(ranges.RANGES))
+    return max(true(state), *(each.age(clock()) if each else np.inf for each in messages))
 
 
 def told(state: RobotState) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +14,12 @@ from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.line_of_sight import SURE_HEIGHT_M, Surroundings, hidden, place_of_pixel
 from rune_tui.model.pose import Pose
+from rune_tui.model.robot_ranges import RobotRanges
 from rune_tui.model.world import DistanceSource, WorldPoint
-from tests.support.messages import camera_state, robot_state
+from tests.console.states import range_readings, ranges_around
+from tests.support.bodies import CAR, car_readings, laser_of
+from tests.support.magellan import magellan_body
+from tests.support.messages import camera_state
 
 WIDTH, HEIGHT = 160, 120
 HERE = Pose(x=0.0, y=0.0, theta=0.0)
@@ -45,8 +50,12 @@ def unknown() -> OccupancyMap:
 
 def clicked(row: float, seen: PictureGeometry | None = None, **known: object) -> WorldPoint | None:
     """The place of a pixel in the picture's middle column."""
-    around = Surroundings(pose=HERE, **known)  # type: ignore[arg-type]
-    return place_of_pixel(seen or geometry(), (WIDTH / 2.0, row), 1.0, around)
+    surroundings = Surroundings(pose=HERE, **known)  # type: ignore[arg-type]
+    return place_of_pixel(seen or geometry(), (WIDTH / 2.0, row), 1.0, surroundings)
+
+
+def around(**readings: Any) -> RobotRanges:
+    return ranges_around(magellan_body(), range_readings(**readings))
 
 
 def row_of_floor(distance: float) -> float:
@@ -83,16 +92,14 @@ def test_above_the_horizon_a_wall_of_the_map_is_a_place_and_nothing_is_none() ->
 
 
 def test_an_echo_counts_where_the_map_knows_nothing() -> None:
-    sonar = np.full(16, 2.0, np.float32)
-    place = clicked(row_of_floor(4.0), grid=unknown(), navigation=robot_state(sonar=sonar))
+    place = clicked(row_of_floor(4.0), grid=unknown(), ranges=around(sonar=2.0))
     assert place is not None
     assert (place.x, place.source) == (pytest.approx(2.0), DistanceSource.RANGES)
-    assert place.uncertainty == pytest.approx(2.0 * math.sin(math.pi / 16), rel=0.1)
+    assert place.uncertainty == pytest.approx(2.0 * math.sin(math.radians(27.0 / 2.0)), rel=0.1)
 
 
 def test_ground_that_the_map_knows_as_free_is_not_cut_by_an_echo_from_beside() -> None:
-    sonar = np.full(16, 0.8, np.float32)
-    place = clicked(row_of_floor(1.2), grid=wall(), navigation=robot_state(sonar=sonar))
+    place = clicked(row_of_floor(1.2), grid=wall(), ranges=around(sonar=0.8))
     assert place is not None
     assert (place.x, place.source) == (pytest.approx(1.2), DistanceSource.FLOOR)
 
@@ -101,9 +108,24 @@ def test_what_infrared_sees_ends_the_line_whatever_the_map_says() -> None:
     """A person who came after the map was made."""
     infrared = np.full(16, np.inf, np.float32)
     infrared[0] = 0.6
-    place = clicked(row_of_floor(1.3), grid=wall(), navigation=robot_state(infrared=infrared))
+    place = clicked(row_of_floor(1.3), grid=wall(), ranges=around(infrared=infrared))
     assert place is not None
     assert (place.x, place.source) == (pytest.approx(0.6), DistanceSource.RANGES)
+
+
+def test_a_sensor_finds_what_is_on_the_line_not_what_is_beside_it() -> None:
+    """The camera is at the car's origin, its sonar and its laser at its front."""
+    far = row_of_floor(6.0)
+    place = clicked(far, ranges=ranges_around(CAR, car_readings(front=1.4)))
+    assert place is not None
+    assert (place.x, place.source) == (pytest.approx(2.0, abs=0.01), DistanceSource.RANGES)
+    place = clicked(far, ranges=ranges_around(CAR, car_readings(laser=laser_of(l0=1.0))))
+    assert place is not None
+    assert place.x == pytest.approx(1.4, abs=0.01)
+    beside = ranges_around(CAR, car_readings(laser=laser_of(l3=1.0), side=0.4, down=0.1))
+    place = clicked(far, ranges=beside)
+    assert place is not None
+    assert place.source is DistanceSource.FLOOR
 
 
 def test_a_line_that_may_pass_over_the_obstacle_says_that_it_may_be_behind_it() -> None:
@@ -136,9 +158,9 @@ def test_any_pixel_from_anywhere_is_a_place_that_the_camera_sees_there_or_none(
     column: float, row: float, theta: float, x: float
 ) -> None:
     pose = Pose(x=x, y=0.3, theta=theta)
-    around = Surroundings(pose=pose, grid=wall(0.2), navigation=robot_state())
+    known = Surroundings(pose=pose, grid=wall(0.2), ranges=around())
     seen = geometry()
-    place = place_of_pixel(seen, (column, row), 1.0, around)
+    place = place_of_pixel(seen, (column, row), 1.0, known)
     if place is None:
         return
     assert math.isfinite(place.x + place.y + place.height + place.uncertainty)

@@ -10,12 +10,14 @@ import pytest
 from hub.gcm.autonomy import AUTONOMY_STATE, Phase
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import Assistance, MotionState
+from hub.gcm.ranges import RANGES
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.visualizers.parts.severity import Severity
 from rune_tui.visualizers.words.status import Status, fitting
 from rune_tui.visualizers.words.status_words import status_parts
+from tests.console.states import range_readings
 from tests.console.visualizers import known
 from tests.support.cases import for_each
 
@@ -30,8 +32,11 @@ def line(canvas, row: int = 0) -> str:
 def said(made, draw):
     """The status line with these parts of the robot's own state."""
 
-    def say(*, age: float = 0.1, held: tuple[str, ...] = (), width: int = 200, **changes) -> str:
-        robot = made.robot(navigation=made.received(made.navigation(**changes), age))
+    def say(
+        *, age: float = 0.1, held: tuple[str, ...] = (), width: int = 200, ranges=None, **changes
+    ) -> str:
+        navigation = made.received(made.navigation(**changes), age)
+        robot = made.robot(navigation=navigation, ranges=ranges)
         return line(draw(NAME, robot, (width, 2), held=held))
 
     return say
@@ -110,7 +115,7 @@ def test_zoom_is_said(made, draw) -> None:
 def test_what_is_about_to_touch_is_an_alarm(made) -> None:
     sonar = np.full(16, np.inf, np.float32)
     sonar[0] = 0.273
-    robot = made.robot(navigation=made.received(made.navigation(sonar=sonar)))
+    robot = made.robot(ranges=made.received(range_readings(sonar=sonar)))
     severities = {
         part.text: part.severity for part in status_parts(robot, ConsoleState(now=made.now))
     }
@@ -163,8 +168,9 @@ def test_the_speed_limit_of_hands_is_not_said_of_what_it_does_by_itself(made, dr
 def test_what_it_passes_closely_by_itself_is_a_caution(made, motion, assistance, words) -> None:
     sonar = np.full(16, np.inf, np.float32)
     sonar[0] = 0.273
-    navigation = made.navigation(sonar=sonar, motion=motion, assistance=assistance)
-    robot = made.robot(navigation=made.received(navigation))
+    navigation = made.navigation(motion=motion, assistance=assistance)
+    ranges = made.received(range_readings(sonar=sonar))
+    robot = made.robot(navigation=made.received(navigation), ranges=ranges)
     severities = {
         part.text: part.severity for part in status_parts(robot, ConsoleState(now=made.now))
     }
@@ -237,17 +243,36 @@ def test_an_unknown_battery_is_not_mentioned(said) -> None:
         (15, "ahead"),
     ],
 )
-def test_the_nearest_obstacle_is_told_from_the_rim_with_its_side(said, sensor, side) -> None:
+def test_the_nearest_obstacle_is_told_from_the_rim_with_its_side(made, said, sensor, side) -> None:
     ranges = np.full(16, np.inf, np.float32)
     ranges[sensor] = 0.503
-    assert f"NEAR 0.30 m {side}" in said(sonar=ranges)
-    assert f"NEAR 0.30 m {side}" in said(infrared=ranges)
+    for readings in (range_readings(sonar=ranges), range_readings(infrared=ranges)):
+        assert f"NEAR 0.30 m {side}" in said(ranges=made.received(readings))
 
 
-def test_nothing_seen_is_not_called_near(said) -> None:
+def test_nothing_seen_is_not_called_near(made, said) -> None:
     nothing = np.full(16, np.inf, np.float32)
     nothing[3] = np.nan
-    assert "m ahead" not in said(sonar=nothing)
+    assert "m ahead" not in said(ranges=made.received(range_readings(sonar=nothing)))
+
+
+def test_old_ranges_are_an_alarm_of_their_own(made, said) -> None:
+    def at(age: float) -> str:
+        return said(ranges=made.received(range_readings(), age))
+
+    assert "RANGES" not in at(0.9)
+    assert "RANGES 1.5 s OLD  nearest 1.80 m ahead" in at(1.5)
+    assert "RANGES 4.0 s OLD  was nearest 1.80 m ahead" in at(4.0)
+    silent = said(age=1.5, ranges=made.received(range_readings(), 1.5))
+    assert "RANGES" not in silent  # the old state says it already
+
+
+def test_missing_ranges_are_said(made, draw) -> None:
+    robot = made.robot()
+    known = {name: each for name, each in robot.messages.items() if name != RANGES.name}
+    text = line(draw(NAME, robot.with_(messages=known), (200, 2)))
+    assert "no ranges from magellan yet" in text
+    assert "nearest" not in text
 
 
 def test_old_state_is_called_old(said) -> None:
