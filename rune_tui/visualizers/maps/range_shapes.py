@@ -182,7 +182,7 @@ def fans(plan: Plan, ranges: RobotRanges, scan: slice, which: Floats) -> Iterato
         if not len(run) or math.isnan(which[run[0]]):
             continue
         turns = beams.bearing[scan][run][:, None] + np.array((-half, half))
-        # Neighbours in the order in which they lie, whatever way the sensor turns.
+        # The corners follow the beams, also those of a sensor that turns to the right.
         if len(run) > 1 and _turns_right(beams.bearing[scan][run[:2]]):
             turns = turns[:, ::-1]
         edge = _points(origin, np.repeat(reach[run], 2), turns.ravel())
@@ -245,5 +245,5 @@ def _points(origin: Point, reach: Floats, turns: Floats) -> list[Point]:
 
 
 def _turns_right(two: Floats) -> bool:
-    """Whether the second of two neighbouring directions is to the right of the first."""
+    """Whether the second of two neighbouring directions lies right of the first."""
     return math.remainder(float(two[1] - two[0]), math.tau) < 0.0
