@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from hub.command_line import ExitCode, login_name, write_completion
 from hub.plain_text import plain
-from rune_tui.commands.arguments import parser
+from rune_tui.commands.arguments import DEMO_LAYOUT, parser
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import ConsoleError, TunnelError
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from rune_tui.terminal.questions import Answers
     from rune_tui.terminal.traits import Traits
 
-_DEMO_ROBOT = "magellan"
 _WITHOUT_TERMINAL = "`rune joytest --list` lists what is plugged in"
 _LOG_BYTES = 1_000_000
 _COLLECT_AFTER = 10_000
@@ -98,22 +97,31 @@ def _run(options: argparse.Namespace) -> int:
 def _demo(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
-    from rune_tui.commands.demo import DemoHub
+    from rune_tui.commands.demo import ARENAS, DemoHub, demo_robots
 
-    _need_screen([options.layout], options.set)
+    layout, arena = options.layout, _arena(options.arena) if options.arena else ""
+    if layout in ARENAS and not Path(layout).exists():
+        layout, arena = DEMO_LAYOUT, arena or layout
+    _need_screen([layout], options.set)
     log = log_to_file()
     sys.stderr.write("rune: starting a simulated robot and the console; this takes some seconds\n")
     sys.stderr.flush()
     with ExitStack() as stack:
-        settings = [f"simulation.arena={_arena(options.arena)}"] if options.arena else []
-        hubs = [stack.enter_context(DemoHub(_DEMO_ROBOT, log.path, settings))]
-        import rune_tui.app  # noqa: F401 - loaded while the hub starts
 
-        source = _source([options.layout], options.set, watched=True)
-        hubs += [
-            stack.enter_context(DemoHub(_DEMO_ROBOT, log.path, settings))
-            for _ in source.layout.robots[1:]
-        ]
+        def started(robot: str, arena: str) -> DemoHub:
+            settings = [f"simulation.arena={arena}"] if arena else []
+            return stack.enter_context(DemoHub(robot, log.path, settings))
+
+        hubs = []
+        if layout == DEMO_LAYOUT:  # it has one robot, whose hub starts while the console is loaded
+            (robot,), _ = demo_robots(["robot"], arena, options.robot)
+            hubs.append(started(robot, arena))
+            import rune_tui.app  # noqa: F401
+
+        source = _source([layout], options.set, watched=True)
+        roles = [each.name for each in source.layout.robots]
+        robots, arena = demo_robots(roles, arena, options.robot)
+        hubs += [started(each, arena) for each in robots[len(hubs) :]]
         links = _links(source.layout, [hub.endpoint() for hub in hubs], operator=options.operator)
         return _console(source, links, options, log)
 
@@ -180,7 +188,7 @@ def _shot(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
     from rune_tui.commands import shot
-    from rune_tui.commands.demo import DemoHub
+    from rune_tui.commands.demo import DemoHub, demo_robots
     from rune_tui.compositor.picture import PictureFile
 
     path: Path = options.output
@@ -191,7 +199,9 @@ def _shot(options: argparse.Namespace) -> int:
         hubs = _endpoints(options.hub)
         if options.demo:
             log = log_to_file()
-            demo = [stack.enter_context(DemoHub(_DEMO_ROBOT, log.path)) for _ in layout.robots]
+            robots, arena = demo_robots([each.name for each in layout.robots], "", None)
+            settings = [f"simulation.arena={arena}"] if arena else []
+            demo = [stack.enter_context(DemoHub(each, log.path, settings)) for each in robots]
             hubs = [hub.endpoint() for hub in demo]
         tunnels = stack.enter_context(_tunnels(options, layout))
         answered = shot.take(

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from hub.command_line import CommandParser, Commands, ShowVersion, add_completion, number_type
+from rune_tui.commands.demo import ARENAS, ROBOTS
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 
@@ -68,7 +69,15 @@ def parser() -> CommandParser:
     run.add_argument("--keys", type=Path, help=keys_help)
 
     demo = commands.add_parser("demo", help="open the console on a simulated robot")
-    demo.add_argument("layout", nargs="?", default=DEMO_LAYOUT, help="default: %(default)s")
+    demo.add_argument(
+        "layout",
+        nargs="?",
+        default=DEMO_LAYOUT,
+        help=f"a layout, or one of the arenas {', '.join(ARENAS)}; default: %(default)s",
+    )
+    demo.add_argument(
+        "--robot", choices=ROBOTS, help="the simulated robot; default: the one that suits the arena"
+    )
     demo.add_argument(
         "--arena", metavar="ARENA", help="a shipped arena, or the path of one that you wrote"
     )

@@ -16,8 +16,37 @@ from typing import Self
 
 from rune_tui.errors import DemoError
 
+ROBOTS = ("magellan", "tracked", "blimp", "rov")
+"""The robots that come with the hub."""
+ARENAS = {
+    "empty": "magellan",
+    "hall": "magellan",
+    "orange": "magellan",
+    "pool": "rov",
+    "red": "magellan",
+    "yellow": "magellan",
+}
+"""The arenas that come with the hub, and the robot that a demo has there."""
+_OF_ROLE = {name: name for name in ROBOTS} | {"submarine": "rov"}
+_ALL_ELEMENTS = "hall"
+"""The arena of a demo with several kinds of robots: land, water and air."""
 _START_S = 10.0
 _STOP_S = 8.0
+
+
+def demo_robots(roles: Sequence[str], arena: str, robot: str | None) -> tuple[list[str], str]:
+    """The shipped robot of each role in a layout, and the arena of all of them.
+
+    Args:
+        roles: The layout's names of its robots.
+        arena: Name or path of the arena; empty: that of the robots.
+        robot: The robot of each role that names none; None: the arena's.
+    """
+    usual = robot or ARENAS.get(arena, ROBOTS[0])
+    robots = [_OF_ROLE.get(role, usual) for role in roles]
+    if not arena and len(set(robots)) > 1:
+        arena = _ALL_ELEMENTS
+    return robots, arena
 
 
 class DemoHub:

@@ -1,0 +1,39 @@
+"""Which robots and which arena a demo has."""
+
+from __future__ import annotations
+
+import pytest
+
+from hub.robots.robot_file import SHIPPED
+from hub.sim.arena import load_arena, shipped_arenas
+from rune_tui.commands.demo import ARENAS, ROBOTS, demo_robots
+
+
+def test_the_demo_knows_all_robots_and_arenas_that_come_with_the_hub() -> None:
+    assert sorted(ROBOTS) == sorted(path.stem for path in SHIPPED.glob("*.toml"))
+    assert sorted(ARENAS) == sorted(shipped_arenas())
+    for name, robot in ARENAS.items():
+        assert robot in ROBOTS
+        assert (robot == "rov") == (load_arena(name).berth("rov") is not None and name == "pool")
+
+
+@pytest.mark.parametrize(
+    ("roles", "arena", "robot", "wanted"),
+    [
+        (["robot"], "", None, (["magellan"], "")),
+        (["robot"], "pool", None, (["rov"], "pool")),
+        (["robot"], "red", "tracked", (["tracked"], "red")),
+        (["left", "right"], "", None, (["magellan", "magellan"], "")),
+        (["rover", "blimp", "submarine"], "", None, (["magellan", "blimp", "rov"], "hall")),
+        (
+            ["rover", "blimp", "submarine"],
+            "mine.toml",
+            "tracked",
+            (["tracked", "blimp", "rov"], "mine.toml"),
+        ),
+    ],
+)
+def test_roles_choose_robots(
+    roles: list[str], arena: str, robot: str | None, wanted: tuple[list[str], str]
+) -> None:
+    assert demo_robots(roles, arena, robot) == wanted
