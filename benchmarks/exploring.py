@@ -57,7 +57,7 @@ class Exploration:
         self.navigator = Navigator(BODY, ROBOT.body)
         self.autonomy = Autonomy(radius=BODY.radius + BODY.margin, seed=seed)
         self.occupancy = OccupancyGrid(ROBOT.map_resolution, ROBOT.map_size, BEAMS)
-        self._governor = SpeedGovernor(BODY.linear_limit, BODY.angular_limit, 0.0)
+        self._governor = SpeedGovernor(ROBOT.body.motions, 0.0)
         self._scans = ScanSelector(BEAMS)
         self._reader = ScanReader(ROBOT.body)
         self._mail: list[tuple[float, Callable[[], None]]] = []
@@ -120,7 +120,7 @@ class Exploration:
                 self._governor.end_task()
             else:
                 self._governor.steer(*steered, self.now)
-        self.robot.set_velocity(*self._governor.velocity(self.now))
+        self.robot.command(self._governor.velocity(self.now))
 
     def _act(self) -> None:
         said = status(self.navigator.task, self._governor.driver, self.now)

@@ -7,6 +7,7 @@ known, the body is a disc of 0.25 m, and nothing slips.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import sys
 from collections.abc import Iterable
@@ -26,6 +27,8 @@ from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import DynamicWindow
 from hub.modules.navigation.obstacle_memory import ObstacleMemory
+from hub.modules.navigation.path_follower import GOAL_REACH
+from hub.modules.navigation.sweeps import Sweep
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import load_arena
 from tests.hub.modules.navigation.drives import Drive, random_start
@@ -35,6 +38,9 @@ STARTS = 1000
 PUSH_S = 15.0
 POINTS = 300
 PROCESSES = 2
+LONG = np.array(((0.3, -0.15), (0.3, 0.15), (-0.3, 0.15), (-0.3, -0.15)))
+_AROUND = np.arange(32) * (math.tau / 32)
+ROUNDED = np.stack((0.3 * np.cos(_AROUND), 0.2 * np.sin(_AROUND)), axis=1)
 MAGELLAN = read_description(find_robot_file("magellan"))[0].body
 _NOTE = "25 worlds, kinematic, perfect sensing within 1.5 m; the recorded runs are Gazebo's"
 
@@ -133,10 +139,23 @@ def cycle() -> None:
     bearing = random.uniform(-math.pi, math.pi, POINTS)
     points = away * np.cos(bearing), away * np.sin(bearing)
     note = f"8 by 31 velocities, {POINTS} points on all sides within 1.5 m"
-    to_goal = median_ms(lambda _: window.to_goal((0.3, 0.1), (0.5, 0.1), 0.5, points), 300)
-    report("nav.cycle_ms", to_goal, "ms", bar=3.0, note=note + ", to a goal")
-    teleop = median_ms(lambda _: window.towards((0.3, 0.1), (0.5, 0.1), points), 300)
-    report("nav.teleop_cycle_ms", teleop, "ms", bar=3.0, note=note + ", nearest to the operator's")
+    shapes = {
+        "": window,
+        "_long": DynamicWindow(dataclasses.replace(BODY, outline=Sweep(LONG))),
+        "_rounded": DynamicWindow(dataclasses.replace(BODY, outline=Sweep(ROUNDED))),
+    }
+    bodies = {"": "a disc", "_long": "a box of 0.6 by 0.3 m", "_rounded": "an ellipse"}
+    for name, shape in shapes.items():
+        told = f"{note}, {bodies[name]}"
+        to_goal = median_ms(
+            lambda _, shape=shape: shape.to_goal((0.3, 0.1), (0.5, 0.1), 0.5, points), 300
+        )
+        report(f"nav.cycle{name}_ms", to_goal, "ms", bar=3.0, note=told + ", to a goal")
+        teleop = median_ms(
+            lambda _, shape=shape: shape.towards((0.3, 0.1), (0.5, 0.1), points), 300
+        )
+        told += ", nearest to the operator's"
+        report(f"nav.teleop_cycle{name}_ms", teleop, "ms", bar=3.0, note=told)
 
 
 def scans() -> None:
@@ -158,7 +177,7 @@ def _scan_ms(body: RobotBody) -> float:
     """Median time for the obstacle memory and the drift watch to take a scan [ms]."""
     reader = ScanReader(body)
     rules = BeamRules(body, reader.beams)
-    memory = ObstacleMemory(body, rules)
+    memory = ObstacleMemory(body, rules, body.radius + GOAL_REACH)
     watch = DriftWatch(PoseCorrection(), rules)
     readings, drives = [], []
     for number in range(300):

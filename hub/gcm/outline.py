@@ -10,11 +10,32 @@ from hub.gcm.body import RobotBody
 Floats = npt.NDArray[np.float64]
 
 _PARALLEL = 1e-12
+_STRAIGHT = 1e-6
+"""Corners that turn by less than this [m^2] are left out."""
 
 
 def corners(body: RobotBody) -> Floats:
     """The corners of the footprint [m], counter-clockwise, shape (n, 2); none: a circle."""
     return np.array([(point.x, point.y) for point in body.footprint]).reshape(-1, 2)
+
+
+def hull(points: Floats) -> Floats:
+    """The corners of the convex hull, counter-clockwise, shape (k, 2); Andrew's monotone chain."""
+    order = sorted(map(tuple, points.tolist()))
+    chain: list[tuple[float, ...]] = []
+    for side in (order, order[::-1]):
+        base = len(chain)
+        for point in side:
+            while len(chain) - base >= 2 and _turn(chain[-2], chain[-1], point) <= _STRAIGHT:
+                chain.pop()
+            chain.append(point)
+        chain.pop()
+    return np.array(chain).reshape(-1, 2)
+
+
+def _turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
+    """Twice the area of a triangle [m^2], positive counter-clockwise."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def exits(body: RobotBody, x: Floats, y: Floats, bearing: Floats) -> Floats:

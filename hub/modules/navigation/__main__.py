@@ -60,12 +60,12 @@ class Navigation:
         self._clock = time.monotonic
         # The count begins at a random number, so that a console notices a restart of navigation.
         self._governor = SpeedGovernor(
-            robot.linear_limit, robot.angular_limit, self._clock(), stops=random.getrandbits(32)
+            robot.body.motions, self._clock(), stops=random.getrandbits(32)
         )
         self.pilot = PathFollower(body_of(robot), robot.body)
         self._mention_tilt = -math.inf
         self._frames = FrameMemory(for_pose(robot.name))
-        self._commanded = (0.0, 0.0)
+        self._commanded = navigation.Twist()
         self._newest: tuple[navigation.DriveState, float] | None = None
         self._published: tuple[object, ...] = ()
         self._driver: int | None = None
@@ -104,7 +104,7 @@ class Navigation:
                 self._gate.admits(navigation.VELOCITY_COMMAND, reception)
             return
         now = self._clock()
-        self._governor.command(sender, twist.linear.x, twist.angular.z, now - reception.age, now)
+        self._governor.command(sender, twist, now - reception.age, now)
         self._update()
 
     def _stop(self, message: navigation.Stop, _reception: MessageInfo) -> None:
@@ -223,8 +223,8 @@ class Navigation:
         if self._governor.state(now) is MotionState.MOVING:
             given = self.pilot.assisted(given, now)
         elif not self.pilot.task.active:
-            self.pilot.held_back = 0.0
-        self._client.publish(navigation.DRIVE_COMMAND, navigation.Twist.planar(*given))
+            self.pilot.rest()
+        self._client.publish(navigation.DRIVE_COMMAND, given)
 
     def _update(self) -> None:
         """Act on changes of state without waiting for the next cycle."""

@@ -3,6 +3,10 @@
 The dynamic window approach (Fox, Burgard and Thrun 1997). The window holds the velocities that the
 robot can reach soon. A velocity is admissible if the robot can stop on its arc before it meets an
 obstacle. Two methods choose among these: one for an operator's command, one for a goal.
+
+A round body is a disc, which meets nothing by turning on the spot. Any other body is the convex
+hull of its footprint. A body that also moves sideways is looked at in a frame whose x axis is the
+direction of its command; a goal is approached ahead only.
 """
 
 from __future__ import annotations
@@ -12,7 +16,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.outline import corners, hull
 from hub.modules.navigation.arcs import free_ways
+from hub.modules.navigation.sweeps import Sweep
+from hub.pose import Number, Pose
 from hub.robots.description import RobotDescription
 from hub.values import dataclass
 
@@ -36,6 +43,10 @@ _AHEAD_S = 0.6
 """Time for which a velocity is simulated to see where it leads [s]."""
 _TURN_FIRST = 1.2
 """The robot turns on the spot to a goal at a larger bearing than this [rad]."""
+_LONG_S = 100.0
+"""A free time of this length is as good as any longer one [s]."""
+_SPINS = np.linspace(0.125, 1.0, 8)
+"""Shares of a turn rate that are tried on the spot."""
 _LEAST_TURN = 0.15
 """Least turn rate on the spot [rad/s]."""
 
@@ -54,6 +65,8 @@ class BodyLimits:
         linear_braking: Guaranteed deceleration [m/s^2].
         angular_braking: Guaranteed angular deceleration [rad/s^2].
         reaction: Time until a choice takes effect, and until the next one does [s].
+        sway_limit: Largest velocity sideways [m/s].
+        outline: What of it moves along arcs; None: the circle.
     """
 
     radius: float
@@ -65,6 +78,19 @@ class BodyLimits:
     linear_braking: float
     angular_braking: float
     reaction: float = 0.12
+    sway_limit: float = 0.0
+    outline: Sweep | None = None
+
+    @property
+    def inner_radius(self) -> float:
+        """Of the largest circle around the origin within the outline [m]."""
+        if self.outline is None:
+            return self.radius
+        return -float(self.outline.distances(np.zeros(1), np.zeros(1))[0])
+
+    def stopping(self, speed: Number) -> Number:
+        """Distance in which it stops from a velocity [m/s], with the reaction time [m]."""
+        return speed * self.reaction + speed * speed / (2.0 * self.linear_braking)
 
 
 def body_of(robot: RobotDescription) -> BodyLimits:
@@ -76,6 +102,8 @@ def body_of(robot: RobotDescription) -> BodyLimits:
         angular_limit=robot.angular_limit,
         linear_braking=robot.linear_acceleration,
         angular_braking=robot.angular_acceleration,
+        sway_limit=robot.sway_limit,
+        outline=Sweep(hull(corners(robot.body))) if robot.footprint else None,
     )
 
 
@@ -108,35 +136,53 @@ class DynamicWindow:
         self._cost = np.empty(count)
 
     def towards(
-        self, now: tuple[float, float], wanted: tuple[float, float], points: tuple[Floats, Floats]
+        self,
+        now: tuple[float, float],
+        wanted: tuple[float, float],
+        points: tuple[Floats, Floats],
+        *,
+        axis: float = 0.0,
+        aside: float = 0.0,
     ) -> tuple[float, float]:
         """The admissible velocity that is nearest to the commanded one.
 
-        It is never faster than the command and never of the other sign. Turning on the spot is
-        always admissible: a round body meets nothing by it.
+        It is never faster than the command and never of the other sign.
 
         Args:
-            now: The present velocity [m/s, rad/s].
+            now: The present velocity along the axis, and turn rate [m/s, rad/s].
             wanted: The velocity that the operator commands [m/s, rad/s].
             points: Obstacles in `base_link` [m], x and y of shape (n,) each.
+            axis: Direction of the linear velocity in `base_link` [rad].
+            aside: The present velocity across the axis [m/s].
         """
         body = self.body
-        goal = _limited(wanted[0], body.linear_limit), _limited(wanted[1], body.angular_limit)
+        if wanted[0] < 0.0 and body.outline is not None:
+            back, turn = self.towards(
+                (-now[0], now[1]),
+                (-wanted[0], wanted[1]),
+                points,
+                axis=axis + math.pi,
+                aside=-aside,
+            )
+            return -back, turn
+        fastest = math.hypot(body.linear_limit, body.sway_limit)
+        goal = _limited(wanted[0], fastest), _limited(wanted[1], body.angular_limit)
+        scene = self._scene(now, points, axis, aside)
         if goal[0] == 0.0:
-            return goal
+            return 0.0, self._spin(goal[1], scene)
         fastest = self._reachable(now[0], goal[0])
-        if self.admissible(np.array([fastest]), np.array([goal[1]]), points)[0]:
+        if self._judged(np.array([fastest]), np.array([goal[1]]), scene)[1][0]:
             return fastest, goal[1]
         linear, angular = self._samples(fastest, now[1], goal[1])
         gone = np.abs((goal[0] - linear) / body.linear_limit)
         turned = (goal[1] - angular) / body.angular_limit
         cost = np.add(gone * gone, _TURN_WEIGHT * turned * turned, out=self._cost)
-        cost[~self.admissible(linear, angular, points)] = np.inf
+        cost[~self._judged(linear, angular, scene)[1]] = np.inf
         best = int(cost.argmin())
         chosen = float(linear[best])
         least = _SET_OFF if abs(now[0]) < _CREEP else _CREEP
         if not math.isfinite(cost[best]) or abs(chosen) < min(least, abs(goal[0])):
-            return 0.0, goal[1]
+            return 0.0, self._spin(goal[1], scene)
         return chosen, float(angular[best])
 
     def to_goal(
@@ -155,21 +201,24 @@ class DynamicWindow:
             points: Obstacles in `base_link` [m], x and y of shape (n,) each.
         """
         bearing = math.atan2(carrot[1], carrot[0])
+        scene = self._scene(now, points, 0.0, 0.0)
         if abs(bearing) > _TURN_FIRST or (now[0] < _CREEP and abs(bearing) > _TURN_FIRST / 2.0):
-            return 0.0, self.turn(bearing)
+            return 0.0, self._spin(self._turn_rate(bearing), scene)
         top = self._reachable(now[0], min(fastest, self.body.linear_limit))
         linear, angular = self._samples(top, now[1], 0.0)
-        ways = self._ways(linear, angular, points)
-        stopping = self._stopping(linear)
-        score = self._score(linear, angular, np.minimum(ways - stopping, _FAR), carrot)
-        score[stopping > ways] = -np.inf
+        spare, admissible = self._judged(linear, angular, scene)
+        score = self._score(linear, angular, np.minimum(spare, _FAR), carrot)
+        score[~admissible] = -np.inf
         best = int(score.argmax())
-        if linear[best] < _CREEP:
-            return 0.0, self.turn(bearing)
+        if linear[best] < _CREEP or not admissible[best]:
+            return 0.0, self._spin(self._turn_rate(bearing), scene)
         return float(linear[best]), float(angular[best])
 
-    def turn(self, angle: float) -> float:
-        """The turn rate that turns by an angle without overshoot [rad/s]."""
+    def turn(self, now: tuple[float, float], angle: float, points: tuple[Floats, Floats]) -> float:
+        """The admissible turn rate that turns by an angle without overshoot [rad/s]."""
+        return self._spin(self._turn_rate(angle), self._scene(now, points, 0.0, 0.0))
+
+    def _turn_rate(self, angle: float) -> float:
         body = self.body
         left = max(abs(angle) - body.reaction * body.angular_limit * 0.5, 0.05)
         rate = min(body.angular_limit, math.sqrt(body.angular_braking * left), 2.5 * abs(angle))
@@ -195,38 +244,70 @@ class DynamicWindow:
         table[:, 1:-1] = (table[:, :-2] + table[:, 1:-1] + table[:, 2:]) / 3.0
         return score
 
-    def admissible(
-        self, linear: Floats, angular: Floats, points: tuple[Floats, Floats]
-    ) -> npt.NDArray[np.bool_]:
-        """Whether the robot can hold each velocity until the next choice, and stop after it.
+    def _scene(
+        self, now: tuple[float, float], points: tuple[Floats, Floats], axis: float, aside: float
+    ) -> _Scene:
+        """The surroundings in the frame of a motion, with what the present motion may add."""
+        body = self.body
+        x, y = Pose(theta=axis).inward(*points) if axis else points
+        outline = body.outline and body.outline.along(axis)
+        if outline is None:
+            nearest = float(np.sqrt((x * x + y * y).min())) - body.radius if len(x) else math.inf
+        else:
+            nearest = float(outline.distances(x, y).min()) if len(x) else math.inf
+        return _Scene(
+            x=x,
+            y=y,
+            outline=outline,
+            # A robot that is nearer to an obstacle than the margin must be able to pass it.
+            side=max(0.0, min(body.side_margin, nearest - 0.003)),
+            drift=aside * aside / (2.0 * body.linear_braking),
+            turning=now[1],
+        )
+
+    def _judged(
+        self, linear: Floats, angular: Floats, scene: _Scene
+    ) -> tuple[Floats, npt.NDArray[np.bool_]]:
+        """How far the robot can go beyond its stopping distance, and whether it can stop.
+
+        It holds a velocity until the next choice, and stops after it. On an arc both velocities
+        fall to 0 in the same time, so the robot stays on it.
 
         Args:
-            linear: Forward velocities [m/s], shape (m,).
+            linear: Velocities along the axis [m/s], shape (m,).
             angular: Turn rates [rad/s], shape (m,).
-            points: Obstacles in `base_link` [m], x and y of shape (n,) each.
+            scene: The surroundings.
+
+        Returns:
+            Lengths [m] and flags, shape (m,) each.
         """
-        ways = self._ways(linear, angular, points)
-        return self._stopping(linear) <= ways
+        body, speed = self.body, np.abs(linear)
+        ahead = body.margin + body.margin_s * speed + scene.drift
+        side = scene.side + 0.5 * body.margin_s * speed + scene.drift
+        if scene.outline is None:
+            # Turn rates need no limit of their own: a round body meets nothing by turning.
+            radius = body.radius + ahead
+            half_width = np.minimum(body.radius + side, radius)
+            ways = free_ways(linear, angular, scene.x, scene.y, radius, half_width)
+            stopping = body.stopping(speed)
+            return ways - stopping, stopping <= ways
+        rim = scene.outline.radius
+        # Until the turn rate has changed the heading differs, and the ends are elsewhere.
+        swing = rim * np.square(scene.turning - angular) / (2.0 * body.angular_braking)
+        side += 0.5 * body.margin_s * rim * np.abs(angular) + swing
+        ahead = np.maximum(ahead + swing, side)
+        times = scene.outline.free_times(speed, angular, scene.x, scene.y, ahead, side)
+        braking = np.maximum(speed / body.linear_braking, np.abs(angular) / body.angular_braking)
+        stopping = body.reaction + 0.5 * braking
+        return np.minimum(times - stopping, _LONG_S) * speed, stopping <= times
 
-    def _ways(self, linear: Floats, angular: Floats, points: tuple[Floats, Floats]) -> Floats:
-        body = self.body
-        x, y = points
-        nearest = float(np.sqrt((x * x + y * y).min())) if len(x) else math.inf
-        # A robot that is nearer to an obstacle than the margin must be able to pass it.
-        side = max(body.radius, min(body.radius + body.side_margin, nearest - 0.003))
-        speed = np.abs(linear)
-        radius = body.radius + body.margin + body.margin_s * speed
-        half_width = np.minimum(side + 0.5 * body.margin_s * speed, radius)
-        return free_ways(linear, angular, x, y, radius, half_width)
-
-    def _stopping(self, linear: Floats) -> Floats:
-        """Stopping distance of each velocity, with the reaction time [m], shape (m,).
-
-        On an arc both velocities fall to 0 in the same time, so the robot stays on it. Turn
-        rates need no limit of their own, because a round body meets nothing by turning.
-        """
-        speed = np.abs(linear)
-        return speed * self.body.reaction + speed * speed / (2.0 * self.body.linear_braking)
+    def _spin(self, rate: float, scene: _Scene) -> float:
+        """The largest admissible share of a turn rate on the spot [rad/s]."""
+        if scene.outline is None or rate == 0.0:
+            return rate
+        rates = rate * _SPINS
+        admissible = self._judged(np.zeros(len(rates)), rates, scene)[1]
+        return float(_SPINS[admissible].max(initial=0.0)) * rate
 
     def _reachable(self, now: float, goal: float) -> float:
         """The largest velocity towards the goal within the window [m/s]."""
@@ -243,6 +324,27 @@ class DynamicWindow:
         self._angular[:, :-1] = low + (high - low) * self._spread
         self._angular[:, -1] = max(low, min(high, wanted))
         return self._linear.reshape(-1), self._angular.reshape(-1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Scene:
+    """The surroundings of the robot in the frame of its motion.
+
+    Attributes:
+        x: Obstacles [m], shape (n,).
+        y: The same.
+        outline: The body; None: the circle.
+        side: Distance to keep beside the body [m].
+        drift: How far it goes on across its new direction [m].
+        turning: The present turn rate [rad/s].
+    """
+
+    x: Floats
+    y: Floats
+    outline: Sweep | None
+    side: float
+    drift: float
+    turning: float
 
 
 def _limited(value: float, limit: float) -> float:

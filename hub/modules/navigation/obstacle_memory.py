@@ -25,8 +25,8 @@ Flags = npt.NDArray[np.bool_]
 
 RESOLUTION = 0.03
 """Edge of a cell [m]; one point is remembered in each."""
-CELLS = 128
-"""Cells along each edge of the grid, which is 3.84 m wide."""
+LEAST_CELLS = 128
+"""Least number of cells along each edge of the grid, which is 3.84 m wide then."""
 RAY_S = 20.0
 """Life of a point of a narrow beam [s]: drift of the odometry stays below 10 cm."""
 CONE_S = 2.0
@@ -36,8 +36,6 @@ GUESS_S = 1.0
 BUMP_S = 20.0
 """Life of a point of a bumper [s]."""
 
-_FARTHEST = 0.5 * CELLS * RESOLUTION
-"""Points farther from the robot than this are forgotten [m]."""
 _CLEARED_BY = 3
 """Number of scans through a point after which it is forgotten."""
 _BESIDE = 0.01
@@ -70,10 +68,19 @@ _STANDING = 0.1
 class ObstacleMemory:
     """Remembers points; every method gets the present monotonic time [s]."""
 
-    def __init__(self, body: RobotBody, rules: BeamRules) -> None:
+    def __init__(self, body: RobotBody, rules: BeamRules, reach: float) -> None:
+        """Remember nothing yet.
+
+        Args:
+            body: The body, which has the bumpers.
+            rules: What its beams show.
+            reach: Farthest point of interest [m].
+        """
         self._rules = rules
+        self._edge_cells = max(LEAST_CELLS, 2 * math.ceil(reach / RESOLUTION))
+        self._farthest = 0.5 * self._edge_cells * RESOLUTION
         self._bumpers = [_bumper_points(body, bumper) for bumper in body.bumpers]
-        shape = (CELLS * CELLS,)
+        shape = (self._edge_cells**2,)
         self._x = np.zeros(shape)
         self._y = np.zeros(shape)
         self._until = np.full(shape, -np.inf)
@@ -103,7 +110,7 @@ class ObstacleMemory:
         for which in (self._rules.sparse, scan.fresh & ~self._rules.sparse):
             self._look_through(scan.pose, which, now)
         rules, beams = self._rules, self._rules.beams
-        met = scan.fresh & (scan.ranges > rules.blind) & (scan.ranges < _FARTHEST)
+        met = scan.fresh & (scan.ranges > rules.blind) & (scan.ranges < self._farthest)
         arcs = np.flatnonzero(met & ~rules.narrow)
         arcs = arcs[scan.ranges[arcs] * beams.opening[arcs] < LONGEST_ARC]
         aside = (beams.opening[arcs][:, None] * _SPREAD).ravel()
@@ -134,13 +141,19 @@ class ObstacleMemory:
         # Among several points of a cell the one nearest to the robot comes last, so it stays.
         order = np.argsort(-np.hypot(ahead, left), kind="stable")
         x, y = pose.outward(ahead[order], left[order])
-        cells = _cells(x, y)
+        cells = self._cells(x, y)
         # The grid repeats, so a cell stands for many places; the newest one counts.
         moved = np.hypot(self._x[cells] - x, self._y[cells] - y) > 2.0 * RESOLUTION
         self._until[cells[moved]] = -np.inf
         self._x[cells], self._y[cells] = x, y
         self._until[cells] = np.maximum(self._until[cells], until)
         self._looked_through[cells] = 0
+
+    def _cells(self, x: Floats, y: Floats) -> npt.NDArray[np.int64]:
+        """The cells of points in the grid, which repeats; shape (k,)."""
+        column = np.floor(x / RESOLUTION).astype(np.int64) % self._edge_cells
+        row = np.floor(y / RESOLUTION).astype(np.int64) % self._edge_cells
+        return row * self._edge_cells + column
 
     def _assume(self, scan: BeamScan) -> None:
         """Assume points where an obstacle may be that the sensors cannot show.
@@ -220,7 +233,7 @@ class ObstacleMemory:
         seen = held[self._passed(free, x, y)]
         self._looked_through[seen] += 1
         self._until[seen[self._looked_through[seen] >= _CLEARED_BY]] = -np.inf
-        self._until[held[np.hypot(x, y) > _FARTHEST]] = -np.inf
+        self._until[held[np.hypot(x, y) > self._farthest]] = -np.inf
         guessed = np.flatnonzero(self._guessed_until > self._time)
         x, y = pose.inward(self._guessed_x[guessed], self._guessed_y[guessed])
         self._guessed_until[guessed[self._passed(free, x, y)]] = -np.inf
@@ -265,10 +278,3 @@ def _elsewhere(pose: Pose, now: float, before: Pose, then: float) -> bool:
         or abs(wrapped(pose.theta - before.theta)) > 0.02
         or now - then > 1.0
     )
-
-
-def _cells(x: Floats, y: Floats) -> npt.NDArray[np.int64]:
-    """The cells of points in the grid, which repeats; shape (k,)."""
-    column = np.floor(x / RESOLUTION).astype(np.int64) % CELLS
-    row = np.floor(y / RESOLUTION).astype(np.int64) % CELLS
-    return row * CELLS + column

@@ -20,6 +20,8 @@ from hub.gcm.navigation import (
     GoalCommand,
     LandmarkCorrection,
     TurnCommand,
+    Twist,
+    Vector3,
 )
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
@@ -31,21 +33,26 @@ from hub.modules.navigation.drift_watch import DriftWatch
 from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow
 from hub.modules.navigation.obstacle_memory import ObstacleMemory
 from hub.modules.navigation.pose_uncertainty import Spread
+from hub.modules.navigation.route import Way
 from hub.modules.navigation.task import LARGEST_TURN, Aim, NavigationTask, refusal
 from hub.modules.navigation.unmapped_obstacles import UnmappedObstacles
 from hub.pose import Pose, each_wrapped
 
-REACH = 0.7
-"""Obstacles within this distance limit an operator's velocity [m]."""
-GOAL_REACH = 1.8
-"""Obstacles within this distance limit the velocity to a goal [m]."""
+REACH = 0.5
+"""Obstacles within this distance of the rim limit an operator's velocity [m]; farther ones do where
+the robot needs longer to stop."""
+GOAL_REACH = 1.6
+"""Obstacles within this distance of the rim limit the velocity to a goal [m]."""
 SLOW_DOWN = 0.5
 """Deceleration before a goal [m/s^2]."""
 DETOUR = 5.0
 """The first request for a map reaches this far beyond robot and goal [m]."""
-BLOCKS = 0.6
-"""A point blocks the robot within this distance [m] and within the angle BLOCKS_ASIDE."""
+BLOCKS = 0.4
+"""A point blocks the robot within this distance of the rim [m], and within the angle
+BLOCKS_ASIDE."""
 BLOCKS_ASIDE = math.radians(60.0)
+_SPARE = 0.1
+"""Obstacles count from this distance before the robot must slow down [m]."""
 PLAN_AGAIN_S = 1.0
 """Least time before the path is planned again after the robot left it [s]."""
 
@@ -66,15 +73,20 @@ class PathFollower:
         self.correction = PoseCorrection()
         self.held_back = 0.0
         self._limits = limits
+        fastest = math.hypot(limits.linear_limit, limits.sway_limit)
+        stopping = limits.margin + limits.margin_s * fastest + limits.stopping(fastest)
+        self._reach = limits.radius + max(REACH, stopping + _SPARE)
+        self._goal_reach = max(self._reach, limits.radius + GOAL_REACH)
         self._body = body
         self._window = DynamicWindow(limits)
         self._reader = ScanReader(body)
         self._rules = BeamRules(body, self._reader.beams)
-        self._obstacles = ObstacleMemory(body, self._rules)
+        self._obstacles = ObstacleMemory(body, self._rules, self._goal_reach)
         self._unmapped = UnmappedObstacles()
         self._drift = DriftWatch(self.correction, self._rules)
         self._switch = AssistanceSwitch()
         self._drive: DriveState | None = None
+        self._sway = 0.0
         self._map: Grid | None = None
         self._map_is_whole = False
         self._planned_at = -math.inf
@@ -119,26 +131,45 @@ class PathFollower:
         self.correction.restart(odom)
         self._drift.restart()
         self._reader.restart()
-        self._obstacles = ObstacleMemory(self._body, self._rules)
+        self._obstacles = ObstacleMemory(self._body, self._rules, self._goal_reach)
         self._unmapped.forget()
         self._map = None
 
-    def assisted(self, wanted: Velocity, now: float) -> Velocity:
-        """The admissible part of the velocity that an operator commands [m/s, rad/s]."""
-        if wanted != (0.0, 0.0):
+    def assisted(self, wanted: Twist, now: float) -> Twist:
+        """The admissible part of the velocity that an operator commands."""
+        if not wanted.neutral:
             self._switch.moved(now)
-        drive = self._drive
-        if drive is None or wanted[0] == 0.0 or self.assistance(now) is Assistance.OFF:
-            self.held_back = 0.0
-            return wanted
-        points = self._obstacles.points(*_odom(drive), REACH)
-        given = self._window.towards((drive.linear, drive.angular), wanted, points)
+        given = wanted
+        if self._drive is not None and self.assistance(now) is Assistance.ON:
+            given = self._admissible(wanted, self._drive)
         self.held_back = _share_taken(wanted, given, self._limits)
+        self._sway = given.linear.y
         return given
+
+    def _admissible(self, wanted: Twist, drive: DriveState) -> Twist:
+        """The admissible part of a velocity; what leads up or down and tilts is not held back."""
+        surge, sway = wanted.linear.x, wanted.linear.y
+        axis = math.atan2(sway, surge) if sway else 0.0
+        speed = math.hypot(surge, sway) if sway else surge
+        # No report says how fast it drifts; the last command does.
+        along, aside = Pose(theta=axis).inward(drive.linear, self._sway)
+        points = self._obstacles.points(*_odom(drive), self._reach)
+        speed, turn = self._window.towards(
+            (along, drive.angular), (speed, wanted.angular.z), points, axis=axis, aside=aside
+        )
+        ahead, left = (speed * math.cos(axis), speed * math.sin(axis)) if sway else (speed, 0.0)
+        return Twist(
+            linear=Vector3(x=ahead, y=left, z=wanted.linear.z),
+            angular=Vector3(x=wanted.angular.x, y=wanted.angular.y, z=turn),
+        )
+
+    def rest(self) -> None:
+        """Note that no velocity is commanded."""
+        self.held_back = self._sway = 0.0
 
     def steered(self, now: float) -> Velocity | None:
         """The velocity for the active task [m/s, rad/s]; None: no task is active."""
-        self.held_back = 0.0
+        self.rest()
         drive = self._drive
         aim = None if drive is None else self.task.aim(self.pose, now)
         if drive is None or aim is None:
@@ -146,7 +177,8 @@ class PathFollower:
         if aim.stay:
             return 0.0, 0.0
         if aim.turn is not None:
-            return 0.0, self._window.turn(aim.turn)
+            points = self._obstacles.points(*_odom(drive), self._reach)
+            return 0.0, self._window.turn((drive.linear, drive.angular), aim.turn, points)
         if self.task.goal != self._planned_for or (
             self.task.has_left_path(self.pose) and now - self._planned_at > PLAN_AGAIN_S
         ):
@@ -220,7 +252,7 @@ class PathFollower:
 
     def _heading_for(self, aim: Aim, drive: DriveState) -> Velocity:
         carrot = self.pose.inward(aim.x, aim.y)
-        points = self._obstacles.points(*_odom(drive), GOAL_REACH)
+        points = self._obstacles.points(*_odom(drive), self._goal_reach)
         fastest = min(aim.limit, math.sqrt(2.0 * SLOW_DOWN * aim.left))
         return self._window.to_goal((drive.linear, drive.angular), carrot, fastest, points)
 
@@ -230,7 +262,7 @@ class PathFollower:
         still = given[0] == 0.0 and abs(bearing) < BLOCKS_ASIDE / 2.0
         if not self._unmapped.blocked(still=still, now=now) or self._map is None:
             return
-        x, y = self._obstacles.points(*_odom(drive), BLOCKS)
+        x, y = self._obstacles.points(*_odom(drive), self._limits.radius + BLOCKS)
         ahead = np.abs(each_wrapped(np.arctan2(y, x) - bearing)) < BLOCKS_ASIDE
         here = self.pose
         self._unmapped.note(*here.outward(x[ahead], y[ahead]), now)
@@ -245,12 +277,11 @@ class PathFollower:
             self.task.planned(None)
             return
         here = self.pose
-        radius = self._limits.radius + self._limits.margin
         grid = self._unmapped.onto(self._map, now)
-        way = plan(grid, (here.x, here.y), goal, radius=radius)
+        way = self._way(grid, (here.x, here.y), goal)
         if way is None and grid is not self._map:
             self._unmapped.forget()
-            way = plan(self._map, (here.x, here.y), goal, radius=radius)
+            way = self._way(self._map, (here.x, here.y), goal)
         if way is not None:
             self.task.planned(way)
         elif self._map_is_whole:
@@ -258,6 +289,13 @@ class PathFollower:
         else:
             # A path may lead round the window; so request the whole map next.
             self._map_is_whole = True
+
+    def _way(self, grid: Grid, start: Velocity, goal: Velocity) -> Way | None:
+        """A path on which the robot can turn everywhere, or else one that is wide enough."""
+        limits = self._limits
+        radii = sorted({limits.radius, max(limits.inner_radius, 0.0) or limits.radius})
+        ways = (plan(grid, start, goal, radius=each + limits.margin) for each in radii[::-1])
+        return next((way for way in ways if way is not None), None)
 
 
 def known_part(grid: Grid) -> Grid | None:
@@ -282,11 +320,12 @@ def _odom(drive: DriveState) -> tuple[float, float, float]:
     return drive.x, drive.y, drive.theta
 
 
-def _share_taken(wanted: Velocity, given: Velocity, body: BodyLimits) -> float:
-    """The share by which a velocity was reduced, 0 to 1; both parts are scaled by their limits."""
-    limits = body.linear_limit, body.angular_limit
-    taken = math.hypot(
-        *((a - b) / limit for a, b, limit in zip(wanted, given, limits, strict=True))
-    )
-    whole = math.hypot(*(a / limit for a, limit in zip(wanted, limits, strict=True)))
-    return min(1.0, taken / whole) if whole else 0.0
+def _share_taken(wanted: Twist, given: Twist, limits: BodyLimits) -> float:
+    """The share by which a velocity was reduced, 0 to 1; its parts are scaled by their limits."""
+
+    def scaled(twist: Twist) -> tuple[float, float, float]:
+        surge, sway = twist.linear.x / limits.linear_limit, twist.linear.y / limits.linear_limit
+        return surge, sway, twist.angular.z / limits.angular_limit
+
+    whole = math.hypot(*scaled(wanted))
+    return min(1.0, math.dist(scaled(wanted), scaled(given)) / whole) if whole else 0.0

@@ -29,8 +29,10 @@ Hold: the wheels stand and the task stays. It steers again when nothing was miss
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
-from hub.gcm.navigation import Cause, MotionState
+from hub.gcm.body import Freedom, Motion
+from hub.gcm.navigation import Cause, MotionState, Twist, Vector3
 from hub.own_pauses import OwnPauses
 
 SILENCE_S = 0.3
@@ -61,18 +63,24 @@ class SpeedGovernor:
 
     def __init__(
         self,
-        linear_limit: float,
-        angular_limit: float,
+        motions: Iterable[Motion],
         now: float,
         *,
         silence_s: float = SILENCE_S,
         stops: int = 0,
     ) -> None:
-        self._linear_limit = linear_limit
-        self._angular_limit = angular_limit
+        """Wait for a neutral command.
+
+        Args:
+            motions: The degrees of freedom that commands move; the others are left out.
+            now: The time.
+            silence_s: Time without a fresh command after which the robot is stopped [s].
+            stops: Where to begin to count.
+        """
+        self._limits = {motion.freedom: motion.limit for motion in motions}
         self._silence_s = silence_s
         self._state = MotionState.WAITING
-        self._velocity = (0.0, 0.0)
+        self._velocity = Twist()
         self._armed: dict[int, float] = {}
         self._sender: int | None = None
         self._fresh_until = now
@@ -84,22 +92,20 @@ class SpeedGovernor:
         self.held = Cause.NONE
         self.stops = stops
 
-    def command(
-        self, sender: int, linear: float, angular: float, measured: float, now: float
-    ) -> None:
-        """A sender commands a velocity [m/s, rad/s], given at `measured`."""
+    def command(self, sender: int, twist: Twist, measured: float, now: float) -> None:
+        """A sender commands a velocity, given at `measured`."""
         self._update(now)
-        usable = math.isfinite(linear) and math.isfinite(angular)
+        usable = all(map(math.isfinite, _parts(twist)))
         if not usable or self._pauses.is_stale(now) or measured + self._silence_s <= now:
             self.refused += 1
-        elif linear == 0.0 and angular == 0.0:
+        elif twist.neutral:
             self._neutral(sender, now)
         elif self._may_drive(sender, now):
             self._armed[sender] = now
             self._sender = sender
             self._state = MotionState.MOVING
             self._fresh_until = measured + self._silence_s
-            self._velocity = self._limited(linear, angular)
+            self._velocity = self._limited(twist)
         else:
             self.end_task()
             self.refused += 1
@@ -120,7 +126,7 @@ class SpeedGovernor:
         self._update(now)
         if self._state is MotionState.GOING and self.held is Cause.NONE:
             self._fresh_until = now + self._silence_s
-            self._velocity = self._limited(linear, angular)
+            self._velocity = self._limited(Twist.planar(linear, angular))
 
     def end_task(self) -> None:
         """The task has ended."""
@@ -165,8 +171,8 @@ class SpeedGovernor:
         self._update(now)
         self._driver_until = now + DRIVER_SILENCE_S
 
-    def velocity(self, now: float) -> tuple[float, float]:
-        """The velocity of the wheels now [m/s, rad/s]."""
+    def velocity(self, now: float) -> Twist:
+        """The velocity of the wheels now."""
         self._update(now)
         return self._velocity
 
@@ -193,10 +199,13 @@ class SpeedGovernor:
         armed = now - self._armed.get(sender, -math.inf) < ARMED_S
         return armed and self._sender in (sender, None) and now < self._driver_until
 
-    def _limited(self, linear: float, angular: float) -> tuple[float, float]:
-        return (
-            max(-self._linear_limit, min(self._linear_limit, linear)),
-            max(-self._angular_limit, min(self._angular_limit, angular)),
+    def _limited(self, twist: Twist) -> Twist:
+        """What the body can do of a velocity."""
+        limits = [self._limits.get(freedom, 0.0) for freedom in Freedom]
+        parts = zip(_parts(twist), limits, strict=True)
+        surge, sway, heave, roll, pitch, yaw = (max(-most, min(most, part)) for part, most in parts)
+        return Twist(
+            linear=Vector3(x=surge, y=sway, z=heave), angular=Vector3(x=roll, y=pitch, z=yaw)
         )
 
     def _disarm(self, state: MotionState) -> None:
@@ -210,14 +219,14 @@ class SpeedGovernor:
 
     def _halt(self, state: MotionState) -> None:
         self._state = state
-        self._velocity = (0.0, 0.0)
+        self._velocity = Twist()
         self._sender = None
         self.held = Cause.NONE
 
     def _hold(self, cause: Cause, now: float) -> None:
         """Stop the wheels and keep the task."""
         self.held = cause
-        self._velocity = (0.0, 0.0)
+        self._velocity = Twist()
         self._settled_at = now + SETTLE_S
 
     def _update(self, now: float) -> None:
@@ -248,3 +257,9 @@ class SpeedGovernor:
         elif self.held is not Cause.NONE and now >= self._settled_at:
             self.held = Cause.NONE
             self._fresh_until = now + self._silence_s
+
+
+def _parts(twist: Twist) -> tuple[float, ...]:
+    """The velocities in the order of `Freedom`."""
+    linear, angular = twist.linear, twist.angular
+    return linear.x, linear.y, linear.z, angular.x, angular.y, angular.z

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from hub.control_gate import ControlGate
+from hub.gcm.body import Freedom, Motion
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import VELOCITY_COMMAND, Twist
 from hub.ipc.message_info import MessageInfo
@@ -21,6 +22,10 @@ STILL = 1e-3
 DAEMON = 1
 """The number of the hub's daemon at central."""
 _DRIVE_S = 0.05
+_MOTIONS = (
+    Motion(freedom=Freedom.SURGE, limit=0.5, acceleration=2.0),
+    Motion(freedom=Freedom.YAW, limit=1.0, acceleration=4.0),
+)
 
 
 class Bus:
@@ -66,10 +71,10 @@ class Robot:
 
     def began(self, now: float) -> None:
         """Navigation begins, perhaps anew."""
-        self._governor = SpeedGovernor(0.5, 1.0, now)
+        self._governor = SpeedGovernor(_MOTIONS, now)
         bus: Any = self._bus
         self._gate = ControlGate(bus, self._handed_over)
-        self._wanted = (0.0, 0.0)
+        self._wanted = Twist()
         self._driven = now
         self._owner = 0
         self.navigates = True
@@ -86,8 +91,7 @@ class Robot:
         if not self.navigates or age > VELOCITY_COMMAND.lifespan_s:
             return
         if self._gate.obeys(sender):
-            speeds = twist.linear.x, twist.angular.z
-            self._governor.command(sender, *speeds, now - age, now)
+            self._governor.command(sender, twist, now - age, now)
             self._look(now)
 
     def stop(self, now: float) -> None:
@@ -147,5 +151,5 @@ class Robot:
     def _drive(self, now: float) -> None:
         self._wanted = given = self._governor.velocity(now)
         self._driven = now
-        if self._watchdog.allows(now, now, neutral=given == (0.0, 0.0)):
-            self.told = given
+        if self._watchdog.allows(now, now, neutral=given.neutral):
+            self.told = given.linear.x, given.angular.z

@@ -7,14 +7,16 @@ import math
 
 import numpy as np
 
-from hub.gcm.navigation import GroundTruth
+from hub.gcm.navigation import GroundTruth, Twist, Vector3
 from hub.gcm.ranges import RangeReadings
+from hub.modules.driver.reports import drive_state
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.path_follower import PathFollower
 from hub.pose import Pose
+from hub.robots.description import RobotDescription
 from hub.robots.robot_file import find_robot_file, read_description
+from hub.robots.simulated_base import SimulatedBase
 from hub.sim.arena import BODY_RADIUS, Arena
-from tests.support.magellan import SimulatedMagellan
 
 ROBOT = read_description(find_robot_file("magellan"))[0]
 BODY = body_of(ROBOT)
@@ -35,11 +37,13 @@ def random_start(arena: Arena, seed: int, clearance: float = 0.01) -> Pose:
 class Drive:
     """A robot somewhere in an arena, and its pilot."""
 
-    def __init__(self, arena: Arena, start: Pose, seed: int = 1) -> None:
+    def __init__(
+        self, arena: Arena, start: Pose, seed: int = 1, robot: RobotDescription = ROBOT
+    ) -> None:
         there = dataclasses.replace(arena, start=start)
-        self.robot = SimulatedMagellan(there, seed=seed)
-        self.pilot = PathFollower(BODY, ROBOT.body)
-        self.given = (0.0, 0.0)
+        self.robot = SimulatedBase(there, robot.body, seed=seed)
+        self.pilot = PathFollower(body_of(robot), robot.body)
+        self.given = Twist()
         self._steps = 0
 
     @property
@@ -50,15 +54,16 @@ class Drive:
     def truth(self) -> GroundTruth:
         return self.robot.ground_truth()
 
-    def push(self, linear: float, angular: float, seconds: float) -> None:
+    def push(self, linear: float, angular: float, seconds: float, sway: float = 0.0) -> None:
         """Hold the stick for a while, or until something is touched or it has long stood."""
         stood = 0.0
         for _ in range(round(seconds / STEP)):
             if self._report():
-                self.given = self.pilot.assisted((linear, angular), self.now)
-                self.robot.set_velocity(*self.given)
+                wanted = Twist(linear=Vector3(x=linear, y=sway), angular=Vector3(z=angular))
+                self.given = self.pilot.assisted(wanted, self.now)
+                self.robot.command(self.given)
             self._advance()
-            stood = stood + STEP if self.given == (0.0, 0.0) else 0.0
+            stood = stood + STEP if self.given.neutral else 0.0
             if self.truth.contacts or stood > 2.0:
                 return
 
@@ -66,8 +71,8 @@ class Drive:
         """Let the pilot's task go on until it ends, for so long at most."""
         for _ in range(round(seconds / STEP)):
             if self._report():
-                self.given = self.pilot.steered(self.now) or (0.0, 0.0)
-                self.robot.set_velocity(*self.given)
+                self.given = Twist.planar(*self.pilot.steered(self.now) or (0.0, 0.0))
+                self.robot.command(self.given)
             self._advance()
             if not self.pilot.task.active:
                 return
@@ -75,10 +80,9 @@ class Drive:
     def _report(self) -> bool:
         """Report if it is time; whether it is also time for a choice."""
         if self._steps % STEPS_PER_REPORT == 0 or self._steps == 0:
-            self.pilot.reported(self.robot.drive_state(self.now), self.now, self.now)
-            scans = self.robot.ranges(self.now)
-            if scans is not None:
-                self.pilot.scanned(RangeReadings(scans=scans), self.now, self.now)
+            sensors = self.robot.sensors(self.now)
+            self.pilot.reported(drive_state(sensors, self.now), self.now, self.now)
+            self.pilot.scanned(RangeReadings(scans=sensors.scans), self.now, self.now)
         return self._steps % STEPS_PER_CHOICE == 0
 
     def _advance(self) -> None:

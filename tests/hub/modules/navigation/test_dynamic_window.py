@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 import numpy.typing as npt
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from hub.modules.navigation.dynamic_window import DynamicWindow
+from hub.gcm.outline import hull
+from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow
+from hub.modules.navigation.sweeps import Sweep
+from hub.pose import Pose
 from tests.hub.modules.navigation.drives import BODY
 
-Points = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]
+Floats = npt.NDArray[np.float64]
+Points = tuple[Floats, Floats]
 WINDOW = DynamicWindow(BODY)
 FULL = (0.5, 0.0)
 
@@ -104,6 +109,146 @@ def test_never_faster_never_the_other_way_and_always_able_to_stop(
     assert abs(linear) <= abs(wanted)
     assert linear * wanted >= 0.0
     assert abs(angular) <= BODY.angular_limit
-    if linear:
-        chosen = np.array([linear]), np.array([angular])
-        assert WINDOW.admissible(*chosen, around).all()
+    assert stands_clear(BODY, linear, angular, places)
+
+
+def stands_clear(
+    body: BodyLimits,
+    linear: float,
+    angular: float,
+    places: list[tuple[float, float]],
+    axis: float = 0.0,
+) -> bool:
+    """Whether a body that goes on for its reaction time and then brakes touches nothing."""
+    x, y = (
+        (np.array(part, dtype=np.float64) for part in zip(*places, strict=True))
+        if places
+        else (
+            np.empty(0),
+            np.empty(0),
+        )
+    )
+    time = body.reaction + 0.5 * max(
+        abs(linear) / body.linear_braking, abs(angular) / body.angular_braking
+    )
+    if body.outline is None:
+        time = body.stopping(abs(linear)) / abs(linear) if linear else 0.0
+    apart = beyond(body, x, y) > 0.0
+    x, y = x[apart], y[apart]
+    for share in np.linspace(0.0, 1.0, 200):
+        turn, way = angular * time * share, linear * time * share
+        half = axis + turn / 2.0
+        chord = way * np.sinc(turn / (2.0 * math.pi))
+        pose = Pose(x=chord * math.cos(half), y=chord * math.sin(half), theta=turn)
+        if (beyond(body, *pose.inward(x, y)) < -1e-3).any():
+            return False
+    return True
+
+
+def beyond(body: BodyLimits, x: Floats, y: Floats) -> Floats:
+    """Distances of points from the body's rim [m], shape (n,)."""
+    return np.hypot(x, y) - body.radius if body.outline is None else body.outline.distances(x, y)
+
+
+@st.composite
+def bodies(draw: st.DrawFn) -> BodyLimits:
+    """Bodies of any shape and strength."""
+    count = draw(st.integers(3, 14))
+    corners = hull(
+        np.array(
+            [draw(st.tuples(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))) for _ in range(count)]
+        )
+    )
+    assume(len(corners) >= 3)
+    outline = Sweep(corners)
+    return BodyLimits(
+        radius=outline.radius,
+        margin=draw(st.floats(0.0, 0.1)),
+        linear_limit=0.5,
+        sway_limit=0.5,
+        angular_limit=1.0,
+        linear_braking=draw(st.floats(0.5, 3.0)),
+        angular_braking=draw(st.floats(1.0, 6.0)),
+        outline=outline,
+    )
+
+
+@given(
+    bodies(),
+    st.floats(-0.5, 0.5),
+    st.floats(-1.0, 1.0),
+    st.floats(-0.5, 0.5),
+    st.floats(-1.0, 1.0),
+    st.lists(st.tuples(st.floats(-1.2, 1.2), st.floats(-1.2, 1.2)), max_size=20),
+    st.sampled_from((0.0, 0.5, math.pi / 2.0, -2.0)),
+)
+def test_a_body_of_any_shape_can_stop_before_it_touches(
+    body: BodyLimits,
+    speed: float,
+    turn: float,
+    wanted: float,
+    wanted_turn: float,
+    places: list[tuple[float, float]],
+    axis: float,
+) -> None:
+    around = points(*places)
+    linear, angular = DynamicWindow(body).towards(
+        (speed, turn), (wanted, wanted_turn), around, axis=axis
+    )
+    assert abs(linear) <= abs(wanted)
+    assert linear * wanted >= 0.0
+    assert abs(angular) <= body.angular_limit
+    assert stands_clear(body, linear, angular, places, axis)
+
+
+LONG_BODY = BodyLimits(
+    radius=0.5,
+    margin=0.05,
+    linear_limit=0.5,
+    sway_limit=0.3,
+    angular_limit=1.0,
+    linear_braking=2.0,
+    angular_braking=4.0,
+    outline=Sweep(np.array(((0.45, -0.2), (0.45, 0.2), (-0.45, 0.2), (-0.45, -0.2)))),
+)
+LONG = DynamicWindow(LONG_BODY)
+
+
+def corridor(half_width: float) -> Points:
+    """Two walls beside the robot [m]."""
+    x, left = wall(half_width, math.pi / 2.0)
+    return np.concatenate((x, x)), np.concatenate((left, -left))
+
+
+def test_a_long_body_drives_through_a_corridor_that_its_circle_does_not_fit() -> None:
+    narrow = corridor(0.27)
+    assert LONG.towards((0.4, 0.0), FULL, narrow)[0] > 0.3
+    assert LONG.towards((-0.4, 0.0), (-0.5, 0.0), narrow)[0] < -0.3
+    assert LONG.to_goal((0.4, 0.0), (0.5, 0.0), 0.5, narrow)[0] > 0.3
+    as_circle = dataclasses.replace(LONG_BODY, outline=None)
+    assert DynamicWindow(as_circle).towards((0.0, 0.0), FULL, narrow)[0] == 0.0
+
+
+def test_in_a_corridor_a_long_body_turns_only_as_far_as_it_can_stop() -> None:
+    assert LONG.towards((0.0, 0.0), (0.0, 1.0), corridor(0.22)) == (0.0, 0.0)
+    assert 0.0 <= LONG.turn((0.0, 0.0), 1.0, corridor(0.27)) < 0.5
+    assert LONG.towards((0.0, 0.9), (0.0, 1.0), corridor(0.55)) == (0.0, 1.0)
+
+
+def test_sideways_motion_is_held_back_before_a_wall_beside() -> None:
+    left = math.pi / 2.0
+    towards = LONG.towards((0.2, 0.0), (0.3, 0.0), wall(0.3, left), axis=left)
+    assert 0.0 < towards[0] < 0.3
+    assert LONG.towards((0.0, 0.0), (0.3, 0.0), wall(0.24, left), axis=left)[0] == 0.0
+    assert LONG.towards((0.2, 0.0), (0.3, 0.0), wall(0.24, left), axis=-left) == (0.3, 0.0)
+    assert LONG.towards((0.2, 0.0), (0.3, 0.0), wall(0.55), axis=left) == (0.3, 0.0)
+    disc = dataclasses.replace(LONG_BODY, radius=0.2, outline=None)
+    assert (
+        DynamicWindow(disc).towards((0.2, 0.0), (0.3, 0.0), wall(0.24, left), axis=left)[0] == 0.0
+    )
+
+
+def test_what_goes_on_across_the_new_direction_is_kept_room_for() -> None:
+    close = wall(0.2 + 0.045, -math.pi / 2.0)
+    assert LONG.towards((0.4, 0.0), FULL, close) == FULL
+    assert LONG.towards((0.4, 0.0), FULL, close, aside=-0.3)[0] < 0.2

@@ -14,7 +14,7 @@ from hub.gcm.beams import beams_of
 from hub.gcm.body import RobotBody
 from hub.gcm.outline import exits
 from hub.modules.navigation.beam_rules import BeamRules
-from hub.modules.navigation.obstacle_memory import CELLS, CONE_S, RESOLUTION, ObstacleMemory
+from hub.modules.navigation.obstacle_memory import CONE_S, LEAST_CELLS, RESOLUTION, ObstacleMemory
 from hub.pose import Pose
 from tests.hub.modules.navigation.bodies import HALF_LENGTH, HALF_WIDTH, LONG
 from tests.support.messages import drive_state
@@ -28,7 +28,7 @@ class Memory(ObstacleMemory):
     """The memory of the long robot."""
 
     def __init__(self) -> None:
-        super().__init__(LONG, BeamRules(LONG, BEAMS))
+        super().__init__(LONG, BeamRules(LONG, BEAMS), 1.8)
 
     def see(self, ranges: Floats, now: float, pose: Pose | None = None) -> None:
         """Take ranges of all beams [m]."""
@@ -76,7 +76,7 @@ def test_a_whole_scan_leaves_a_point_near_each_hit_and_no_others(away: list[floa
     memory.see(seen, 1.0)
     x, y = memory.points(0.0, 0.0, 0.0, 9.0)
     hit_x, hit_y = BEAMS.hits(LASER, seen)
-    near = np.hypot(hit_x, hit_y) < 0.5 * CELLS * RESOLUTION - 0.3
+    near = np.hypot(hit_x, hit_y) < 0.5 * LEAST_CELLS * RESOLUTION - 0.3
     apart = np.hypot(hit_x[near, None] - x, hit_y[near, None] - y)
     assert not near.any() or apart.min(axis=1).max() < 1.5 * RESOLUTION
     back = np.hypot(x[:, None] - hit_x, y[:, None] - hit_y)
@@ -130,7 +130,7 @@ def test_a_wide_bumper_is_a_row_of_points_on_the_outline() -> None:
 
 def test_a_body_without_sensors_remembers_nothing() -> None:
     body = RobotBody(name="a", kind="b", radius=0.2)
-    memory = ObstacleMemory(body, BeamRules(body, beams_of(body)))
+    memory = ObstacleMemory(body, BeamRules(body, beams_of(body)), 1.8)
     memory.moved(drive_state(bumpers=0xFFFF), 0.0)
     nothing = np.empty(0)
     memory.scanned(BeamScan(pose=Pose(), ranges=nothing, fresh=nothing > 0.0), 0.0)

@@ -16,14 +16,14 @@ from tests.support.messages import drive_state
 
 BODY = ROBOT.body
 RADIUS = BODY.radius
-REACH = 2.0
+REACH = 1.8
 
 
 class Memory(ObstacleMemory):
     """The memory of a Magellan."""
 
     def __init__(self) -> None:
-        super().__init__(BODY, BeamRules(BODY, beams_of(BODY)))
+        super().__init__(BODY, BeamRules(BODY, beams_of(BODY)), REACH)
 
     def see(
         self,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand
+from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand, Twist
 from hub.grids.grid import Grid
 from hub.modules.navigation.assistance import LAPSE_S
 from hub.modules.navigation.path_follower import known_part
@@ -74,7 +74,7 @@ def test_without_assistance_it_follows_into_the_wall_and_that_lapses() -> None:
     drive.pilot.assist(Assistance.OFF, drive.now)
     drive.push(0.5, 0.0, 1.0)
     assert drive.truth.contacts
-    drive.robot.set_velocity(0.0, 0.0)
+    drive.robot.command(Twist())
     assert drive.pilot.assistance(drive.now + LAPSE_S - 0.1) is Assistance.OFF
     assert drive.pilot.assistance(drive.now + LAPSE_S + 0.1) is Assistance.ON
 

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.gcm.navigation import Cause, MotionState
+from hub.gcm.body import Freedom, Motion
+from hub.gcm.navigation import Cause, MotionState, Twist, Vector3
 from hub.modules.navigation.speed_governor import (
     ARMED_S,
     DRIVER_SILENCE_S,
@@ -19,6 +20,10 @@ from hub.modules.navigation.speed_governor import (
     SpeedGovernor,
 )
 
+MOTIONS = (
+    Motion(freedom=Freedom.SURGE, limit=0.5, acceleration=2.0),
+    Motion(freedom=Freedom.YAW, limit=1.0, acceleration=4.0),
+)
 STEP = 0.01
 A, B = 1, 2
 
@@ -29,7 +34,7 @@ class Scene:
     def __init__(self) -> None:
         self.now = 0.0
         self.driver_lives = True
-        self.governor = SpeedGovernor(0.5, 1.0, 0.0)
+        self.governor = SpeedGovernor(MOTIONS, 0.0)
         self.governor.driver_reported(0.0)
 
     def wait(self, seconds: float) -> None:
@@ -42,7 +47,8 @@ class Scene:
 
     def command(self, sender: int, linear: float, angular: float = 0.0, age: float = 0.0) -> None:
         """A command arrives."""
-        self.governor.command(sender, linear, angular, self.now - age, self.now)
+        twist = Twist.planar(linear, angular)
+        self.governor.command(sender, twist, self.now - age, self.now)
 
     def hold(self, sender: int, linear: float, seconds: float) -> None:
         """Commands keep coming."""
@@ -52,7 +58,8 @@ class Scene:
 
     @property
     def velocity(self) -> tuple[float, float]:
-        return self.governor.velocity(self.now)
+        twist = self.governor.velocity(self.now)
+        return twist.linear.x, twist.angular.z
 
     @property
     def state(self) -> MotionState:
@@ -99,8 +106,8 @@ def test_says_when_the_wheels_must_stand_next() -> None:
     assert scene.governor.deadline == pytest.approx(scene.now + SILENCE_S - 0.05)
     scene.driver_lives = False
     silent_at = scene.governor.deadline
-    assert scene.governor.velocity(silent_at - 1e-6) != (0.0, 0.0)
-    assert scene.governor.velocity(silent_at) == (0.0, 0.0)
+    assert not scene.governor.velocity(silent_at - 1e-6).neutral
+    assert scene.governor.velocity(silent_at).neutral
     assert scene.governor.state(silent_at) is MotionState.SILENCE
     assert scene.governor.deadline == math.inf
 
@@ -429,16 +436,16 @@ def test_never_moves_without_a_fresh_command_and_never_too_fast(
 
 def test_driver_that_began_anew_waits_for_neutral_and_so_does_the_operator() -> None:
     scene = Scene()
-    scene.governor.command(A, 0.0, 0.0, scene.now, scene.now)
-    scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
+    scene.command(A, 0.0, 0.0)
+    scene.command(A, 0.3, 0.0)
     assert scene.governor.state(scene.now) is MotionState.MOVING
     scene.governor.driver_restarted()
-    scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
-    assert scene.governor.velocity(scene.now) == (0.0, 0.0)
+    scene.command(A, 0.3, 0.0)
+    assert scene.governor.velocity(scene.now).neutral
     assert scene.governor.state(scene.now) is MotionState.WAITING
-    scene.governor.command(A, 0.0, 0.0, scene.now, scene.now)
-    scene.governor.command(A, 0.3, 0.0, scene.now, scene.now)
-    assert scene.governor.velocity(scene.now) == (0.3, 0.0)
+    scene.command(A, 0.0, 0.0)
+    scene.command(A, 0.3, 0.0)
+    assert scene.velocity == (0.3, 0.0)
 
 
 def test_robot_that_is_handed_over_stands_until_its_new_operator_sends_neutral():
@@ -483,3 +490,38 @@ def test_who_drives_a_free_robot_is_stopped_when_somebody_else_gets_control():
     scene = driving()
     scene.governor.controlled_by(B, 0)
     assert scene.velocity == (0.0, 0.0)
+
+
+@given(
+    st.dictionaries(st.sampled_from(list(Freedom)), st.floats(0.1, 3.0)),
+    st.tuples(*[st.floats(-9.0, 9.0)] * 6),
+)
+def test_each_motion_is_limited_and_a_missing_one_is_0(
+    limits: dict[Freedom, float], parts: tuple[float, ...]
+) -> None:
+    twist = Twist(
+        linear=Vector3(x=parts[0], y=parts[1], z=parts[2]),
+        angular=Vector3(x=parts[3], y=parts[4], z=parts[5]),
+    )
+    scene = Scene()
+    scene.governor = SpeedGovernor(
+        [Motion(freedom=each, limit=limit, acceleration=1.0) for each, limit in limits.items()], 0.0
+    )
+    scene.governor.driver_reported(0.0)
+    scene.command(A, 0.0)
+    scene.governor.command(A, twist, 0.0, 0.0)
+    given_twist = scene.governor.velocity(0.0)
+    linear, angular = given_twist.linear, given_twist.angular
+    values = (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+    for freedom, wanted, value in zip(Freedom, parts, values, strict=True):
+        limit = limits.get(freedom, 0.0)
+        assert value == max(-limit, min(limit, wanted))
+
+
+def test_any_motion_that_is_no_number_is_refused() -> None:
+    scene = driving()
+    for linear in (Vector3(y=math.nan), Vector3(z=math.inf)):
+        scene.governor.command(A, Twist(linear=linear), scene.now, scene.now)
+    scene.governor.command(A, Twist(angular=Vector3(x=math.nan)), scene.now, scene.now)
+    assert scene.velocity == (0.4, -0.5)
+    assert scene.governor.refused == 3
