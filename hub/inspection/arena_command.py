@@ -14,7 +14,9 @@ from hub.inspection.png_file import png
 from hub.sim.arena import arena_path, load_arena, shipped_arenas
 from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import ArenaSpec
+from hub.sim.building import ground_under
 from hub.sim.geometry import Side
+from hub.sim.ground.height_field import HeightField
 from hub.sim.top_view import draw_top_view
 
 Row = tuple[str, str, float, float, float, str]
@@ -43,7 +45,7 @@ def show(name: str, output: Path | None, *, size: int, as_json: bool) -> int:
     """
     arena = load_arena(name)
     spec = read_arena_file(arena_path(name))
-    rows = list(_things(spec))
+    rows = list(_things(spec, arena.ground))
     if as_json:
         keys = ("kind", "name", "x", "y", "height", "more")
         for row in rows:
@@ -67,20 +69,22 @@ def show(name: str, output: Path | None, *, size: int, as_json: bool) -> int:
     return 0
 
 
-def _things(spec: ArenaSpec) -> Iterator[Row]:
+def _things(spec: ArenaSpec, ground: HeightField | None) -> Iterator[Row]:
     """What an operator looks for, and where robots start; victims in the order of their numbers."""
-    yield "start", "", *spec.start.at, 0.0, _heading(spec.start.heading_deg)
+    height = 0.0 if ground is None else ground.height(*spec.start.at)
+    yield "start", "", *spec.start.at, height, _heading(spec.start.heading_deg)
     for berth in spec.berths:
         heading = _heading(math.degrees(berth.heading))
         yield "berth", berth.robot, *berth.at, berth.height, heading
     for number, victim in enumerate(spec.victims, start=1):
-        more = f"{victim.pose}, {_facing(victim.facing)}"
-        yield f"victim {number}", victim.name, *victim.at, 0.0, more
+        more = f"{victim.pose}, {_facing(victim.facing)}, counts {spec.scoring.weight:g}"
+        yield f"victim {number}", victim.name, *victim.at, ground_under(victim, ground), more
     for landmark in spec.landmarks:
-        yield "landmark", landmark.name, *landmark.at, landmark.height, _facing(landmark.facing)
+        height = ground_under(landmark, ground) + landmark.height
+        yield "landmark", landmark.name, *landmark.at, height, _facing(landmark.facing)
     for ring in spec.rings:
         more = f"gap of {ring.gap_mm:g} mm {ring.gap}, {_facing(ring.facing)}"
-        yield "ring", "", *ring.at, ring.height, more
+        yield "ring", "", *ring.at, ground_under(ring, ground) + ring.height, more
     if spec.water is not None:
         more = f"type {spec.water.type}, visibility {spec.water.visibility:g} m"
         at = (0.0, 0.0) if spec.water.area is None else spec.water.area[0]

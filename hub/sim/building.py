@@ -72,6 +72,13 @@ def ground_point(item: VictimSpec | LandmarkSpec | RingSpec) -> tuple[float, flo
     return (x + ahead, y) if item.facing.axis == 0 else (x, y + ahead)
 
 
+def ground_under(item: VictimSpec | LandmarkSpec | RingSpec, ground: HeightField | None) -> float:
+    """Height of what an item stands on: the ground, or the deck [m]."""
+    if ground is None:
+        return 0.0
+    return ground.height(*ground_point(item), below=math.inf if item.deck else -math.inf)
+
+
 def _lifted(
     boxes: Iterator[Box], item: VictimSpec | LandmarkSpec | RingSpec, ground: HeightField | None
 ) -> Iterator[Box]:
@@ -79,7 +86,7 @@ def _lifted(
     if ground is None:
         yield from boxes
         return
-    lift = ground.height(*ground_point(item), below=math.inf if item.deck else -math.inf)
+    lift = ground_under(item, ground)
     for box in boxes:
         low, high = ((x, y, z + lift) for x, y, z in (box.low, box.high))
         yield dataclasses.replace(box, low=low, high=high)

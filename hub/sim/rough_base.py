@@ -36,6 +36,8 @@ _MOST_SLIP = 0.3
 """Slip at the limit of the grip, as a share of the wheels' speed."""
 _FASTEST_SLIDE = 3.0
 """Largest speed of a slide [m/s]."""
+_FASTEST_LIFT = 1.0
+"""Largest speed at which the ground lifts a body that does not lean as it should yet [m/s]."""
 _TOPPLING = 5.0
 """Rate at which a body that tips comes to lie [1/s]."""
 _PROBE = 0.02
@@ -185,19 +187,50 @@ class RoughBase:
         if self.tipped:
             self._lie(linear, angular)
             return
-        pose = self.pose
-        ahead = math.copysign(self.chassis.bridge + abs(linear) * STEP, linear)
-        way = ahead * math.cos(pose.yaw), ahead * math.sin(pose.yaw)
-        here = self._footing.stance(pose, way if linear else None)
-        if here is None or pose.lean > TIPPED:
+        here, grade = self._ahead(linear, angular)
+        if here is not None and linear and angular and not self._pulls(here, grade):
+            # What the sweep of a turn meets need not stop the way ahead.
+            here, grade = self._ahead(linear, 0.0)
+            turn = 0.0
+        else:
+            turn = angular
+        if here is None or self.pose.lean > TIPPED:
             self.tipped = True
             self._lie(linear, angular)
             return
         self._stance = here
-        speed = self._speed(linear, here.rise / abs(ahead), here)
-        turn = 0.0 if self.high_centred else angular
-        self._move(linear, angular, speed, turn, here)
+        speed = self._speed(linear, turn, grade, here)
+        self._move(linear, angular, speed, 0.0 if self.high_centred or self.stuck else turn, here)
         self._follow(here)
+
+    def _ahead(self, linear: float, angular: float) -> tuple[Stance | None, float]:
+        """How the body stands, and how steeply its centre of mass rises on its arc [m/m].
+
+        The arc is as long as the chassis bridges, for the outermost parts in a turn.
+        """
+        pose = self.pose
+        speed = abs(linear) + abs(angular) * self.chassis.reach
+        if speed == 0.0:
+            return self._footing.stance(pose), 0.0
+        seconds = self.chassis.bridge / speed + STEP
+        there = moved(Pose(x=pose.x, y=pose.y, theta=pose.yaw), linear * seconds, angular * seconds)
+        other = SpatialPose(
+            x=there.x, y=there.y, z=pose.z, roll=pose.roll, pitch=pose.pitch, yaw=there.theta
+        )
+        here = self._footing.stance(pose, other)
+        return here, 0.0 if here is None else here.rise / (speed * seconds)
+
+    def _need(self, here: Stance, grade: float) -> float:
+        """The push that a motion needs, as a share of the weight.
+
+        Virtual work: on a metre ahead the centre of mass rises by `grade`. That, the rolling
+        resistance and what drags need a push.
+        """
+        return max(grade + ROLLING + self.chassis.grip * here.drag, 0.0)
+
+    def _pulls(self, here: Stance, grade: float) -> bool:
+        """Whether friction on the driven wheels gives the push that a motion needs."""
+        return self.chassis.grip * here.push > self._need(here, grade)
 
     def _turn_flippers(self) -> None:
         if self._angles == self._wanted_angles:
@@ -210,20 +243,18 @@ class RoughBase:
         )
         self._footing.turn_flippers(self._angles)
 
-    def _speed(self, linear: float, grade: float, here: Stance) -> float:
-        """Horizontal speed that the wheels give [m/s].
-
-        Virtual work: on a metre ahead the centre of mass rises by `grade`. That, the rolling
-        resistance and what drags need a push, which friction on driven wheels limits.
-        """
-        push = self.chassis.grip * here.push
-        need = max(grade + ROLLING + self.chassis.grip * here.drag, 0.0)
+    def _speed(self, linear: float, angular: float, grade: float, here: Stance) -> float:
+        """Horizontal speed that the wheels give [m/s]."""
         self.high_centred = here.driven_load < HANGING
-        self.stuck = linear != 0.0 and push <= need
+        self.stuck = bool(linear or angular) and not self._pulls(here, grade)
         if self.stuck:
             self.slip = 1.0
             return 0.0
-        over = max(0.0, need / push - _NO_SLIP) / (1.0 - _NO_SLIP) if linear else 0.0
+        if not linear:
+            self.slip = 0.0
+            return 0.0
+        share = self._need(here, grade) / (self.chassis.grip * here.push)
+        over = max(0.0, share - _NO_SLIP) / (1.0 - _NO_SLIP)
         self.slip = _MOST_SLIP * over * over
         return linear * (1.0 - self.slip) / math.hypot(1.0, grade)
 
@@ -257,8 +288,16 @@ class RoughBase:
         hold = self.chassis.grip * here.hold
         if here.steepness <= hold and self.slide_speed == 0.0:
             return 0.0
-        probe = here.downhill[0] * _PROBE, here.downhill[1] * _PROBE
-        below = self._footing.stance(self.pose, probe)
+        pose = self.pose
+        probe = SpatialPose(
+            x=pose.x + here.downhill[0] * _PROBE,
+            y=pose.y + here.downhill[1] * _PROBE,
+            z=pose.z,
+            roll=pose.roll,
+            pitch=pose.pitch,
+            yaw=pose.yaw,
+        )
+        below = self._footing.stance(pose, probe)
         fall = 0.0 if below is None else -below.rise / _PROBE
         faster = self.slide_speed + GRAVITY * (fall - hold) * STEP
         return max(0.0, min(_FASTEST_SLIDE, faster))
@@ -275,7 +314,8 @@ class RoughBase:
             rates.append(rate + max(push, least) * STEP)
             values.append(place + rates[-1] * STEP)
         if values[0] < here.lowest_z:
-            values[0], rates[0] = here.lowest_z, max(rates[0], 0.0)
+            lifted = max(values[0], pose.z + _FASTEST_LIFT * STEP)
+            values[0], rates[0] = min(here.lowest_z, lifted), max(rates[0], 0.0)
         self.climb = (values[0] - pose.z) / STEP
         moves = (*rates, self.climb, self.linear, self.wheel_linear, self.angular)
         self._is_at_rest = (

@@ -76,7 +76,7 @@ class Footing:
         """Move the contact points of the flippers to these angles [rad]."""
         self._middles = self._chassis.middles(angles)
 
-    def stance(self, pose: SpatialPose, shift: tuple[float, float] | None = None) -> Stance | None:
+    def stance(self, pose: SpatialPose, other: SpatialPose | None = None) -> Stance | None:
         """How the body would rest at its place; None: it tips.
 
         The pose gives the lean from which the resting pose is sought. One call finds it where the
@@ -84,31 +84,38 @@ class Footing:
 
         Args:
             pose: The present pose.
-            shift: Another place, seen from the present one, for the rise to it [m].
+            other: Another pose of the same lean, for the rise to it.
         """
         rotation = pose.rotation()
         points = rotation @ self._middles
         centre_x, centre_y, _ = (rotation @ self._centre).tolist()
         x, y, z = points[0] + pose.x, points[1] + pose.y, points[2] + pose.z
-        if shift is not None:
-            x, y = np.concatenate((x, x + shift[0])), np.concatenate((y, y + shift[1]))
+        turned = points
+        if other is not None:
+            if other.yaw != pose.yaw:
+                turned = other.rotation() @ self._middles
+            x = np.concatenate((x, turned[0] + other.x))
+            y = np.concatenate((y, turned[1] + other.y))
             z = np.concatenate((z, z))
         support, grip = self._ground.supports(x, y, z)
         count = len(self._radii)
         reach = self._radii - points[2]
         heights = support[:count] + reach
-        centre = centre_x, centre_y
-        plane = resting_plane(points[0], points[1], heights, centre, self._triangle)
+        plane = resting_plane(points[0], points[1], heights, (centre_x, centre_y), self._triangle)
         if plane is None:
             return None
         self._triangle = plane.triangle
         rise = 0.0
-        if shift is not None and not np.array_equal(support[:count], support[count:]):
-            there = resting_plane(
-                points[0], points[1], support[count:] + reach, centre, plane.triangle
+        if other is not None and not np.array_equal(support[:count], support[count:]):
+            turn = other.yaw - pose.yaw
+            cosine, sine = math.cos(turn), math.sin(turn)
+            there = centre_x * cosine - centre_y * sine, centre_x * sine + centre_y * cosine
+            ahead = resting_plane(
+                turned[0], turned[1], support[count:] + reach, there, plane.triangle
             )
             # The same points hold the same centre of mass, so there is always a plane.
-            rise = 0.0 if there is None else there.above(*centre) - plane.above(*centre)
+            height = plane.above(centre_x, centre_y)
+            rise = 0.0 if ahead is None else ahead.above(*there) - height
         upright = rotation[:, 2].tolist()
         return self._stance(plane, upright, pose.yaw, rise, float(heights.max()), grip)
 

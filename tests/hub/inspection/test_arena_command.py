@@ -63,8 +63,18 @@ def test_json_has_a_line_for_each_thing() -> None:
         "x": 1.4,
         "y": 2.55,
         "height": 0.0,
-        "more": "sitting, faces south",
+        "more": "sitting, faces south, counts 0.5",
     }
+
+
+def test_heights_are_those_on_the_ground_or_the_deck() -> None:
+    lines = rune_hub("arena", "orange", "--json").stdout.splitlines()
+    things = [json.loads(line) for line in lines]
+    victims = {each["name"]: each["height"] for each in things if "victim" in each["kind"]}
+    assert victims["under the deck"] == 0.0
+    assert abs(victims["on the deck"] - 0.96) < 1e-6
+    (sign,) = [each for each in things if each["name"] == "blue"]
+    assert abs(sign["height"] - 1.36) < 1e-6
 
 
 def test_mistakes_are_one_sentence(tmp_path: Path) -> None:

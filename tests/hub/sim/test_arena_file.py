@@ -217,7 +217,7 @@ def test_a_misspelt_shipped_name_is_told_the_nearest() -> None:
 
 
 def test_every_shipped_arena_loads_and_has_room_for_the_robot() -> None:
-    assert set(shipped_arenas()) == {"empty", "orange", "pool", "red", "yellow"}
+    assert set(shipped_arenas()) == {"empty", "hall", "orange", "pool", "red", "yellow"}
     for name in shipped_arenas():
         arena = load_arena(name)
         assert read_arena_file(SHIPPED / f"{name}.toml").landmarks

@@ -305,6 +305,22 @@ def test_at_rest_on_rough_ground_nothing_moves_until_the_next_command() -> None:
     assert base.pose.x > pose.x
 
 
+def test_a_turn_against_the_side_of_a_step_stops_there_and_goes_back() -> None:
+    base = RoughBase(ground_arena(block(0.8, 0.5), (0.615, 1.5)), WHEELED)
+    base.command(0.0, 0.5)
+    heights = []
+    for _ in range(20):
+        base.advance(0.05)
+        heights.append(base.pose.z)
+    assert max(heights) < 0.01
+    assert base.stuck
+    turned = base.pose.yaw
+    assert 0.1 < turned < math.pi / 8
+    base.command(0.0, -0.5)
+    base.advance(0.5)
+    assert base.pose.yaw < turned - 0.1
+
+
 def test_time_that_is_left_over_counts_in_the_next_call() -> None:
     base = RoughBase(ground_arena(""), WHEELED)
     for _ in range(300):
