@@ -14,6 +14,7 @@ from hub.sim.arena import Arena
 from hub.sim.ground.chassis import Chassis
 from hub.sim.ground.footing import TIPPED, Footing, Stance
 from hub.sim.ground.map_builder import level_ground
+from hub.sim.ground.toppling import GRAVITY, fallen, way_of_fall
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
 from hub.sim.odometry import Odometry
 from hub.sim.spatial_pose import SpatialPose
@@ -27,7 +28,6 @@ ROLLING = 0.03
 """Rolling resistance as a share of the weight."""
 HANGING = 0.05
 """With less of the weight on driven wheels the body hangs on its belly [share]."""
-GRAVITY = 9.81
 _STIFFNESS = 20.0
 """The body follows the ground critically damped at this frequency [rad/s]."""
 _NO_SLIP = 0.5
@@ -38,8 +38,6 @@ _FASTEST_SLIDE = 3.0
 """Largest speed of a slide [m/s]."""
 _FASTEST_LIFT = 1.0
 """Largest speed at which the ground lifts a body that does not lean as it should yet [m/s]."""
-_TOPPLING = 5.0
-"""Rate at which a body that tips comes to lie [1/s]."""
 _PROBE = 0.02
 """How far ahead the fall of the ground is sought where a body may slide [m]."""
 _ROUNDING = 1e-9
@@ -86,7 +84,7 @@ class RoughBase:
             seed: Of the errors of its odometry.
             linear_limit: Largest velocity [m/s].
             angular_limit: Largest turn rate [rad/s].
-            flippers: Angle of each pair at the start [rad]; None: on level ground.
+            flippers: Angle of each pair at the start [rad]; None: as at home.
             bumpers: Its bumpers.
         """
         odometry_seed, _ = np.random.SeedSequence(seed).spawn(2)
@@ -95,7 +93,7 @@ class RoughBase:
         self._limits = linear_limit, angular_limit
         self._odometry = Odometry(odometry_seed)
         self._walls = Storeys(arena, field, chassis, bumpers)
-        self._angles = flippers or (0.0,) * len(chassis.flippers)
+        self._angles = flippers or tuple(pair.home for pair in chassis.flippers)
         self._wanted_angles = self._angles
         self._footing = Footing(field, chassis, self._angles)
         self._field = field
@@ -331,29 +329,11 @@ class RoughBase:
     def _lie(self, linear: float, angular: float) -> None:
         """Fall to the side that is lower, and lie there; the wheels turn in the air."""
         pose, reach = self.pose, self.chassis.reach
-        up_x, up_y, _ = pose.rotation()[:, 2].tolist()
-        falls_ahead = abs(pose.pitch) >= abs(pose.roll)
-        pitch = math.copysign(math.pi / 2, pose.pitch) if falls_ahead else 0.0
-        roll = 0.0 if falls_ahead else math.copysign(math.pi / 2, pose.roll)
-        part = 1.0 - math.exp(-_TOPPLING * STEP)
-        # The middle of the body moves away from the edge over which it turns.
-        way = part * max(0.0, 1.0 - math.hypot(up_x, up_y)) * _TOPPLING * reach
-        wanted = Pose(x=pose.x + up_x * way, y=pose.y + up_y * way, theta=pose.yaw)
-        after = self._walls.move(pose, wanted)
-        ground = self._field.height(after.x, after.y, below=pose.z + _ROUNDING) + reach
-        climb = self._rates[0] - GRAVITY * STEP
-        z = pose.z + climb * STEP
-        if z < ground:
-            z, climb = min(ground, pose.z + part * reach), 0.0
-        self._rates, self.climb = (climb, 0.0, 0.0), climb
-        self.pose = SpatialPose(
-            x=after.x,
-            y=after.y,
-            z=z,
-            roll=pose.roll + part * (roll - pose.roll),
-            pitch=pose.pitch + part * (pitch - pose.pitch),
-            yaw=pose.yaw,
-        )
+        x, y = way_of_fall(pose, reach, STEP)
+        after = self._walls.move(pose, Pose(x=pose.x + x, y=pose.y + y, theta=pose.yaw))
+        ground = self._field.height(after.x, after.y, below=pose.z + _ROUNDING)
+        self.pose, self.climb = fallen(pose, after, self._rates[0], ground, reach, STEP)
+        self._rates = (self.climb, 0.0, 0.0)
         self._stance = None
         self.linear = self.angular = 0.0
         self.stuck, self.high_centred, self.slip, self.slide_speed = linear != 0.0, False, 1.0, 0.0

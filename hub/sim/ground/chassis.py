@@ -46,6 +46,7 @@ class FlipperPair:
         radius: Radius of the belt's ends [m]; the axle is this high.
         limits: Least and largest angle above the ground [rad].
         speed: Largest rate [rad/s].
+        home: Angle that suits most ground [rad].
     """
 
     axle: float
@@ -55,6 +56,7 @@ class FlipperPair:
     radius: float = 0.05
     limits: tuple[float, float] = (math.radians(-60.0), math.radians(90.0))
     speed: float = 1.0
+    home: float = 0.0
 
     def points(self, angle: float) -> list[ContactPoint]:
         """The contact points at an angle [rad]."""
@@ -147,7 +149,10 @@ TRACKED = Chassis(
         ),
         *(ContactPoint(x=x, y=0.0, lowest=0.06) for x in (-0.2, 0.0, 0.2)),
     ),
-    flippers=(FlipperPair(axle=0.27, direction=1), FlipperPair(axle=-0.27, direction=-1)),
+    flippers=(
+        FlipperPair(axle=0.27, direction=1, home=math.radians(35.0)),
+        FlipperPair(axle=-0.27, direction=-1),
+    ),
     centre_of_mass=(0.01, 0.0, 0.15),
     grip=0.9,
     bridge=0.1,
