@@ -23,7 +23,6 @@ from hub.ipc.formats import grammar as formats
 
 
 def robot_state() -> navigation.RobotState:
-    ranges = np.linspace(0.2, 4.0, navigation.SENSOR_COUNT, dtype=np.float32)
     return navigation.RobotState(
         stamp=1e9,
         x=1.0,
@@ -33,8 +32,6 @@ def robot_state() -> navigation.RobotState:
         angular=0.1,
         commanded_linear=0.3,
         commanded_angular=0.1,
-        sonar=ranges,
-        infrared=ranges,
         bumpers=0,
         battery_voltage=24.0,
         battery_fraction=0.8,

@@ -53,8 +53,6 @@ def driving(step: int) -> RobotState:
         angular=0.5,
         commanded_linear=0.5,
         commanded_angular=0.5,
-        sonar=np.linspace(0.4, 3.0, 16, dtype=np.float32),
-        infrared=np.full(16, 1.0, np.float32),
         bumpers=0,
         battery_voltage=24.0,
         battery_fraction=0.9,

@@ -19,7 +19,6 @@ from hub.gcm.fields import (
     Number,
     Radians,
     RadiansIfKnown,
-    Ranges,
     Seconds,
     SecondsIfKnown,
     Sentence,
@@ -33,7 +32,7 @@ from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 -
 from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 - an export
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
-from hub.ipc.formats.wire_types import FLOAT32, Counted, Fixed
+from hub.ipc.formats.wire_types import FLOAT32, Counted
 from hub.values import dataclass
 
 MOST_POINTS = 1000
@@ -41,12 +40,6 @@ MOST_POINTS = 1000
 
 Axis: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="m/s or rad/s")]
 """A velocity along or about one axis [m/s or rad/s]."""
-
-SENSOR_COUNT = 16
-"""Sonars, infrared sensors and bumpers of a Magellan Pro, one of each every 22.5 degrees.
-
-Sensor 0 points straight ahead (along x), the others follow counter-clockwise.
-"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,13 +149,11 @@ class Measured:
         angular: Turn rate from the encoders [rad/s].
         commanded_linear: Commanded forward velocity [m/s].
         commanded_angular: Commanded turn rate [rad/s].
-        sonar: Range of each sonar from the robot's centre [m], shape (16,); inf: no echo,
-            NaN: no sensor.
-        infrared: Range of each infrared sensor from the centre [m], shape (16,);
-            inf: no obstacle, NaN: no sensor.
-        bumpers: Bit i is set while bumper i is pressed.
+        bumpers: Bit i is set while bumper i of the description is pressed.
         battery_voltage: Battery [V]; NaN when not measured.
         battery_fraction: Charge left, 0 to 1; NaN when not known.
+        sway: Measured velocity to the left [m/s].
+        heave: Measured velocity upward [m/s].
     """
 
     stamp: Stamp
@@ -173,11 +164,11 @@ class Measured:
     angular: TurnRate
     commanded_linear: Speed
     commanded_angular: TurnRate
-    sonar: Annotated[Ranges, Fixed(SENSOR_COUNT)]
-    infrared: Annotated[Ranges, Fixed(SENSOR_COUNT)]
     bumpers: Number
     battery_voltage: Annotated[float, Range(-1000.0, 1000.0, unit="V", nan=True), FLOAT32]
     battery_fraction: Annotated[ShareIfKnown, FLOAT32]
+    sway: Speed = 0.0
+    heave: Speed = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from hub.gcm.navigation import SENSOR_COUNT, DriveState, MotionState, RobotState
+from hub.gcm.navigation import DriveState, MotionState, RobotState
 from hub.gcm.vision import CameraState
 
 
 def robot_state(**changes: Any) -> RobotState:
-    """Standing in the open: every sonar reads 2 m, infrared sees nothing."""
+    """Standing, with a battery that is nearly full."""
     return RobotState(**_measured() | {"motion": MotionState.STANDING, "refused": 0} | changes)
 
 
@@ -30,8 +28,6 @@ def _measured() -> dict[str, Any]:
         "angular": 0.0,
         "commanded_linear": 0.0,
         "commanded_angular": 0.0,
-        "sonar": np.full(SENSOR_COUNT, 2.0, np.float32),
-        "infrared": np.full(SENSOR_COUNT, np.inf, np.float32),
         "bumpers": 0,
         "battery_voltage": 24.1,
         "battery_fraction": 0.87,

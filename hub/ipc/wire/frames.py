@@ -26,7 +26,7 @@ from hub.errors import FrameError
 from hub.ipc.definition import MAX_NAME_LENGTH
 from hub.ipc.formats.codegen import ENCAPSULATION, Buffer
 
-VERSION = 4
+VERSION = 5
 """Protocol version; peers with another one are refused."""
 
 MAX_FRAME = 4 << 20

@@ -4,15 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
 from hub.gcm.flight import Altitude, Attitude
-from hub.gcm.navigation import SENSOR_COUNT, DriveState
-from hub.gcm.ranges import LaserScan
+from hub.gcm.navigation import DriveState
 from hub.robots.interfaces import Sensors
-
-_NO_SENSORS = np.full(SENSOR_COUNT, np.nan, np.float32)
 
 
 def drive_state(sensors: Sensors, stamp: float, odometry: int = 0) -> DriveState:
@@ -32,20 +26,14 @@ def drive_state(sensors: Sensors, stamp: float, odometry: int = 0) -> DriveState
         angular=sensors.velocity.angular.z,
         commanded_linear=sensors.commanded.linear.x,
         commanded_angular=sensors.commanded.angular.z,
-        sonar=_sixteen(sensors.scans, "sonar"),
-        infrared=_sixteen(sensors.scans, "infrared"),
         bumpers=sensors.bumpers,
         battery_voltage=sensors.battery_voltage,
         battery_fraction=sensors.battery_fraction,
+        sway=sensors.velocity.linear.y,
+        heave=sensors.velocity.linear.z,
         odometry=sensors.odometry or odometry,
         origin=sensors.origin,
     )
-
-
-def _sixteen(scans: tuple[LaserScan, ...], name: str) -> npt.NDArray[np.float32]:
-    """The ranges of a ring of sixteen, for receivers that do not take `GCM_Ranges` yet."""
-    ranges = next((scan.ranges for scan in scans if scan.header.frame_id == name), _NO_SENSORS)
-    return ranges if ranges.shape == _NO_SENSORS.shape else _NO_SENSORS
 
 
 def attitude(sensors: Sensors, stamp: float) -> Attitude | None:

@@ -19,8 +19,10 @@ from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
 
 from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Twist
+from hub.gcm.ranges import RANGES
 from hub.gcm.vision import IMAGE, Image, ImageCoding
 from rune_tui.export.recording import Recording
+from tests.console.states import range_readings
 from tests.support.full_disk import files_no_longer_than
 from tests.support.messages import camera_state, robot_state
 
@@ -132,9 +134,10 @@ def test_on_a_full_disk_the_count_is_what_can_be_read(
         recording = Recording(path, {})
         noise = np.random.default_rng(1)
         for number in range(400):
-            ranges = noise.random(16).astype(np.float32)
-            state = robot_state(x=float(number), sonar=ranges, infrared=ranges)
-            recording.add("left", ROBOT_STATE, state, 0.0)
+            readings = range_readings(
+                noise.random(16).astype(np.float32), noise.random(16).astype(np.float32)
+            )
+            recording.add("left", RANGES, readings, float(number))
         recording.close()
     assert recording.fault == "File too large"
     assert 0 < recording.count == readable(path) < 400

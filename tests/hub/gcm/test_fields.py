@@ -16,10 +16,12 @@ import pytest
 
 from hub.errors import CodecError, RangeError
 from hub.gcm import navigation, vision
+from hub.gcm.body import RangeGroup, RangeKind
 from hub.gcm.catalog import MESSAGES
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.mapping import MAP
 from hub.gcm.navigation import GOAL_COMMAND, ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
+from hub.gcm.ranges import RANGES, RangeReadings, scan_of
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats import ranges, wire_types
@@ -133,15 +135,20 @@ def test_what_an_ordinary_robot_says_is_not_changed() -> None:
 
 
 def test_a_number_that_may_be_unknown_becomes_unknown_and_that_is_told() -> None:
+    value, notes = back(ROBOT_STATE, robot_state(battery_voltage=1e30))
+    assert math.isnan(value.battery_voltage)
+    assert len(notes) == 1
+    assert "GCM_RobotState.battery_voltage" in notes[0]
     sonar = np.full(16, 3e38, np.float32)
     sonar[:3] = np.inf, np.nan, -1.0
-    value, notes = back(ROBOT_STATE, robot_state(battery_voltage=1e30, sonar=sonar))
-    assert math.isnan(value.battery_voltage)
-    assert np.isinf(value.sonar[0])
-    assert np.isnan(value.sonar[1:]).all()
-    assert not value.sonar.flags.writeable
-    assert "GCM_RobotState.battery_voltage" in notes[-1] or "GCM_RobotState.sonar" in notes[-1]
-    assert len(notes) == 2
+    scan = scan_of(RangeGroup(name="sonar", kind=RangeKind.SONAR, farthest=5.0), sonar, 0.0)
+    readings, notes = back(RANGES, RangeReadings(scans=(scan,)))
+    ranges = readings.scans[0].ranges
+    assert np.isinf(ranges[0])
+    assert np.isnan(ranges[1:]).all()
+    assert not ranges.flags.writeable
+    assert len(notes) == 1
+    assert "GCM_Ranges" in notes[0]
 
 
 @for_each("metres", [math.nan, math.inf, 1e7, -1e308])

@@ -12,9 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.errors import CodecError, RangeError
-from hub.gcm import navigation, vision
+from hub.gcm import mapping, navigation, vision
 from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.catalog import MESSAGES
+from hub.gcm.ranges import RANGES
 from hub.inspection.value_text import demand_within_ranges, lines, plain, value_from_text
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import codec
@@ -46,8 +47,8 @@ def test_enum_members_go_by_name_or_number() -> None:
 
 
 def test_arrays_are_json_lists() -> None:
-    sonar = value_from_text(navigation.DRIVE_STATE, [f"sonar={[1.5] * 16}"]).sonar
-    assert sonar == [1.5] * 16
+    grown = value_from_text(mapping.MAP, ["data=[1, 2, 3]"]).data
+    assert grown == [1, 2, 3]
 
 
 def test_text_is_taken_as_it_is() -> None:
@@ -101,7 +102,8 @@ def test_every_value_is_json() -> None:
     state = value_from_text(navigation.DRIVE_STATE, ["battery_voltage=nan"])
     told = json.loads(json.dumps(plain(state)))
     assert told["battery_voltage"] == "nan"
-    assert told["sonar"] == [0.0] * 16
+    readings = value_from_text(RANGES, [])
+    assert json.loads(json.dumps(plain(readings))) == {"scans": []}
 
 
 def test_lines_are_one_a_field_and_indent_inner_ones() -> None:

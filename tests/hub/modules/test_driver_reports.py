@@ -5,21 +5,16 @@ from __future__ import annotations
 import dataclasses
 import math
 
-import numpy as np
-
-from hub.gcm.body import RangeGroup, RangeKind
 from hub.gcm.navigation import Twist, Vector3
-from hub.gcm.ranges import scan_of
 from hub.modules.driver.reports import altitude, attitude, drive_state, stands
 from hub.robots.interfaces import Sensors
 
 NOTHING = Sensors()
 
 
-def test_a_body_that_measures_nothing_has_a_state_without_ranges() -> None:
+def test_a_body_that_measures_nothing_has_a_state() -> None:
     state = drive_state(NOTHING, 5.0, odometry=7)
     assert (state.stamp, state.odometry, state.bumpers) == (5.0, 7, 0)
-    assert np.isnan(state.sonar).all()
     assert math.isnan(state.battery_voltage)
     assert attitude(NOTHING, 5.0) is None
     assert altitude(NOTHING, 5.0) is None
@@ -27,18 +22,6 @@ def test_a_body_that_measures_nothing_has_a_state_without_ranges() -> None:
 
 def test_a_body_numbers_its_own_dead_reckoning() -> None:
     assert drive_state(dataclasses.replace(NOTHING, odometry=3), 5.0, odometry=7).odometry == 3
-
-
-def test_a_ring_of_sixteen_is_in_the_state_and_another_is_not() -> None:
-    ring = RangeGroup(name="sonar", kind=RangeKind.SONAR, beams=16, farthest=5.0)
-    few = RangeGroup(name="infrared", kind=RangeKind.INFRARED, beams=7, farthest=1.0)
-    scans = (
-        scan_of(ring, np.full(16, 2.0, np.float32), 5.0),
-        scan_of(few, np.full(7, 0.5, np.float32), 5.0),
-    )
-    state = drive_state(dataclasses.replace(NOTHING, scans=scans), 5.0)
-    assert list(state.sonar) == [2.0] * 16
-    assert np.isnan(state.infrared).all()
 
 
 def test_tilt_and_height_are_reported_where_they_are_measured() -> None:

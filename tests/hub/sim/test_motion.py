@@ -71,7 +71,7 @@ def test_the_same_seed_and_commands_give_the_same_bits() -> None:
                 robot.drive_state(0.0)
         state = robot.drive_state(0.0)
         numbers = [state.x, state.y, state.theta, state.battery_voltage, robot.ground_truth()]
-        return [*numbers, state.sonar.tobytes(), state.infrared.tobytes()]
+        return [*numbers, *(scan.ranges.tobytes() for scan in robot.sensors(0.0).scans)]
 
     assert run(1, peek=False) == run(1, peek=True)
     assert run(1, peek=False)[:3] != run(2, peek=False)[:3]

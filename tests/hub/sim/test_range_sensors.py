@@ -174,7 +174,7 @@ def test_scans_come_at_ten_hertz_of_simulated_time() -> None:
     scans = []
     for _ in range(100):
         robot.advance(0.01)
-        scans.append(robot.drive_state(0.0).sonar.tobytes())
+        scans.append(robot.sensors(0.0).scans[0].ranges.tobytes())
     assert len(set(scans)) == 11
 
 

@@ -17,7 +17,7 @@ from rune_tui.model.robot_state import Received
 from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.parts.history import SLOTS, History, number_at
-from tests.console.states import robot_of
+from tests.console.states import range_readings, robot_of
 from tests.console.visualizers.conftest import made_by, words
 from tests.console.visualizers.known import point, points
 from tests.support.cases import for_each
@@ -185,9 +185,10 @@ def test_the_token_changes_with_values_and_pixels_of_time_only(watched) -> None:
 
 
 def test_numbers_are_found_by_their_path(made) -> None:
-    value = made.navigation(motion=MotionState.MOVING, sonar=np.arange(16, dtype=np.float32))
+    value = made.navigation(motion=MotionState.MOVING)
     assert number_at(value, "battery_voltage") == 24.1
-    assert number_at(value, "sonar[3]") == 3.0
+    readings = range_readings(sonar=np.arange(16, dtype=np.float32))
+    assert number_at(readings, "scans[0].ranges[3]") == 3.0
     assert number_at(value, "motion") == 1.0
     assert number_at(points(point(1), point(2)), "points[1].number") == 2.0
 
@@ -195,11 +196,12 @@ def test_numbers_are_found_by_their_path(made) -> None:
 @for_each(
     "path",
     [
-        *("", ".", "nothing", "sonar", "sonar[16]", "sonar[-1]", "sonar[x]", "sonar[0", "sonar[]"),
-        *("__class__", "linear.real", "linear[0]", "sonar[0][0]", "sonar.size", "sonar[²]"),
+        *("", ".", "nothing", "scans", "scans[9]", "scans[-1]", "scans[x]", "scans[0", "scans[]"),
+        *("__class__", "scans[0].ranges[16]", "scans[0].ranges.size", "scans[0][0]", "scans[²]"),
     ],
 )
 def test_a_path_that_leads_to_no_number_finds_none(made, path) -> None:
+    assert number_at(range_readings(sonar=1.0), path) is None
     assert number_at(made.navigation(), path) is None
 
 

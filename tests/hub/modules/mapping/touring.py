@@ -149,8 +149,6 @@ def state_of(report: Report, pose: Pose) -> RobotState:
         angular=drive.angular,
         commanded_linear=0.0,
         commanded_angular=0.0,
-        sonar=drive.sonar,
-        infrared=drive.infrared,
         bumpers=0,
         battery_voltage=math.nan,
         battery_fraction=math.nan,

@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 from random import Random
 
-import numpy as np
 import pytest
 
 from hub.gcm.navigation import Cause, DriveState, GoalCommand, Point, Task
@@ -18,7 +17,6 @@ from hub.robots.robot_file import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus
 
 OPERATOR, DRIVER, NEXT_DRIVER = 2, 3, 4
-NOTHING = np.full(16, np.inf, np.float32)
 AT_ORIGIN = DriveState(
     stamp=0.0,
     x=0.0,
@@ -28,8 +26,6 @@ AT_ORIGIN = DriveState(
     angular=0.0,
     commanded_linear=0.0,
     commanded_angular=0.0,
-    sonar=NOTHING,
-    infrared=NOTHING,
     bumpers=0,
     battery_voltage=24.0,
     battery_fraction=1.0,
