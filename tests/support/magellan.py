@@ -35,13 +35,14 @@ class SimulatedMagellan(SimulatedBase):
         seed: int = 0,
         linear_limit: float = 0.5,
         angular_limit: float = 1.0,
+        body: RobotBody | None = None,
     ) -> None:
+        body = body or magellan_body()
         limits = {Freedom.SURGE: linear_limit, Freedom.YAW: angular_limit}
         motions = tuple(
-            dataclasses.replace(motion, limit=limits[motion.freedom])
-            for motion in magellan_body().motions
+            dataclasses.replace(motion, limit=limits[motion.freedom]) for motion in body.motions
         )
-        super().__init__(arena, dataclasses.replace(magellan_body(), motions=motions), seed=seed)
+        super().__init__(arena, dataclasses.replace(body, motions=motions), seed=seed)
         self._last: tuple[LaserScan, ...] | None = None
 
     def set_velocity(self, linear: float, angular: float) -> None:

@@ -27,6 +27,8 @@ NARROW = 0.1
 """Largest opening of a narrow beam [rad]."""
 LONGEST_ARC = 0.71
 """Longest arc of a cone that is used for obstacles [m]."""
+LEAST_LASER_BEAMS = 60
+"""Fewest beams of a laser whose scans correct the pose."""
 LEAST_GAP = 0.17
 """Smallest angle between two narrow beams that hides an edge [rad]."""
 INFRARED_SURE = 0.40
@@ -91,6 +93,7 @@ class BeamRules:
         covers: Which cones see what hides before a blind beam, shape (n, cones).
         sparse: Which ones show where nothing is, far apart from each other.
         light: The groups that show where nothing is.
+        lasers: Those whose scans correct the pose.
         gaps: The gaps that may hide an edge.
     """
 
@@ -109,6 +112,12 @@ class BeamRules:
             _light_group(beams, place)
             for place in beams.groups.values()
             if light[place.start] and self.narrow[place.start]
+        )
+        self.lasers = tuple(
+            group
+            for group in self.light
+            if beams.kind[group.place.start] == RangeKind.LASER
+            and group.place.stop - group.place.start >= LEAST_LASER_BEAMS
         )
         self.sparse = np.zeros(len(beams.kind), dtype=np.bool_)
         for group in self.light:

@@ -1,14 +1,17 @@
-"""Corrects the pose by a match of recent points with an older map; pure."""
+"""Corrects the pose by laser scans, and by a match of recent points with an older map; pure."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
 
+import numpy as np
+
 from hub.gcm.beam_scans import BeamScan
 from hub.gcm.navigation import DriveState
 from hub.grids.grid import Grid
-from hub.modules.navigation.beam_rules import BeamRules
+from hub.grids.scan_matching import ScanMatcher, surfaces
+from hub.modules.navigation.beam_rules import BeamRules, LightGroup
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.matching import FARTHEST, Sightings, drift
 from hub.modules.navigation.pose_uncertainty import PoseUncertainty, Spread
@@ -20,6 +23,8 @@ OLDEST_S = 10.0
 """Largest age of the map; an older one may be outdated [s]."""
 APART_S = 1.0
 """Least time between two matches, so that the same points do not count again [s]."""
+LAID_S = 1.0
+"""Maps are not matched for this time after a laser scan showed the pose more exactly [s]."""
 
 
 class DriftWatch:
@@ -37,14 +42,16 @@ class DriftWatch:
         self._uncertainty = PoseUncertainty()
         self._sightings = Sightings(rules)
         self._maps: deque[tuple[float, Grid]] = deque()
-        self._matched = -math.inf
+        self._matched = self._laid = -math.inf
+        self._scans = ScanMatcher()
 
     def restart(self) -> None:
         """Forget points and maps: the robot has lost its place."""
         self._uncertainty = PoseUncertainty()
         self._sightings = Sightings(self._rules)
         self._maps.clear()
-        self._matched = -math.inf
+        self._matched = self._laid = -math.inf
+        self._scans = ScanMatcher()
 
     @property
     def spread(self) -> Spread:
@@ -61,6 +68,23 @@ class DriftWatch:
         """Take new ranges; those at a pose that is not valid are left out."""
         if _valid(scan.pose):
             self._sightings.scanned(scan, now)
+            for group in self._rules.lasers:
+                if scan.fresh[group.place].any():
+                    self._lay(scan, group, now)
+
+    def _lay(self, scan: BeamScan, laser: LightGroup, now: float) -> None:
+        """Lay the scan of a laser onto those before, and correct the pose by it."""
+        numbers = np.arange(laser.place.start, laser.place.stop)
+        usable = np.isfinite(scan.ranges) & (scan.ranges > self._rules.blind)
+        x, y = self._rules.beams.hits(numbers, np.where(usable, scan.ranges, np.nan))
+        error = self._scans.matched(scan.pose, surfaces(x, y, laser.step))
+        if error is None:
+            return
+        here = self._correction.odom.then(scan.pose)
+        self._correction.shift(here, here.then(error))
+        if self._scans.sure:
+            self._uncertainty.laid()
+            self._laid = now
 
     def met_landmark(self) -> None:
         """Note that a landmark corrected the pose."""
@@ -77,7 +101,7 @@ class DriftWatch:
         while self._maps and self._maps[0][0] < now - OLDEST_S:
             self._maps.popleft()
         old = [item for item in self._maps if item[0] <= now - YOUNGEST_S]
-        if old and now - self._matched >= APART_S:
+        if old and now - self._matched >= APART_S and now - self._laid >= LAID_S:
             self._match(*old[-1], odom, now)
         if grid is not None:
             self._maps.append((now, grid))

@@ -21,6 +21,9 @@ WAY_ERROR = 0.2
 """Random error of a distance in one step, as a share of it."""
 SLIP = 0.02
 """Constant error of turns, as a share."""
+LAID_WAY, LAID_TURN = 0.01, math.radians(0.1)
+"""Errors of the position [m] and of the heading [rad] after a metre on which laser scans corrected
+the pose; they grow with the root of the distance."""
 LANDMARK_OFF = 0.05
 """Error of the position right after a correction by a landmark [m]."""
 
@@ -54,6 +57,7 @@ class PoseUncertainty:
         self._way_variance = 0.0
         self._turned = 0.0
         self._driven = 0.0
+        self._known = (0.0, 0.0)
 
     def moved(self, odom: Pose, now: float) -> None:
         """Take a pose by dead reckoning in `odom`, at a monotonic time [s]."""
@@ -84,9 +88,18 @@ class PoseUncertainty:
 
     def matched(self, spread: Spread) -> None:
         """Set the uncertainty after a correction of the pose."""
-        self._turn_variance, self._way_variance = spread.turn**2, spread.way**2
-        self._turned = self._driven = 0.0
+        self._know(spread.turn**2, spread.way**2)
+
+    def laid(self) -> None:
+        """Set the uncertainty after a laser scan showed the motion since the last correction."""
+        turn, way = self._known
+        self._know(turn + LAID_TURN**2 * self._driven, way + LAID_WAY**2 * self._driven)
 
     def met_landmark(self) -> None:
         """Set the uncertainty after a correction by a landmark; that of the heading stays."""
         self.matched(Spread(turn=self.spread.turn, way=LANDMARK_OFF))
+
+    def _know(self, turn: float, way: float) -> None:
+        """Set the variances of heading and position."""
+        self._known = self._turn_variance, self._way_variance = turn, way
+        self._turned = self._driven = 0.0

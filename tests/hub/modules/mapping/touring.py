@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from hub.gcm.beam_scans import ScanReader
 from hub.gcm.beams import beams_of
-from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState
+from hub.gcm.body import RobotBody
+from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState, Twist
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.modules.mapping.grid import OccupancyGrid
@@ -60,9 +61,10 @@ def tour(robot: SimulatedMagellan, points: Sequence[tuple[float, float]]) -> Ite
             direction = math.atan2(goal_y - truth.y, goal_x - truth.x)
             error = wrapped(direction - truth.theta)
             if abs(error) > 0.25:
-                robot.set_velocity(0.0, math.copysign(min(0.7, 2.0 * abs(error) + 0.1), error))
+                velocity = 0.0, math.copysign(min(0.7, 2.0 * abs(error) + 0.1), error)
             else:
-                robot.set_velocity(min(0.4, 1.5 * left + 0.03), 2.0 * error)
+                velocity = min(0.4, 1.5 * left + 0.03), 2.0 * error
+            robot.command(Twist.planar(*velocity))
             robot.advance(PERIOD)
             now += PERIOD
             scans = robot.ranges(now)
@@ -103,11 +105,12 @@ class PoseSource:
 class MatchedPose:
     """The pose that navigation tells when maps come to it, as they do while it has a goal."""
 
-    def __init__(self, grid: OccupancyGrid) -> None:
+    def __init__(self, grid: OccupancyGrid, body: RobotBody | None = None) -> None:
         self._grid = grid
         self._correction = PoseCorrection()
-        self._reader = ScanReader(magellan_body())
-        self._watch = DriftWatch(self._correction, BeamRules(magellan_body(), BEAMS))
+        self._reader = ScanReader(body or magellan_body())
+        rules = BeamRules(body or magellan_body(), self._reader.beams)
+        self._watch = DriftWatch(self._correction, rules)
         self._due = MAP_PERIOD
 
     def __call__(self, report: Report) -> Pose:
@@ -158,10 +161,14 @@ def state_of(report: Report, pose: Pose) -> RobotState:
 
 
 def mapped(
-    reports: Sequence[Report], pose: Callable[[Report], Pose], grid: OccupancyGrid
+    reports: Sequence[Report],
+    pose: Callable[[Report], Pose],
+    grid: OccupancyGrid,
+    body: RobotBody | None = None,
 ) -> OccupancyGrid:
     """The grid after all reports of a tour."""
-    reader, scans = ScanReader(magellan_body()), ScanSelector(BEAMS)
+    reader = ScanReader(body or magellan_body())
+    scans = ScanSelector(reader.beams)
     for report in reports:
         reader.moved(state_of(report, pose(report)), report.time)
         scan = report.ranges and reader.read(report.ranges, report.time)

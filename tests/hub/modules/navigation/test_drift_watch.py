@@ -10,6 +10,7 @@ import pytest
 
 from hub.gcm.beam_scans import BeamScan
 from hub.gcm.beams import beams_of
+from hub.gcm.body import BodyFrame, RangeGroup, RangeKind
 from hub.grids.grid import Grid
 from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.navigation.beam_rules import BeamRules
@@ -65,6 +66,33 @@ def test_the_pose_drifts_much_less_than_dead_reckoning(reports: list[Report]) ->
     assert matched < 0.5 * reckoned
 
 
+LASER = RangeGroup(
+    name="laser", kind=RangeKind.LASER, beams=180, step=math.tau / 180, nearest=0.1, farthest=8.0
+)
+
+
+WITH_LASER = dataclasses.replace(
+    ROBOT.body, ranges=(LASER,), frames=(BodyFrame(name="laser", x=0.1, z=0.3),)
+)
+
+
+def test_laser_scans_show_the_pose_to_centimetres_without_a_map() -> None:
+    arena = load_arena("yellow")
+    source = MatchedPose(OccupancyGrid(0.05, 24.0), WITH_LASER)
+    dead, errors = PoseSource(arena.start, math.inf), []
+    for report in tour(SimulatedMagellan(arena, body=WITH_LASER, seed=2), ROUND):
+        true = from_start(report.truth, arena.start)
+        errors.append(
+            [
+                math.dist((pose.x, pose.y), (true.x, true.y))
+                for pose in (source(report), dead(report))
+            ]
+        )
+    laid, reckoned = np.max(errors, axis=0)
+    assert reckoned > 0.5
+    assert laid < 0.08
+
+
 def _seen() -> BeamScan:
     """Walls all around at about 0.6 m, but shifted by 5 cm along x, seen from the origin."""
     ranges = 0.6 + 0.05 * np.cos(RULES.beams.bearing)
@@ -100,6 +128,20 @@ def shifted(*, wait: float) -> float:
 def test_what_was_seen_is_laid_onto_a_map_that_does_not_show_it_yet() -> None:
     assert shifted(wait=YOUNGEST_S + 0.1) == pytest.approx(-0.05, abs=0.035)
     assert shifted(wait=YOUNGEST_S - 0.1) == 0.0
+
+
+def test_a_map_is_not_matched_while_laser_scans_show_the_pose() -> None:
+    correction, rules = PoseCorrection(), BeamRules(WITH_LASER, beams_of(WITH_LASER))
+    watch = DriftWatch(correction, rules)
+    bearing = rules.beams.bearing
+    ranges = 0.6 / np.maximum(np.abs(np.cos(bearing)), np.abs(np.sin(bearing)))
+    scan = BeamScan(pose=Pose(), ranges=ranges, fresh=np.ones(len(ranges), dtype=np.bool_))
+    watch.mapped(_ring(), Pose(), 0.0)
+    for step in range(1, 20):
+        watch.moved(drive_state(x=0.0, y=0.0, theta=0.0), step / 10.0)
+        watch.scanned(scan, step / 10.0)
+    watch.mapped(_ring(), Pose(), 2.0)
+    assert abs(correction.odom.x) < 0.002
 
 
 def test_an_old_map_is_not_used() -> None:

@@ -6,7 +6,13 @@ import math
 
 import pytest
 
-from hub.modules.navigation.pose_uncertainty import LANDMARK_OFF, PoseUncertainty, Spread
+from hub.modules.navigation.pose_uncertainty import (
+    LAID_TURN,
+    LAID_WAY,
+    LANDMARK_OFF,
+    PoseUncertainty,
+    Spread,
+)
 from hub.pose import Pose, wrapped
 
 
@@ -51,3 +57,13 @@ def test_a_match_settles_it_and_a_landmark_settles_the_place_only() -> None:
     doubt.matched(Spread(turn=0.03, way=0.03))
     assert doubt.spread.turn == pytest.approx(0.03, rel=0.1)
     assert doubt.spread.way == pytest.approx(0.03, rel=0.1)
+
+
+def test_where_scans_show_the_motion_it_grows_with_the_root_of_the_way() -> None:
+    doubt = PoseUncertainty()
+    doubt.matched(Spread(turn=0.01, way=0.02))
+    for number in range(1, 1001):
+        doubt.moved(Pose(x=0.1 * number), 0.1 * number)
+        doubt.laid()
+    assert doubt.whole.way == pytest.approx(math.hypot(0.02, LAID_WAY * 10.0), rel=0.1)
+    assert doubt.whole.turn == pytest.approx(math.hypot(0.01, LAID_TURN * 10.0), rel=0.2)
