@@ -137,8 +137,8 @@ class Sweep:
         ends = (after - offsets * self._cosine) / self._sine
         starts = np.roll((after * self._cosine - offsets) / self._sine, 1, axis=1)
         heights = offsets - self._normals[:, 1] * centre[:, None]
-        squares = np.stack((np.ones_like(centre), -2.0 * centre, centre * centre), axis=1)
-        squares = squares @ np.stack((x * x + y * y, y, np.ones_like(x)))
+        squares = centre[:, None] * (centre[:, None] - 2.0 * y)
+        squares += x * x + y * y
         # The circle meets the edge if half of its chord on the line ends between these.
         middle = self._normals[:, 0] * centre[:, None]
         ends, starts = middle - ends - _TOUCH, middle - starts + _TOUCH
