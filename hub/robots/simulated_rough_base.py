@@ -24,7 +24,7 @@ from hub.sim.rough_base import STEP, RoughBase
 class RoughBody:
     """A base that climbs, slips and tips; implements `Body`.
 
-    Its range sensors look along the level, also while it leans: only walls are met.
+    Its range sensors lean with it and meet the ground. For walls they look along the level.
     """
 
     def __init__(self, arena: Arena, body: RobotBody, chassis: Chassis, *, seed: int = 0) -> None:
@@ -47,7 +47,7 @@ class RoughBody:
         )
         _, sensor_seed = np.random.SeedSequence(seed).spawn(2)
         self._groups = body.ranges
-        self._sensors = RangeSensors(arena.footprints, beams_of(body), sensor_seed)
+        self._sensors = RangeSensors(arena.footprints, beams_of(body), sensor_seed, arena.ground)
         self._battery = Battery()
         self._origin = origin_of(arena, self._base.pose)
         self._scanned = -STEPS_PER_SCAN
@@ -72,7 +72,7 @@ class RoughBody:
             self._scanned = base.steps
             level = Pose(x=base.pose.x, y=base.pose.y, theta=wrapped(base.pose.yaw))
             self._scans = tuple(
-                scan_of(group, self._sensors.measure(group.name, level), stamp)
+                scan_of(group, self._sensors.measure(group.name, level, base.pose), stamp)
                 for group in self._groups
             )
         odometry = base.odometry

@@ -12,6 +12,9 @@ from hub.gcm.beams import Beams
 from hub.gcm.body import RangeKind
 from hub.pose import Pose
 from hub.sim.arena import Footprints
+from hub.sim.ground.beams import ground_echoes
+from hub.sim.ground.height_field import HeightField
+from hub.sim.spatial_pose import SpatialPose
 from hub.values import dataclass
 
 Floats = npt.NDArray[np.float64]
@@ -92,15 +95,24 @@ class _Sensors(Protocol):
 class RangeSensors:
     """All range sensors of one robot among the obstacles of one arena."""
 
-    def __init__(self, obstacles: Footprints, beams: Beams, seed: np.random.SeedSequence) -> None:
+    def __init__(
+        self,
+        obstacles: Footprints,
+        beams: Beams,
+        seed: np.random.SeedSequence,
+        ground: HeightField | None = None,
+    ) -> None:
         """Take the sensors that a body has.
 
         Args:
             obstacles: All obstacles of the arena.
-            beams: The body's beams; elevations count as 0.
+            beams: The body's beams; for obstacles their elevations count as 0.
             seed: Of the noise.
+            ground: The height map of rough ground; None: the floor is level.
         """
         self._obstacles = obstacles
+        self._beams = beams
+        self._ground = ground
         edges = _upright_edges(obstacles)
         self._groups: dict[str, tuple[_Group, _Sensors]] = {}
         seeds = seed.spawn(len(beams.groups))
@@ -124,21 +136,59 @@ class RangeSensors:
             else:
                 sensors = _Sonars(group, noise, edges)
             self._groups[name] = group, sensors
-        self._met: dict[str, tuple[Pose, tuple[Floats, ...]]] = {}
+        self._met: dict[str, tuple[tuple[Pose, SpatialPose | None], tuple[Floats, ...]]] = {}
 
-    def measure(self, name: str, pose: Pose) -> npt.NDArray[np.float32]:
+    def measure(
+        self, name: str, pose: Pose, lean: SpatialPose | None = None
+    ) -> npt.NDArray[np.float32]:
         """Range of each sensor of a group from its origin [m], shape (n,); inf: nothing there.
 
         A robot that stands casts no rays again.
+
+        Args:
+            name: The group.
+            pose: The robot's pose, seen from above.
+            lean: The same in space, from which the sensors meet the ground; None: they do not.
         """
         group, sensors = self._groups[name]
         known = self._met.get(name)
-        if known is None or known[0] != pose:
+        if known is None or known[0] != (pose, lean):
             obstacles = _within(self._obstacles, pose, group.reach())
-            known = self._met[name] = pose, sensors.look(obstacles, pose)
+            met = sensors.look(obstacles, pose)
+            if lean is not None and self._ground is not None:
+                met = np.minimum(met[0], self._to_ground(name, self._ground, lean)), *met[1:]
+            known = self._met[name] = (pose, lean), met
         ranges = sensors.ranges(known[1]).astype(np.float32)
         ranges.flags.writeable = False  # many read it
         return ranges
+
+    def _to_ground(self, name: str, ground: HeightField, lean: SpatialPose) -> Floats:
+        """Distance of the ground before each sensor of a group [m], inf for none.
+
+        A sonar measures the nearest part of its cone that sends sound back.
+        """
+        place, beams = self._beams.groups[name], self._beams
+        is_sonar = beams.kind[place][0] == RangeKind.SONAR
+        opening = float(beams.opening[place][0]) / 2 if is_sonar else 0.0
+        aside = np.linspace(-opening, opening, _RAYS_PER_CONE if is_sonar else 1)
+        bearing = (beams.bearing[place][:, None] + aside).ravel()
+        elevation = beams.elevation[place].repeat(len(aside))
+        level = np.cos(elevation)
+        rotation = lean.rotation()
+        rays = rotation @ (np.cos(bearing) * level, np.sin(bearing) * level, np.sin(elevation))
+        axes = rays[:, len(aside) // 2 :: len(aside)]
+        mounts = rotation @ (beams.x[place], beams.y[place], beams.z[place])
+        mounts += axes * beams.ring[place] + np.array([[lean.x], [lean.y], [lean.z]])
+        reach = float(beams.farthest[place][0] - beams.ring[place][0])
+        distance = ground_echoes(
+            ground,
+            mounts.T.repeat(len(aside), axis=0),
+            rays.T,
+            reach,
+            SONAR_INCIDENCE if is_sonar else math.pi / 2,
+        )
+        nearest: Floats = distance.reshape(-1, len(aside)).min(axis=1)
+        return nearest
 
 
 class _Sonars:

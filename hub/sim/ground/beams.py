@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from hub.sim.ground.elements import Floats
 from hub.sim.ground.height_field import HeightField
 
-SQUARE_ENOUGH = math.radians(25.0)
-"""A smooth surface that sound meets at a larger angle than this sends no echo back [rad]."""
 _STEP = 0.8
 """Distance between samples of a beam, in cells of the height map."""
+_SAMPLES = 5
+"""Samples of a stretch of a beam, which is shorter than a block."""
+_STRETCHES = 4
+"""Stretches that are sampled together."""
+_BLOCK = 8
+"""Side of a block [cells]."""
 _TINY = 1e-9
 
 
@@ -21,9 +27,12 @@ def ground_echoes(
     origins: Floats,
     directions: Floats,
     farthest: float,
-    incidence: float = SQUARE_ENOUGH,
+    incidence: float,
 ) -> Floats:
-    """Ranges to the ground that come back [m], inf for none, shape (n,); see `ground_hits`."""
+    """Ranges to the ground that come back [m], inf for none, shape (n,); see `ground_hits`.
+
+    At a larger angle to the normal than `incidence` [rad] a surface sends no echo back.
+    """
     distance, squareness = ground_hits(field, origins, directions, farthest)
     return np.where(squareness >= math.cos(incidence), distance, np.inf)
 
@@ -43,15 +52,9 @@ def ground_hits(
         Distance to the hit [m], inf for none; cosine of the angle between the beam and the normal
         of the surface there, 0 for none; each of shape (n,).
     """
-    ways = np.arange(1, math.ceil(farthest / (_STEP * field.cell)) + 1) * (_STEP * field.cell)
-    x, y, z = (origins[:, axis, None] + directions[:, axis, None] * ways for axis in range(3))
-    # A deck is ground for beams from above it; its lower side is a box's.
-    above = origins[:, 2, None]
-    below = z <= field.heights_at(x, y, above)
-    first = below.argmax(axis=1)
-    beams = np.arange(len(origins))
-    hit = below[beams, first]
-    far = ways[first]
+    far = _first_below(field, origins, directions, farthest)
+    hit = np.isfinite(far)
+    far = np.where(hit, far, 0.0)
     near = far - _STEP * field.cell
     point = origins + directions * far[:, None]
     cells = field.cells(point[:, 0], point[:, 1])
@@ -69,9 +72,70 @@ def ground_hits(
     return np.where(hit, distance, np.inf), np.where(hit, squareness, 0.0)
 
 
-def _tiles(
-    field: HeightField, cells: np.ndarray[tuple[int], np.dtype[np.intp]], above: Floats
-) -> tuple[Floats, Floats]:
+def _first_below(
+    field: HeightField, origins: Floats, directions: Floats, farthest: float
+) -> Floats:
+    """Distance of the first sample of each beam that is below ground [m], inf for none.
+
+    Only stretches of a beam are sampled that are lower than the highest ground around them.
+    """
+    fine = _STEP * field.cell
+    stretch = _SAMPLES * fine
+    starts = np.arange(math.ceil(farthest / stretch)) * stretch
+    x, y, z = (origins[:, axis, None] + directions[:, axis, None] * starts for axis in range(3))
+    lowest = z + np.minimum(directions[:, 2, None], 0.0) * stretch
+    maybe = lowest <= _highest_around(field)[_blocks_at(field, x, y)]
+    numbers = np.arange(len(starts))
+    samples = np.arange(1, _SAMPLES * _STRETCHES + 1) * fine
+    found = np.full(len(origins), np.inf)
+    beams = np.flatnonzero(maybe.any(axis=1))
+    first = maybe[beams].argmax(axis=1)
+    while len(beams):
+        ways = starts[first][:, None] + samples
+        x, y, z = (
+            origins[beams, axis, None] + directions[beams, axis, None] * ways for axis in range(3)
+        )
+        # A deck is ground for beams from above it; its lower side is a box's.
+        below = z <= field.heights_at(x, y, origins[beams, 2, None])
+        hits = below.any(axis=1)
+        found[beams[hits]] = ways[hits, below[hits].argmax(axis=1)]
+        beams, first = beams[~hits], first[~hits]
+        later = maybe[beams] & (numbers >= (first + _STRETCHES)[:, None])
+        beams, first = beams[later.any(axis=1)], later.argmax(axis=1)[later.any(axis=1)]
+    return found
+
+
+@functools.lru_cache(maxsize=4)
+def _highest_around(field: HeightField) -> npt.NDArray[np.float32]:
+    """The highest ground in each block of the map and in the blocks around it [m]."""
+    tops = field.heights + (np.abs(field.east) + np.abs(field.north)) * field.cell / 2
+    if field.decks is not None:
+        tops = np.maximum(tops, np.where(np.isfinite(field.decks), field.decks, 0.0))
+    rows, columns = (-count % _BLOCK for count in tops.shape)
+    tops = np.pad(tops, ((0, rows), (0, columns)), mode="edge")
+    whole = tops.reshape(tops.shape[0] // _BLOCK, _BLOCK, -1, _BLOCK).max(axis=(1, 3))
+    wide = np.pad(whole, 1, mode="edge")
+    around = [
+        wide[row : row + whole.shape[0], column : column + whole.shape[1]]
+        for row in range(3)
+        for column in range(3)
+    ]
+    highest: npt.NDArray[np.float32] = np.max(around, axis=0)
+    return highest
+
+
+def _blocks_at(
+    field: HeightField, x: Floats, y: Floats
+) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Row and column of the blocks at points, the nearest for points beyond the map."""
+    rows, columns = _highest_around(field).shape
+    side = _BLOCK * field.cell
+    row = np.floor((y - field.origin[1]) / side).clip(0, rows - 1).astype(np.intp)
+    column = np.floor((x - field.origin[0]) / side).clip(0, columns - 1).astype(np.intp)
+    return row, column
+
+
+def _tiles(field: HeightField, cells: npt.NDArray[np.intp], above: Floats) -> tuple[Floats, Floats]:
     """A point on each tile [m] and its normal, each of shape (n, 3)."""
     columns = field.heights.shape[1]
     east, north = (part.take(cells).astype(np.float64) for part in (field.east, field.north))
