@@ -126,7 +126,7 @@ def watched(link: RobotLink) -> tuple[list[Seen], RobotState]:
     """What a console shows once the link is known."""
     link.start()
     with closing(link):
-        link.want_pictures(SIZE)
+        link.want_pictures({"": SIZE})
         until(lambda: link.state.picture is not None, 30.0, lambda: repr(link.state.link))
         drawn(link, SETTLE_S)
         seen, state = drawn(link, SECONDS)

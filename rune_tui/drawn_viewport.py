@@ -20,6 +20,7 @@ from rune_tui.compositor.blend import Layer
 from rune_tui.controls.events import Hit
 from rune_tui.layout.placing import Area
 from rune_tui.layout.spec import PlaceSpec, ViewportSpec
+from rune_tui.model.cameras import MAIN, camera_of
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
@@ -154,7 +155,12 @@ class DrawnViewport:
             place=shown,
             robot=robot.name if robot is not None else "",
             in_picture=in_picture,
+            camera=self.camera(robot, state) if robot is not None else MAIN,
         )
+
+    def camera(self, robot: RobotState, state: ConsoleState) -> str:
+        """The camera that the viewport shows; the main one if its visualizer names none."""
+        return camera_of(getattr(self.visualizer, "camera", MAIN), robot, state)
 
     def _drawn(self, robot: RobotState, state: ConsoleState) -> Canvas:
         canvas = Canvas.blank(self.place.width, self.place.height, scale=self.scale)

@@ -156,7 +156,7 @@ class EffectRunner:
         sizes = self._current.view.picture_sizes(self._state())
         wishes = self._current.console.wishes
         for name, link in self._links.items():
-            link.want_pictures(sizes.get(name), wishes.get(name))
+            link.want_pictures(sizes.get(name, {}), wishes.get(name))
 
     def _change(self, effect: StateEffect) -> None:
         current = self._current

@@ -52,14 +52,14 @@ def take(
     )
     sizes = view.picture_sizes(state)
     for name, link in links.items():
-        link.want_pictures(sizes.get(name))
+        link.want_pictures(sizes.get(name, {}))
         link.start()
     try:
         end = time.monotonic() + seconds
         while (now := time.monotonic()) < end or (now < end + _EXTRA_S and _waits(links, sizes)):
             for link in links.values():
-                if link.state.picture is not None:
-                    link.shown(link.state.picture.number)
+                for camera, picture in link.state.all_pictures.items():
+                    link.shown(picture.number, camera)
             time.sleep(_POLL_S)
         robots = {name: link.state for name, link in links.items()}
         state = dataclasses.replace(state, now=time.monotonic(), robots=robots)

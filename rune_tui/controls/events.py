@@ -23,6 +23,7 @@ class Hit:
         robot: The robot that it shows; empty: none.
         in_picture: The place in the camera's picture, if the viewport shows it: distances from its
             left and upper edges, as shares of its width and height, 0 to 1.
+        camera: The camera of that picture; empty: the main one.
     """
 
     viewport: str
@@ -31,6 +32,7 @@ class Hit:
     place: WorldPoint | None = None
     robot: str = ""
     in_picture: tuple[float, float] | None = None
+    camera: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

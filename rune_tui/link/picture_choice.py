@@ -81,8 +81,14 @@ class PictureChoice:
         interval: Shortest time between two pictures [s].
     """
 
-    def __init__(self) -> None:
+    def __init__(self, camera: str = "") -> None:
+        """Begin.
+
+        Args:
+            camera: Name of the camera; empty: the main one.
+        """
         self.interval = 0.0
+        self._camera = camera
         self._files = [ImageCoding.WEBP, ImageCoding.JPEG]
         self._mean: dict[int, float] = {}
         self._bars: dict[int, tuple[float, float]] = {}
@@ -111,6 +117,7 @@ class PictureChoice:
             height_px=height,
             quality=wish.quality,
             coding=ImageCoding.RLE if wish.coding is None else wish.coding,
+            camera=self._camera,
         )
         step = STEPS[self._at]
         if wish.coding is None and not step.exact and not near:

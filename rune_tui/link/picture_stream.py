@@ -21,6 +21,7 @@ class PictureStream:
         self,
         client: Client,
         *,
+        camera: str = "",
         take: Callable[[vision.Image, MessageInfo], int],
         fail: Callable[[str], None],
         clock: Callable[[], float],
@@ -29,6 +30,7 @@ class PictureStream:
 
         Args:
             client: The client that asks.
+            camera: Name of the camera; empty: the main one.
             take: Gets each picture, and returns its number for `shown`.
             fail: Gets in words why there is none; empty when there is one.
             clock: Monotonic time [s].
@@ -36,7 +38,7 @@ class PictureStream:
         self._client = client
         self._clock = clock
         self._take = take
-        self._choice = PictureChoice()
+        self._choice = PictureChoice(camera)
         self._size: tuple[int, int] | None = None
         self._wish = PictureWish()
         self._wanted = False

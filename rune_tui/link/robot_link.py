@@ -11,7 +11,7 @@ import os
 import threading
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -36,11 +36,11 @@ from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.publish_rights import may_publish
 from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.layout.spec import RobotSpec
+from rune_tui.link.camera_streams import CameraStreams
 from rune_tui.link.control_line import ControlLine
 from rune_tui.link.map_stream import MapStream
 from rune_tui.link.mission_line import MissionLine
 from rune_tui.link.pad_line import PadLine
-from rune_tui.link.picture_stream import PictureStream
 from rune_tui.link.pictures import picture_of
 from rune_tui.link.streams import Streams
 from rune_tui.link.traffic import Traffic
@@ -110,6 +110,7 @@ class RobotLink:
         self._owner = 0
         self._traffic, self._counted = Traffic(clock()), clock()
         self._tap: Tap | None = None
+        self._wished: tuple[Mapping[str, tuple[int, int]], PictureWish | None] | None = None
         self._faults: set[tuple[type, object]] = set()
         self._control: ControlLine | None = None
         self._mission: MissionLine | None = None
@@ -126,7 +127,7 @@ class RobotLink:
             may_command=own_keys is None or may_publish(own_keys.role, VELOCITY_COMMAND.name),
         )
         self._state = RobotState(name=spec.name, link=link)
-        self._pictures = PictureStream(
+        self._pictures = CameraStreams(
             self._client, take=self._take_picture, fail=self._no_picture, clock=clock
         )
         self._maps = MapStream(self._client, self._take_map, clock)
@@ -208,13 +209,27 @@ class RobotLink:
         if tap is not None:
             tap(definition, value, measured)
 
-    def want_pictures(self, size: tuple[int, int] | None, wish: PictureWish | None = None) -> None:
-        """Ask for pictures of this width and height [pixels], None for none, and of this kind."""
-        self._pictures.want(size, wish)
+    def want_pictures(
+        self, sizes: Mapping[str, tuple[int, int]], wish: PictureWish | None = None
+    ) -> None:
+        """Ask each of these cameras for pictures of its width and height [pixels]."""
+        if (sizes, wish) != self._wished:
+            self._wished = sizes, wish
+            self._client.post(lambda: self._want_pictures(sizes, wish))
 
-    def shown(self, number: int) -> None:
-        """The picture of this number is on the screen; see `Requester.handled`."""
-        self._pictures.shown(number)
+    def shown(self, number: int, camera: str = "") -> None:
+        """The picture of this number, of this camera, is on the screen; see `Requester.handled`."""
+        self._pictures.shown(number, camera)
+
+    def _want_pictures(
+        self, sizes: Mapping[str, tuple[int, int]], wish: PictureWish | None
+    ) -> None:
+        """Ask these cameras, and forget the pictures of others: they would only grow old."""
+        self._pictures.want(sizes, wish)
+        if sizes:
+            kept = {name: each for name, each in self._state.pictures.items() if name in sizes}
+            picture = self._state.picture if "" in sizes else None
+            self._state = self._state.with_(picture=picture, pictures=kept)
 
     def _adopt(self, spec: RobotSpec) -> None:
         """Set a layout's wants."""
@@ -355,11 +370,18 @@ class RobotLink:
             )
         self._counted = now
 
-    def _take_picture(self, image: vision.Image, reception: MessageInfo) -> int:
+    def _take_picture(self, camera: str, image: vision.Image, reception: MessageInfo) -> int:
         self._traffic.add(image.data.size)
         self.record(vision.IMAGE, image, reception.measured)
         received = self.received(picture_of(image), reception)
-        self._state = self._state.with_(picture=received)
+        wanted = self._pictures.wanted
+        if wanted and camera not in wanted:
+            return received.number  # asked before the choice of another camera
+        if camera:
+            pictures = {**self._state.pictures, camera: received}
+            self._state = self._state.with_(pictures=pictures)
+        else:
+            self._state = self._state.with_(picture=received)
         return received.number
 
     def _no_picture(self, why: str) -> None:

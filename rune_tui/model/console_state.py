@@ -117,6 +117,7 @@ class ConsoleState:
         places: Viewports that have a place at this size, and whether each is shown by default.
         zooms: Zoom of each viewport, relative to its layout, by name.
         wishes: The requested kind of pictures, by the robot's name.
+        cameras: The camera that the operator chose, by robot; default: the main one.
         night: Robots with night mode on, by name.
         speed_limits: Share of its speed at which each robot is driven, 0 to 1; default: 1.
         theme: The colours.
@@ -154,6 +155,7 @@ class ConsoleState:
     places: Mapping[str, bool] = field(default_factory=dict)
     zooms: Mapping[str, float] = field(default_factory=dict)
     wishes: Mapping[str, PictureWish] = field(default_factory=dict)
+    cameras: Mapping[str, str] = field(default_factory=dict)
     night: frozenset[str] = frozenset()
     speed_limits: Mapping[str, float] = field(default_factory=dict)
     theme: Theme = DARK
@@ -250,6 +252,7 @@ def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
         full=state.full if state.full in viewports else "",
         zooms={name: zoom for name, zoom in state.zooms.items() if name in viewports},
         wishes={name: wish for name, wish in state.wishes.items() if name in robots},
+        cameras={name: each for name, each in state.cameras.items() if name in robots},
         night=state.night & robots,
         speed_limits={name: limit for name, limit in state.speed_limits.items() if name in robots},
         trouble="",

@@ -301,6 +301,17 @@ class WishPictures(RobotEffect):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ChooseCamera(RobotEffect):
+    """Show another camera of a robot, where the layout has the camera `*`.
+
+    Attributes:
+        camera: Its name; empty: the main one.
+    """
+
+    camera: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LimitSpeed(RobotEffect):
     """Drive a robot with no more than a share of its speed.
 
@@ -441,6 +452,7 @@ StateEffect = (
     | ChooseRobot
     | Zoom
     | WishPictures
+    | ChooseCamera
     | ToggleNight
     | MarksWaiting
     | LimitSpeed

@@ -53,10 +53,11 @@ class PictureGeometry:
         height: Height of the picture [px].
         half_width: Tangent of half the field of view from left to right.
         half_height: Tangent of half the field of view from top to bottom.
-        pan: Angle from straight ahead [rad], positive left.
+        pan: Angle from the robot's straight ahead [rad], positive left.
         tilt: Angle from the horizontal [rad], positive up.
         mount_forward: Camera ahead of the robot's centre [m].
         mount_height: Camera above the ground [m].
+        mount_left: Camera to the left of the robot's centre [m].
     """
 
     left: float
@@ -69,6 +70,7 @@ class PictureGeometry:
     tilt: float
     mount_forward: float
     mount_height: float
+    mount_left: float = 0.0
 
     @classmethod
     def of(cls, camera: CameraState, width_px: int, height_px: int) -> Self | None:
@@ -80,7 +82,9 @@ class PictureGeometry:
             width_px: Width of the picture.
             height_px: Height of the picture.
         """
-        numbers = (camera.pan, camera.tilt, camera.mount_forward, camera.mount_height)
+        pan = camera.pan + camera.mount_yaw
+        mount = (camera.mount_forward, camera.mount_left, camera.mount_height)
+        numbers = (pan, camera.tilt, *mount)
         usable = _NARROWEST < camera.horizontal_fov < math.pi and width_px > 0 < height_px
         if not usable or not all(map(math.isfinite, numbers)) or camera.mount_height <= 0.0:
             return None
@@ -92,15 +96,21 @@ class PictureGeometry:
             height=height_px,
             half_width=half_width,
             half_height=half_width * height_px / width_px,
-            pan=camera.pan,
+            pan=pan,
             tilt=camera.tilt,
             mount_forward=camera.mount_forward,
             mount_height=camera.mount_height,
+            mount_left=camera.mount_left,
         )
 
     def shown(self, left: float, top: float, width: float, height: float) -> Self:
         """The same picture drawn into another rectangle [px], for instance of a canvas."""
         return dataclasses.replace(self, left=left, top=top, width=width, height=height)
+
+    @property
+    def mount(self) -> tuple[float, float]:
+        """The camera's place ahead and to the left of the robot's centre [m]."""
+        return self.mount_forward, self.mount_left
 
     @property
     def horizon(self) -> float:
@@ -128,7 +138,7 @@ class PictureGeometry:
         cos, sin = math.cos(self.pan), math.sin(self.pan)
         points = np.stack((ahead * cos - left * sin, ahead * sin + left * cos), axis=-1)
         points *= reach[..., None]
-        points[..., 0] += self.mount_forward
+        points += self.mount
         return GroundPoints(points=points, on_ground=on_ground)
 
     def ground_point(self, x: float, y: float) -> tuple[float, float] | None:
@@ -188,7 +198,7 @@ class PictureGeometry:
             Along the optical axis, to the left and up in the picture [m], shape (..., 3).
         """
         x, y = np.moveaxis(np.asarray(points, np.float64), -1, 0)
-        x = x - self.mount_forward
+        x, y = x - self.mount_forward, y - self.mount_left
         cos, sin = math.cos(self.pan), math.sin(self.pan)
         down = np.broadcast_to(np.asarray(heights, np.float64) - self.mount_height, np.shape(x))
         return self._tilted(x * cos + y * sin, y * cos - x * sin, down)

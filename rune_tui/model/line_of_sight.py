@@ -95,7 +95,7 @@ def place_of_pixel(
     floor = geometry.mount_height / -drop if drop < 0.0 else math.inf
     floor = floor if geometry.ground_point(*pixel) is not None else math.inf
     pixel_m = 2.0 * geometry.half_width / geometry.width * coarse
-    obstacle = _obstacle(geometry.mount_forward, bearing, min(floor, FARTHEST_M), pixel_m, around)
+    obstacle = _obstacle(geometry.mount, bearing, min(floor, FARTHEST_M), pixel_m, around)
     if obstacle is not None and obstacle.way < floor - _AT_FOOT_M:
         way, off, source = obstacle.way, obstacle.off, obstacle.source
         height = geometry.mount_height + way * drop
@@ -111,7 +111,8 @@ def place_of_pixel(
             DistanceSource.FLOOR,
         )
         height = 0.0
-    ahead, left = geometry.mount_forward + way * math.cos(bearing), way * math.sin(bearing)
+    ahead = geometry.mount_forward + way * math.cos(bearing)
+    left = geometry.mount_left + way * math.sin(bearing)
     x, y = around.pose.to_map((ahead, left)).tolist()
     away = math.hypot(ahead, left)
     pose_off = math.hypot(around.position_off, around.heading_off * away)
@@ -125,28 +126,30 @@ def place_of_pixel(
     )
 
 
-def hidden(place: WorldPoint, pose: Pose, camera_forward: float, grid: OccupancyMap | None) -> bool:
+def hidden(
+    place: WorldPoint, pose: Pose, camera: tuple[float, float], grid: OccupancyMap | None
+) -> bool:
     """Whether a wall of the map hides a place in `map` from a camera."""
     if grid is None:
         return False
     ahead, left = pose.from_map((place.x, place.y)).tolist()
-    ahead -= camera_forward
+    ahead, left = ahead - camera[0], left - camera[1]
     far, bearing = math.hypot(ahead, left), math.atan2(left, ahead)
-    line = _cells(camera_forward, bearing, far, pose, grid)
+    line = _cells(camera, bearing, far, pose, grid)
     occupied = np.flatnonzero(line >= OCCUPIED)
     return bool(len(occupied)) and occupied[0] * _step(grid) < far - 2.0 * _AT_FOOT_M
 
 
 def _obstacle(
-    forward: float, bearing: float, reach: float, pixel_m: float, around: Surroundings
+    camera: tuple[float, float], bearing: float, reach: float, pixel_m: float, around: Surroundings
 ) -> _Obstacle | None:
     """The first obstacle on a line from the camera."""
-    narrow, wide = _hits(forward, bearing, around.ranges)
+    narrow, wide = _hits(camera, bearing, around.ranges)
     if narrow is not None and narrow.way < reach:
         return narrow
     mapped, free = None, 0.0
     if around.grid is not None:
-        line = _cells(forward, bearing, reach, around.pose, around.grid)
+        line = _cells(camera, bearing, reach, around.pose, around.grid)
         step = _step(around.grid)
         occupied = np.flatnonzero(line >= OCCUPIED)
         if len(occupied):
@@ -163,7 +166,7 @@ def _obstacle(
 
 
 def _hits(
-    forward: float, bearing: float, ranges: RobotRanges | None
+    camera: tuple[float, float], bearing: float, ranges: RobotRanges | None
 ) -> tuple[_Obstacle | None, _Obstacle | None]:
     """The nearest hit of a narrow beam and the nearest echo of a wide one along a line, if any.
 
@@ -175,7 +178,7 @@ def _hits(
     of, beams = ranges.of, ranges.of.beams
     radius = np.hypot(ranges.x - beams.x, ranges.y - beams.y)
     ahead, left = math.cos(bearing), math.sin(bearing)
-    from_x, from_y = forward - beams.x, -beams.y
+    from_x, from_y = camera[0] - beams.x, camera[1] - beams.y
     along = from_x * ahead + from_y * left
     room = radius**2 - from_x**2 - from_y**2 + along**2
     way = np.maximum(0.0, np.sqrt(np.maximum(room, 0.0)) - along)
@@ -201,12 +204,12 @@ def _step(grid: OccupancyMap) -> float:
 
 
 def _cells(
-    forward: float, bearing: float, reach: float, pose: Pose, grid: OccupancyMap
+    camera: tuple[float, float], bearing: float, reach: float, pose: Pose, grid: OccupancyMap
 ) -> npt.NDArray[np.int8]:
     """The map's values along a line from the camera, one each step; -1 outside of the map."""
     ways = np.arange(max(1, math.ceil(min(reach, FARTHEST_M) / _step(grid)))) * _step(grid)
     points = pose.to_map(
-        np.stack((forward + ways * math.cos(bearing), ways * math.sin(bearing)), axis=1)
+        np.stack((ways * math.cos(bearing), ways * math.sin(bearing)), axis=1) + camera
     )
     corner = np.array((grid.origin_x, grid.origin_y))
     columns, rows = np.floor((points - corner) / grid.resolution).astype(np.int64).T

@@ -172,7 +172,8 @@ class RobotState:
     Attributes:
         name: Its role: the robot's name in the layout.
         link: The state of the connection.
-        picture: Newest camera image.
+        picture: Newest image of the main camera.
+        pictures: Newest image of each other camera that is shown, by the camera's name.
         map: Newest map.
         messages: The newest of each other message, by its name.
     """
@@ -180,12 +181,18 @@ class RobotState:
     name: str
     link: LinkState
     picture: Received[Picture] | None = None
+    pictures: Mapping[str, Received[Picture]] = field(default_factory=dict)
     map: Received[OccupancyMap] | None = None
     messages: Mapping[str, Received[Any]] = field(default_factory=dict)
 
     def newest(self, definition: MessageDefinition[T]) -> Received[T] | None:
         """The newest message of a kind; None: none arrived, or no viewport uses it."""
         return self.messages.get(definition.name)
+
+    @property
+    def all_pictures(self) -> Mapping[str, Received[Picture]]:
+        """The newest image of each camera, by its name; the main one's is empty."""
+        return self.pictures if self.picture is None else {"": self.picture, **self.pictures}
 
     @property
     def body(self) -> RobotBody | None:
@@ -206,7 +213,7 @@ class RobotState:
 
     @property
     def camera(self) -> Received[CameraState] | None:
-        """Newest state of the camera."""
+        """Newest state of the main camera."""
         return self.newest(CAMERA_STATE)
 
     def with_(self, **changes: Any) -> RobotState:  # noqa: ANN401 - the fields have several types

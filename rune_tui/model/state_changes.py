@@ -10,6 +10,7 @@ from rune_tui.model.console_state import MOST_NOTICES, ConsoleState
 from rune_tui.model.effects import (
     SPEED_LIMITS,
     AskToLeave,
+    ChooseCamera,
     ChooseRobot,
     CoverEffect,
     FillView,
@@ -50,7 +51,7 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
             zoom = state.zooms.get(name, 1.0) * factor if factor > 0.0 else 1.0
             zoom = min(MOST_ZOOM, max(LEAST_ZOOM, zoom))
             return dataclasses.replace(state, zooms=_with(state.zooms, name, zoom))
-        case WishPictures() | ToggleNight() | LimitSpeed() | ShowGhost():
+        case WishPictures() | ChooseCamera() | ToggleNight() | LimitSpeed() | ShowGhost():
             return _of_robot(state, effect)
         case MarksWaiting(source=source, robot=name, count=count, overdue=overdue):
             return dataclasses.replace(
@@ -86,12 +87,15 @@ def _covered(state: ConsoleState, effect: CoverEffect) -> ConsoleState:
 
 
 def _of_robot(
-    state: ConsoleState, effect: WishPictures | ToggleNight | LimitSpeed | ShowGhost
+    state: ConsoleState,
+    effect: WishPictures | ChooseCamera | ToggleNight | LimitSpeed | ShowGhost,
 ) -> ConsoleState:
     """The state after an effect on one robot."""
     match effect:
         case WishPictures(robot=name, wish=wish):
             return dataclasses.replace(state, wishes=_with(state.wishes, name, wish))
+        case ChooseCamera(robot=name, camera=camera):
+            return dataclasses.replace(state, cameras=_with(state.cameras, name, camera))
         case ToggleNight(robot=name, on=on):
             wanted = name not in state.night if on is None else on
             night = state.night | {name} if wanted else state.night - {name}

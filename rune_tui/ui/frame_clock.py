@@ -60,8 +60,8 @@ class FrameClock:
             self._drawing = False
         self._painter.paint(state.now, cells, view.pictures, view.urgencies)
         for name, robot in state.robots.items():
-            if robot.picture is not None:
-                self._links[name].shown(robot.picture.number)
+            for camera, picture in robot.all_pictures.items():
+                self._links[name].shown(picture.number, camera)
 
     async def answered(self, event: FrameAnswered) -> None:
         """Draw the next frame at once, as the terminal shows the last one."""

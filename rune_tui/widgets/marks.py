@@ -12,6 +12,7 @@ from hub.gcm.mapping import POINT_COMMAND, InterestPoint, PointCommand, PointKin
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section, TextOption
 from rune_tui.layout.spec import WidgetSpec
+from rune_tui.model.cameras import seen_by
 from rune_tui.model.console_state import ConsoleState, Ghost
 from rune_tui.model.effects import Effect, ShowGhost
 from rune_tui.model.robot_state import RobotState
@@ -143,7 +144,8 @@ def _same(ghost: WorldPoint, place: WorldPoint) -> bool:
 def picture_at(event: ControlEvent, robot: RobotState) -> npt.NDArray[np.uint8]:
     """A small picture of the clicked place, a JPEG file; empty: it was not in the video."""
     for hit in event.hits:
-        if hit.robot == robot.name and hit.in_picture is not None and robot.picture is not None:
-            pixels = robot.picture.value.pixels
+        picture = seen_by(robot, hit.camera).picture
+        if hit.robot == robot.name and hit.in_picture is not None and picture is not None:
+            pixels = picture.value.pixels
             return thumbnail(pixels, hit.in_picture) if pixels.size else _NO_PICTURE
     return _NO_PICTURE

@@ -7,10 +7,14 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
+from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import HandlerRule, NumberOption, Section
+from rune_tui.layout.spec import CHOSEN, EventSpec
+from rune_tui.model.cameras import CAMERA_OPTION, camera_of
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, SendEffect
 from rune_tui.widgets.stepping import SteppingWidget
-from rune_tui.widgets.widget import EffectWidget
+from rune_tui.widgets.widget import PressWidget
 
 _PAN = NumberOption(
     default=5.0, least=0.1, most=90.0, unit="deg", meaning="turn a press, to the left"
@@ -28,13 +32,13 @@ class _AdjustCamera(SteppingWidget):
 
     moves: ClassVar[Mapping[str, tuple[str, str]]]
 
-    def step(self, value: float, control: str) -> Effect:
+    def step(self, value: float, control: str, state: ConsoleState) -> Effect:
         """One command: the size of a step times the value."""
         member, option = self.moves[control]
         size = self.spec.options.number(option)
         step = math.radians(size) if option.endswith("_deg") else size
         amount: dict[str, Any] = {member: step * value}
-        command = CameraCommand(**amount)
+        command = CameraCommand(**amount, camera=_commanded_camera(self, state))
         return SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=command)
 
 
@@ -45,7 +49,7 @@ class AdjustPan(_AdjustCamera):
         section=Section.LOOK,
         says={"": "Look {direction}"},
         meaning="Turns the camera by steps while held; positive is left.",
-        options={"step_deg": _PAN},
+        options={"step_deg": _PAN, "camera": CAMERA_OPTION},
         sends=("GCM_Camera_Command",),
         words={"": ("left", "right")},
     )
@@ -59,7 +63,7 @@ class AdjustTilt(_AdjustCamera):
         section=Section.LOOK,
         says={"": "Look {direction}"},
         meaning="Tilts the camera by steps while held; positive is up.",
-        options={"step_deg": _TILT},
+        options={"step_deg": _TILT, "camera": CAMERA_OPTION},
         sends=("GCM_Camera_Command",),
         words={"": ("up", "down")},
     )
@@ -77,7 +81,7 @@ class AdjustPanTilt(_AdjustCamera):
             "`tilt` is up."
         ),
         controls=("pan", "tilt"),
-        options={"pan_deg": _PAN, "tilt_deg": _TILT},
+        options={"pan_deg": _PAN, "tilt_deg": _TILT, "camera": CAMERA_OPTION},
         sends=("GCM_Camera_Command",),
         words={"pan": ("left", "right"), "tilt": ("up", "down")},
         plane=("pan", "tilt"),
@@ -95,7 +99,8 @@ class AdjustZoom(_AdjustCamera):
         options={
             "step": NumberOption(
                 default=0.05, least=0.001, most=1.0, unit="", meaning="change a press, of 0 to 1"
-            )
+            ),
+            "camera": CAMERA_OPTION,
         },
         sends=("GCM_Camera_Command",),
         words={"": ("closer", "wider")},
@@ -103,17 +108,28 @@ class AdjustZoom(_AdjustCamera):
     moves: ClassVar = {"": ("zoom", "step")}
 
 
-class HomePTZ(EffectWidget):
+class HomePTZ(PressWidget):
     """Sends the camera home: straight ahead, wide."""
 
     rule: ClassVar = HandlerRule(
         section=Section.LOOK,
         says={"": "Look straight ahead, wide"},
         meaning="Sends the camera straight ahead, wide.",
+        options={"camera": CAMERA_OPTION},
         sends=("GCM_Camera_Command",),
     )
 
-    def effect(self) -> Effect:
+    def press(
+        self, _event: ControlEvent, _event_spec: EventSpec, state: ConsoleState
+    ) -> tuple[Effect, ...]:
         """One command."""
-        home = CameraCommand(motion=CameraMotion.HOME)
-        return SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=home)
+        home = CameraCommand(motion=CameraMotion.HOME, camera=_commanded_camera(self, state))
+        return (SendEffect(robot=self.robot, definition=CAMERA_COMMAND, value=home),)
+
+
+def _commanded_camera(widget: PressWidget, state: ConsoleState) -> str:
+    """The camera that a widget moves; empty: the main one."""
+    robot, option = state.robot(widget.robot), widget.spec.options.word("camera")
+    if robot is None:
+        return "" if option == CHOSEN else option
+    return camera_of(option, robot, state)

@@ -16,7 +16,7 @@ from rune_tui.widgets.marks import SetLandmark, SetVictim
 from rune_tui.widgets.mission import Mission
 from rune_tui.widgets.orders import Autonomy, GoTo, Safety
 from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoom, HomePTZ
-from rune_tui.widgets.seeing import Headlight, SetImageRequest, ToggleNightMode
+from rune_tui.widgets.seeing import ChooseCameraWidget, Headlight, SetImageRequest, ToggleNightMode
 from rune_tui.widgets.session import Calibrate, NextLayout, Quit, RecordWidget, Screenshot
 from rune_tui.widgets.showing import (
     ChooseRobotWidget,
@@ -48,6 +48,7 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetAdjustPanTilt": AdjustPanTilt,
     "widgetAdjustZoom": AdjustZoom,
     "widgetHomePTZ": HomePTZ,
+    "widgetChooseCamera": ChooseCameraWidget,
     "widgetSetImageRequest": SetImageRequest,
     "widgetToggleNightMode": ToggleNightMode,
     "widgetHeadlight": Headlight,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
+from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.vision import (
     CAMERA_STATE,
     NIGHT_COMMAND,
@@ -12,9 +13,18 @@ from hub.gcm.vision import (
     ImageKind,
     NightCommand,
 )
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section, TextOption
+from rune_tui.layout.spec import CHOSEN
+from rune_tui.model.cameras import camera_names, camera_of, unknown_camera
 from rune_tui.model.console_state import ConsoleState, PictureWish
-from rune_tui.model.effects import Effect, Notify, SendEffect, ToggleNight, WishPictures
+from rune_tui.model.effects import (
+    ChooseCamera,
+    Effect,
+    Notify,
+    SendEffect,
+    ToggleNight,
+    WishPictures,
+)
 from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.robot_state import RobotState
 from rune_tui.widgets.widget import OrderWidget
@@ -77,6 +87,35 @@ class SetImageRequest(OrderWidget):
         if state.wishes.get(robot.name) == wish:
             wish = PictureWish()
         return (WishPictures(robot=robot.name, wish=wish),)
+
+
+class ChooseCameraWidget(OrderWidget):
+    """Shows another camera of the robot."""
+
+    rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Camera: {camera}"},
+        meaning="Shows another camera of the robot in viewports with the camera `*`.",
+        options={
+            "camera": TextOption(longest=100, meaning="name of the camera; empty: the next one")
+        },
+        uses=(ROBOT_DESCRIPTION.name,),
+    )
+
+    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
+        """The camera, or why it cannot be shown."""
+        names = camera_names(robot)
+        wanted = self.spec.options.word("camera")
+        if why := unknown_camera(wanted, robot):
+            return (Notify.now(state, why, robot=robot.name),)
+        if not wanted:
+            if len(names) < 2:
+                text = f"{robot.title} describes no other camera"
+                return (Notify.now(state, text, robot=robot.name),)
+            now = camera_of(CHOSEN, robot, state) or names[0]
+            number = names.index(now) + 1 if now in names else 0
+            wanted = names[number % len(names)]
+        return (ChooseCamera(robot=robot.name, camera=wanted),)
 
 
 class ToggleNightMode(OrderWidget):

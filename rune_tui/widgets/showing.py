@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section, TextOption
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
     ChooseRobot,
     Effect,
@@ -87,7 +88,7 @@ class ZoomMap(SteppingWidget):
         words={"": ("larger", "smaller")},
     )
 
-    def step(self, value: float, _control: str) -> Effect:
+    def step(self, value: float, _control: str, _state: ConsoleState) -> Effect:
         """The factor to the power of the value; 0 restores the layout's scale."""
         factor = self.spec.options.number("factor") ** value if value else 0.0
         return Zoom(viewport=_viewport(self), factor=factor)

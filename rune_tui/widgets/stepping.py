@@ -37,7 +37,7 @@ class SteppingWidget(PressWidget):
         """The held controls of joysticks, with the size of a step and the time of the next."""
 
     @abstractmethod
-    def step(self, value: float, control: str) -> Effect:
+    def step(self, value: float, control: str, state: ConsoleState) -> Effect:
         """Effects of a step; its value is 1 for a press, unless the layout sets another."""
 
     def handle(
@@ -57,10 +57,10 @@ class SteppingWidget(PressWidget):
         return super().handle(event, event_spec, state)
 
     def press(
-        self, event: ControlEvent, event_spec: EventSpec, _state: ConsoleState
+        self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """One step."""
-        return (self.step(_value(event, event_spec), event_spec.control),)
+        return (self.step(_value(event, event_spec), event_spec.control, state),)
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """The due steps of held input."""
@@ -71,7 +71,7 @@ class SteppingWidget(PressWidget):
                 # Counted on from when it was due, so that jitter does not lower the rate.
                 then = due if late < _PERIOD_S else state.now
                 self._held[event_spec] = value, then + _PERIOD_S
-                effects.append(self.step(value, event_spec.control))
+                effects.append(self.step(value, event_spec.control, state))
         return tuple(effects)
 
     def release(self, _state: ConsoleState) -> tuple[Effect, ...]:

@@ -167,8 +167,8 @@ def test_for_quadrants_the_camera_shows_more_and_all_else_stays() -> None:
     assert not seen[~video].any()
     assert (more.pixels == usual.pixels)[~video.repeat(2, axis=0)].all()
     state = dataclasses.replace(STATE, robots=robots)
-    assert halves.picture_sizes(state) == {"magellan": (128, 96)}
-    assert quadrants.picture_sizes(state) == {"magellan": (256, 192)}
+    assert halves.picture_sizes(state) == {"magellan": {"": (128, 96)}}
+    assert quadrants.picture_sizes(state) == {"magellan": {"": (256, 192)}}
 
 
 @pytest.mark.parametrize("theme", THEMES.values(), ids=str)
@@ -291,9 +291,9 @@ def test_the_picture_size_is_the_largest_shown_of_each_robot() -> None:
     screen = View(layout_of(spec))
     screen.resize(160, 48)
     state = dataclasses.replace(STATE, robots={"magellan": robot(), "blimp": robot("blimp")})
-    assert screen.picture_sizes(state) == {"magellan": (80, 60), "blimp": (16, 12)}
+    assert screen.picture_sizes(state) == {"magellan": {"": (80, 60)}, "blimp": {"": (16, 12)}}
     screen.resize(80, 24)
-    assert screen.picture_sizes(state)["magellan"] == (40, 30)
+    assert screen.picture_sizes(state)["magellan"] == {"": (40, 30)}
 
 
 @given(st.text(), st.text(), st.lists(st.text(), max_size=3), st.integers(1, 60))
@@ -343,8 +343,8 @@ def test_a_viewport_that_fills_the_view_gets_larger_pictures_and_leaves_room_for
     full = dataclasses.replace(usual, full="visualizeCameraImage")
     before = shown.render(usual)
     assert before is not None
-    assert shown.picture_sizes(usual) == {"magellan": (50, 38)}
-    assert shown.picture_sizes(full) == {"magellan": (48, 36)}
+    assert shown.picture_sizes(usual) == {"magellan": {"": (50, 38)}}
+    assert shown.picture_sizes(full) == {"magellan": {"": (48, 36)}}
     cells = shown.render(full)
     assert cells is not None
     assert not cells.glyphs[:18].any()

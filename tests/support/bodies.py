@@ -1,4 +1,4 @@
-"""A body unlike the Magellan: a long car with a laser, one sonar, and sensors at its edges."""
+"""A body unlike the Magellan: a long car with a laser, one sonar, and two cameras."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.body import BodyFrame, Bumper, Point32, RangeGroup, RangeKind, RobotBody
+from hub.gcm.body import BodyFrame, Bumper, CameraBody, Point32, RangeGroup, RangeKind, RobotBody
 from hub.gcm.ranges import RangeReadings, scan_of
 
 CAR = RobotBody(
@@ -35,6 +35,10 @@ CAR = RobotBody(
         RangeGroup(name="front", kind=RangeKind.SONAR, opening=math.radians(30.0), farthest=4.0),
         RangeGroup(name="side", kind=RangeKind.INFRARED, farthest=1.5),
         RangeGroup(name="down", kind=RangeKind.LASER, farthest=2.0),
+    ),
+    cameras=(
+        CameraBody(name="front", horizontal_fov=0.8),
+        CameraBody(name="rear", horizontal_fov=1.2),
     ),
     bumpers=(
         Bumper(name="front", direction=0.0, width=0.9),

@@ -54,7 +54,7 @@ def draw_cone(
     canvas: Canvas, window: MapWindow, pose: Pose, camera: CameraState, theme: Theme
 ) -> None:
     """The camera's view, as a glow on the ground; walls stay unchanged."""
-    middle, half = camera.pan, camera.horizontal_fov / 2.0
+    middle, half = camera.pan + camera.mount_yaw, camera.horizontal_fov / 2.0
     if not (math.isfinite(middle) and 0.0 < half < math.pi):
         return
     sides = np.linspace(middle - half, middle + half, _CONE_STEPS)

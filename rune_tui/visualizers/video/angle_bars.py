@@ -6,10 +6,13 @@ import enum
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Hashable
-from typing import ClassVar
+from typing import ClassVar, Self
 
+from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.vision import CameraState
 from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.cameras import CAMERA_OPTION, MAIN, camera_of, seen_by
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -17,7 +20,6 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.staleness import age_look, draw_age
-from rune_tui.visualizers.visualizer import PlainVisualizer
 
 
 class Direction(enum.Enum):
@@ -27,12 +29,20 @@ class Direction(enum.Enum):
     UPWARD = "upward"
 
 
-class AngleBar(PlainVisualizer, ABC):
+class AngleBar(ABC):
     """Draws one angle of the camera; clear without one."""
 
     whole_cells: ClassVar[bool] = False
     urgency: ClassVar[Urgency] = Urgency.DRIVE
     direction: ClassVar[Direction]
+
+    def __init__(self, camera: str = MAIN) -> None:
+        self.camera = camera
+
+    @classmethod
+    def from_spec(cls, spec: VisualizerSpec) -> Self:
+        """The visualizer that a layout asks for."""
+        return cls(spec.options.word("camera"))
 
     @staticmethod
     @abstractmethod
@@ -41,6 +51,7 @@ class AngleBar(PlainVisualizer, ABC):
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the newest angle."""
+        robot = seen_by(robot, camera_of(self.camera, robot, state))
         if robot.camera is None:
             canvas.fill(state.theme.panel)
             return
@@ -57,6 +68,7 @@ class AngleBar(PlainVisualizer, ABC):
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the angle, the field of view and the fading of their age."""
+        robot = seen_by(robot, camera_of(self.camera, robot, state))
         if robot.camera is None:
             return state.theme.name
         look = age_look(robot.camera, state.now)
@@ -69,6 +81,8 @@ class PanData(AngleBar):
     rule: ClassVar = VisualizerRule(
         meaning="where the camera looks from left to right, as a bar as wide as its field of view",
         message="GCM_CameraState",
+        others=(ROBOT_DESCRIPTION.name,),
+        options={"camera": CAMERA_OPTION},
     )
     direction = Direction.ACROSS
 
@@ -84,6 +98,8 @@ class TiltData(AngleBar):
     rule: ClassVar = VisualizerRule(
         meaning="the same, up and down",
         message="GCM_CameraState",
+        others=(ROBOT_DESCRIPTION.name,),
+        options={"camera": CAMERA_OPTION},
     )
     direction = Direction.UPWARD
 

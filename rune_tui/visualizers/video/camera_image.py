@@ -7,11 +7,20 @@ import math
 from collections.abc import Hashable
 from typing import ClassVar, Final, Self
 
+from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.ranges import RANGES
 from hub.gcm.vision import CameraState
 from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
+from rune_tui.model.cameras import (
+    CAMERA_OPTION,
+    MAIN,
+    camera_of,
+    camera_title,
+    seen_by,
+    unknown_camera,
+)
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.line_of_sight import Surroundings, place_of_pixel
@@ -47,11 +56,13 @@ class CameraImage:
         crosshair: Whether to mark its middle, and to write the camera's direction if it is not
             ahead.
         aside_deg: Least angle for these words.
+        camera: The camera, as `CAMERA_OPTION` says.
     """
 
     fit: str = FIT
     crosshair: bool = False
     aside_deg: float = _ASIDE_DEG
+    camera: str = MAIN
 
     rule: ClassVar = VisualizerRule(
         pictures=True,
@@ -59,6 +70,7 @@ class CameraImage:
         draws_over=True,
         meaning="the camera's picture",
         message="GCM_Common_Image",
+        others=(ROBOT_DESCRIPTION.name,),
         option=NumberOption(
             default=0.0,
             least=0.0,
@@ -68,6 +80,7 @@ class CameraImage:
         ),
         options={
             "fit": FIT_OPTION,
+            "camera": CAMERA_OPTION,
             "crosshair": ChoiceOption(
                 default="off",
                 choices=("off", "on"),
@@ -85,11 +98,14 @@ class CameraImage:
             fit=spec.options.word("fit"),
             crosshair=spec.options.word("crosshair") == "on",
             aside_deg=spec.option if spec.option > 0.0 else _ASIDE_DEG,
+            camera=spec.options.word("camera"),
         )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Draw the picture, its age and the link's trouble."""
-        trouble = _explanation(robot, state.now)
+        """Draw the picture, its camera's name, its age and the link's trouble."""
+        camera = camera_of(self.camera, robot, state)
+        robot = seen_by(robot, camera)
+        trouble = _explanation(robot, camera, state.now)
         if robot.picture is None or not robot.picture.value.pixels.size:
             canvas.fill(state.theme.panel)
         else:
@@ -104,18 +120,22 @@ class CameraImage:
             if self.crosshair:
                 _mark_middle(canvas, frame, state.theme)
                 self._write_direction(canvas, picture.camera, state.theme)
+            _write_name(canvas, camera_title(camera, robot), state.theme)
             mark_age(canvas, age, state.theme)
         if trouble:
             write_notice(canvas, trouble, state.theme)
 
     def draw_over(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the marks and the ghost again: the operator must see a mark to confirm it."""
+        robot = seen_by(robot, camera_of(self.camera, robot, state))
         if robot.picture is not None and robot.picture.value.pixels.size:
             self._draw_marks(canvas, robot, robot.picture.value, state)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the picture, the drawing of its age, and the words."""
-        words = _explanation(robot, state.now)
+        camera = camera_of(self.camera, robot, state)
+        robot = seen_by(robot, camera)
+        words = _explanation(robot, camera, state.now), camera_title(camera, robot)
         if robot.picture is None:
             return words, state.theme.name
         look = age_look(robot.picture, state.now)
@@ -133,6 +153,7 @@ class CameraImage:
         state: ConsoleState,
     ) -> tuple[float, float] | None:
         """Place in the camera's picture of a viewport's pixel; None beside the picture."""
+        robot = seen_by(robot, camera_of(self.camera, robot, state))
         if robot.picture is None or not robot.picture.value.pixels.size:
             return None
         return self._frame(robot.picture.value, size, state).shares(pixel)
@@ -148,7 +169,9 @@ class CameraImage:
 
         Also None beside the picture, and if the robot's pose is not known.
         """
-        if robot.picture is None or self.in_picture(pixel, size, robot, state) is None:
+        inside = self.in_picture(pixel, size, robot, state) is not None
+        robot = seen_by(robot, camera_of(self.camera, robot, state))
+        if robot.picture is None or not inside:
             return None
         picture = robot.picture.value
         rows, columns = picture.pixels.shape[:2]
@@ -225,11 +248,22 @@ def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:
                 pen.rectangle(x, y + first, x + 1, y + end, colour)
 
 
-def _explanation(robot: RobotState, now: float) -> str:
+def _write_name(canvas: Canvas, name: str, theme: Theme) -> None:
+    """The camera's name in the upper left corner."""
+    shown = f" {name} "[: canvas.width] if name else ""
+    with drawing(canvas) as pen:
+        pen.rectangle(0, 0, len(shown), 2, theme.panel)
+    canvas.text(0, 0, shown, theme.ink)
+
+
+def _explanation(robot: RobotState, camera: str, now: float) -> str:
     """Why there is no picture; the banner reports a lost link."""
     if robot.picture is not None:
         return ""
     trouble = link_trouble(robot, now)
+    if not trouble and (unknown := unknown_camera(camera, robot)):
+        return unknown
     if not trouble:
-        trouble = f"waiting for the first picture from {robot.title}"
+        whose = f"camera {camera} of {robot.title}" if camera else robot.title
+        trouble = f"waiting for the first picture from {whose}"
     return f"{trouble}; {robot.link.detail}" if trouble and robot.link.detail else trouble

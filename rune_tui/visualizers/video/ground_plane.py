@@ -15,6 +15,7 @@ from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.body import largest_radius
+from rune_tui.model.cameras import CAMERA_OPTION, MAIN, camera_of, seen_by
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.covered_ground import covered, covers_of, uncovered
 from rune_tui.model.geometry import PictureGeometry
@@ -88,6 +89,7 @@ class GroundPlane:
         rings: Whether lines are circles around the robot, not a grid along its axes.
         braking: Guaranteed deceleration of the robot [m/s^2].
         fit: Fit of the picture under it, one of the choices of `FIT_OPTION`.
+        camera: The camera of the picture under it, as `CAMERA_OPTION` says.
     """
 
     spacing: float
@@ -95,6 +97,7 @@ class GroundPlane:
     rings: bool
     braking: float
     fit: str = FIT
+    camera: str = MAIN
 
     rule: ClassVar = VisualizerRule(
         meaning="lines on the ground at known distances, the horizon, and the ground that the "
@@ -111,6 +114,7 @@ class GroundPlane:
         ),
         options={
             "fit": FIT_OPTION,
+            "camera": CAMERA_OPTION,
             "farthest": NumberOption(
                 default=5.0, least=0.5, most=20.0, unit="m", meaning="where the last line is"
             ),
@@ -142,10 +146,12 @@ class GroundPlane:
             rings=spec.options.word("lines") == "rings",
             braking=spec.options.number("braking"),
             fit=spec.options.word("fit"),
+            camera=spec.options.word("camera"),
         )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the lines as seen by the picture's camera, once there is one."""
+        robot = seen_by(robot, camera_of(self.camera, robot, state))
         ground = _Ground.of(robot)
         if ground is None:
             return
@@ -175,6 +181,7 @@ class GroundPlane:
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the camera's state, the path ahead, and the drawing of their ages."""
+        robot = seen_by(robot, camera_of(self.camera, robot, state))
         ground = _Ground.of(robot)
         if ground is None:
             return state.theme.name

@@ -43,7 +43,7 @@ def draw_marks(
     grid = robot.map.value if robot.map is not None else None
     for mark, pixel, away in _in_picture(robot, geometry, pose):
         place = WorldPoint(x=mark.x, y=mark.y, uncertainty=mark.uncertainty, height=mark.height)
-        if not hidden(place, pose, geometry.mount_forward, grid):
+        if not hidden(place, pose, geometry.mount, grid):
             word, ink = mark_word(mark, state.theme)
             write_at(canvas, pixel, f"{word} {away:.1f} m", ink, state.theme)
     ghost = state.ghosts.get(robot.name)

@@ -248,14 +248,17 @@ def _camera(robot: RobotState, now: float) -> Iterator[Part]:
 
 
 def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """The age of the picture on the screen, if it matters."""
-    if robot.picture is None or robot.link.phase is not LinkPhase.CONNECTED:
+    """The age of the oldest picture on the screen, if it matters."""
+    pictures = robot.all_pictures
+    if not pictures or robot.link.phase is not LinkPhase.CONNECTED:
         return
-    age = robot.picture.age(state.now) + state.latency
+    camera = min(pictures, key=lambda name: pictures[name].measured)
+    age = pictures[camera].age(state.now) + state.latency
+    whose = f"{camera} " if camera else ""
     if age > ALARM_AFTER_S:
-        yield Part(f"PICTURE {age_text(age)} OLD", 8, Severity.ALARM)
+        yield Part(f"{whose.upper()}PICTURE {age_text(age)} OLD", 8, Severity.ALARM)
     elif age > MENTION_AFTER_S:
-        yield Part(f"picture {age_text(age)} old", 5)
+        yield Part(f"{whose}picture {age_text(age)} old", 5)
 
 
 def _joysticks(state: ConsoleState) -> Iterator[Part]:

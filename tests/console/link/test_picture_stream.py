@@ -38,7 +38,7 @@ class Robot:
         pixels = np.zeros((request.height_px, request.width_px, 3), np.uint8)
         data = code(pixels, request.coding, request.quality)
         return Image(
-            camera=camera_state(),
+            camera=camera_state(name=request.camera),
             coding=request.coding,
             width_px=request.width_px,
             height_px=request.height_px,
@@ -90,7 +90,7 @@ def test_the_first_picture_comes_in_the_best_coding_that_the_robot_has(
 ) -> None:
     better = {ImageCoding.WEBP: 0, ImageCoding.JPEG: 1, ImageCoding.RLE: 2}
     robot.codings = frozenset(each for each in better if better[each] >= better[coding])
-    link.want_pictures((32, 24))
+    link.want_pictures({"": (32, 24)})
     wait(lambda: link.state.picture is not None)
     assert [each.coding for each in robot.asked[: better[coding] + 1]] == [*better][
         : better[coding] + 1
@@ -105,7 +105,7 @@ def test_the_first_picture_comes_in_the_best_coding_that_the_robot_has(
 def test_the_next_is_asked_for_only_when_the_last_is_shown(
     robot: Robot, link: RobotLink, wait: Callable[..., None]
 ) -> None:
-    link.want_pictures((32, 24))
+    link.want_pictures({"": (32, 24)})
     wait(lambda: link.state.picture is not None)
     for _ in range(50):
         robot.serve()
@@ -120,7 +120,7 @@ def test_the_next_is_asked_for_only_when_the_last_is_shown(
 def test_what_the_layout_asks_for_is_asked_for(
     robot: Robot, link: RobotLink, wait: Callable[..., None]
 ) -> None:
-    link.want_pictures((32, 24), PictureWish(coding=ImageCoding.RAW, quality=7))
+    link.want_pictures({"": (32, 24)}, PictureWish(coding=ImageCoding.RAW, quality=7))
     wait(lambda: link.state.picture is not None)
     # It asks again where an answer takes long.
     asked = ImageRequest(width_px=32, height_px=24, quality=7, coding=ImageCoding.RAW)
@@ -131,6 +131,36 @@ def test_on_the_robots_own_machine_pictures_are_run_lengths_from_the_first(
     robot: Robot, make_link: Callable[..., RobotLink], wait: Callable[..., None]
 ) -> None:
     link = make_link(near=True)
-    link.want_pictures((32, 24))
+    link.want_pictures({"": (32, 24)})
     wait(lambda: link.state.picture is not None)
     assert set(robot.asked) == {ImageRequest(width_px=32, height_px=24)}
+
+
+def test_pictures_of_each_shown_camera_are_kept_by_its_name(
+    robot: Robot, link: RobotLink, wait: Callable[..., None]
+) -> None:
+    link.want_pictures({"": (32, 24), "rear": (16, 12)})
+    wait(lambda: link.state.picture is not None and "rear" in link.state.pictures)
+    rear = link.state.pictures["rear"]
+    assert rear.value.camera.name == "rear"
+    assert rear.value.pixels.shape == (12, 16, 3)
+    wait(lambda: link.state.link.pictures is not None)
+    asked = len([each for each in robot.asked if each.camera == "rear"])
+    link.shown(rear.number, "rear")
+    wait(lambda: len([each for each in robot.asked if each.camera == "rear"]) > asked)
+
+
+def test_a_camera_that_is_not_shown_any_more_is_not_asked_and_its_picture_is_forgotten(
+    robot: Robot, link: RobotLink, wait: Callable[..., None]
+) -> None:
+    link.want_pictures({"": (32, 24)})
+    wait(lambda: link.state.picture is not None)
+    link.want_pictures({"rear": (32, 24)})
+    wait(lambda: "rear" in link.state.pictures and link.state.picture is None)
+    robot.asked.clear()
+    for _ in range(3):
+        picture = link.state.pictures["rear"]
+        link.shown(picture.number, "rear")
+        wait(lambda picture=picture: link.state.pictures["rear"].number > picture.number)
+    assert {each.camera for each in robot.asked} == {"rear"}
+    assert link.state.picture is None

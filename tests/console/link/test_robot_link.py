@@ -121,7 +121,7 @@ def test_who_may_drive_reads_nothing_of_keys(desk: Desk, role: Role | None) -> N
 
 def test_a_robot_without_pictures_is_not_waited_for_in_silence(desk: Desk) -> None:
     link = desk.link(None)
-    link.want_pictures((64, 48))
+    link.want_pictures({"": (64, 48)})
     until(lambda: "the robot sends no pictures" in desk.screen(link), 10.0)
 
 

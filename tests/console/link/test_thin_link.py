@@ -119,7 +119,7 @@ def test_on_a_link_that_broadcasts_would_fill_pictures_and_states_stay_live(
                 fresh.clear()
         return len(fresh) >= 10
 
-    link.want_pictures((160, 96))
+    link.want_pictures({"": (160, 96)})
     until(live, 40.0, lambda: f"ages are {fresh}: {link.state.link}")
     # Each came by half a round trip at most another way than it is taken to have come.
     now = link.state

@@ -175,7 +175,7 @@ def test_any_pixel_from_anywhere_is_a_place_that_the_camera_sees_there_or_none(
 
 def test_a_mark_behind_a_wall_of_the_map_is_hidden_and_one_at_it_is_not() -> None:
     def is_hidden(x: float) -> bool:
-        return hidden(WorldPoint(x=x, y=0.0, uncertainty=0.1), HERE, 0.0, wall())
+        return hidden(WorldPoint(x=x, y=0.0, uncertainty=0.1), HERE, (0.0, 0.0), wall())
 
     assert [is_hidden(x) for x in (1.0, WALL_M + 0.1, 3.0)] == [False, False, True]
-    assert not hidden(WorldPoint(x=9.0, y=0.0, uncertainty=0.1), HERE, 0.0, None)
+    assert not hidden(WorldPoint(x=9.0, y=0.0, uncertainty=0.1), HERE, (0.0, 0.0), None)

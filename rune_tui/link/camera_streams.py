@@ -1,0 +1,100 @@
+"""The pictures of all cameras of one robot: only of those that viewports show."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Mapping
+
+from hub.gcm import vision
+from hub.ipc.client import Client
+from hub.ipc.message_info import MessageInfo
+from rune_tui.link.picture_stream import PictureStream
+from rune_tui.model.console_state import PictureWish
+from rune_tui.model.robot_state import PictureFlow
+
+
+class CameraStreams:
+    """Used by the link's thread; `shown` by any other. Cameras are named as in requests."""
+
+    def __init__(
+        self,
+        client: Client,
+        *,
+        take: Callable[[str, vision.Image, MessageInfo], int],
+        fail: Callable[[str], None],
+        clock: Callable[[], float],
+    ) -> None:
+        """Ask for nothing yet.
+
+        Args:
+            client: The client that asks.
+            take: Gets each picture after its camera's name, and returns its number for `shown`.
+            fail: Gets in words why there is none; empty when all cameras answer.
+            clock: Monotonic time [s].
+        """
+        self._client = client
+        self._take = take
+        self._fail = fail
+        self._clock = clock
+        self._interval: float | None = None
+        self._streams: dict[str, PictureStream] = {}
+        self._faults: dict[str, str] = {}
+        self._wanted: frozenset[str] = frozenset()
+
+    @property
+    def wanted(self) -> frozenset[str]:
+        """The cameras that are asked for pictures."""
+        return self._wanted
+
+    @property
+    def round_trip(self) -> float:
+        """Delay of the newest picture [s]; NaN before the first."""
+        delays = (self._streams[name].round_trip for name in sorted(self._wanted))
+        return next((delay for delay in delays if not math.isnan(delay)), math.nan)
+
+    def follow(self, interval: float | None) -> None:
+        """Ask each camera no more often than every `interval` [s]; None: not at all."""
+        self._interval = interval
+        for stream in self._streams.values():
+            stream.follow(interval)
+
+    def want(self, sizes: Mapping[str, tuple[int, int]], wish: PictureWish | None) -> None:
+        """Ask each of these cameras for pictures of its width and height [pixels]."""
+        self._wanted = frozenset(sizes)
+        for name in sizes.keys() - self._streams.keys():
+            self._streams[name] = stream = PictureStream(
+                self._client,
+                camera=name,
+                take=functools.partial(self._take, name),
+                fail=functools.partial(self._note, name),
+                clock=self._clock,
+            )
+            stream.follow(self._interval)
+        for name, stream in self._streams.items():
+            stream.want(sizes.get(name), wish)
+        for name in self._faults.keys() - sizes.keys():
+            self._note(name, "")
+
+    def shown(self, number: int, camera: str) -> None:
+        """The picture of this number, of this camera, is on the screen."""
+        stream = self._streams.get(camera)
+        if stream is not None:
+            stream.shown(number)
+
+    def step(self) -> None:
+        """Ask the cameras whose time it is."""
+        for stream in self._streams.values():
+            stream.step()
+
+    def flow(self, seconds: float) -> PictureFlow | None:
+        """Statistics of the pictures of the first wanted camera since the last call."""
+        flows = {name: stream.flow(seconds) for name, stream in self._streams.items()}
+        return next((flows[name] for name in sorted(self._wanted) if flows[name]), None)
+
+    def _note(self, camera: str, why: str) -> None:
+        if why:
+            self._faults[camera] = why
+        else:
+            self._faults.pop(camera, None)
+        self._fail(next(iter(self._faults.values()), ""))
