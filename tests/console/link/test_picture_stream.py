@@ -28,10 +28,12 @@ class Robot:
         self.client = Client("robot", endpoint)
         self.codings = frozenset(ImageCoding)
         self.asked: list[ImageRequest] = []
+        self.before_answer: Callable[[], None] = lambda: None
         self.client.respond(IMAGE_REQUEST, IMAGE, self._answer)
 
     def _answer(self, request: ImageRequest) -> Image:
         self.asked.append(request)
+        self.before_answer()
         if request.coding not in self.codings:
             text = "not this one"
             raise HandlerFailedError(text)
@@ -163,4 +165,14 @@ def test_a_camera_that_is_not_shown_any_more_is_not_asked_and_its_picture_is_for
         link.shown(picture.number, "rear")
         wait(lambda picture=picture: link.state.pictures["rear"].number > picture.number)
     assert {each.camera for each in robot.asked} == {"rear"}
+    assert link.state.picture is None
+
+
+def test_a_picture_that_comes_after_the_choice_of_another_camera_is_not_kept(
+    robot: Robot, link: RobotLink, wait: Callable[..., None]
+) -> None:
+    robot.before_answer = lambda: link.want_pictures({"rear": (32, 24)})
+    link.want_pictures({"": (32, 24)})
+    wait(lambda: "rear" in link.state.pictures)
+    assert [each.camera for each in robot.asked[:2]] == ["", "rear"]
     assert link.state.picture is None
