@@ -64,6 +64,8 @@ UP: Final = (
             "hub.ipc.node.base_client",
             "hub.ipc.client",
             "rune_tui.link.picture_stream",
+            "rune_tui.link.camera_streams",
+            "rune_tui.link.robot_link",
             "rune_tui.link.pictures",
             "rune_tui.model.robot_state",
             "rune_tui.view",

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
+from typing import TypeAlias
 
 from hub.gcm import vision
 from hub.ipc.client import Client
@@ -13,15 +14,21 @@ from rune_tui.link.picture_stream import PictureStream
 from rune_tui.model.console_state import PictureWish
 from rune_tui.model.robot_state import PictureFlow
 
+Sizes: TypeAlias = Mapping[str, tuple[int, int]]
+"""Width and height [pixels] of the pictures of each camera."""
+
 
 class CameraStreams:
-    """Used by the link's thread; `shown` by any other. Cameras are named as in requests."""
+    """Used by the link's thread; `want` and `shown` by any other.
+
+    Cameras are named as in requests: the main one's name is empty.
+    """
 
     def __init__(
         self,
         client: Client,
-        *,
         take: Callable[[str, vision.Image, MessageInfo], int],
+        keep: Callable[[Set[str]], None],
         fail: Callable[[str], None],
         clock: Callable[[], float],
     ) -> None:
@@ -30,22 +37,21 @@ class CameraStreams:
         Args:
             client: The client that asks.
             take: Gets each picture after its camera's name, and returns its number for `shown`.
+            keep: Gets the shown cameras at each change, unless there are none: the pictures of
+                others are out of date.
             fail: Gets in words why there is none; empty when all cameras answer.
             clock: Monotonic time [s].
         """
         self._client = client
         self._take = take
+        self._keep = keep
         self._fail = fail
         self._clock = clock
         self._interval: float | None = None
         self._streams: dict[str, PictureStream] = {}
         self._faults: dict[str, str] = {}
-        self._wanted: frozenset[str] = frozenset()
-
-    @property
-    def wanted(self) -> frozenset[str]:
-        """The cameras that are asked for pictures."""
-        return self._wanted
+        self._wanted: Sizes = {}
+        self._newest: tuple[Sizes, PictureWish | None] | None = None
 
     @property
     def round_trip(self) -> float:
@@ -59,14 +65,19 @@ class CameraStreams:
         for stream in self._streams.values():
             stream.follow(interval)
 
-    def want(self, sizes: Mapping[str, tuple[int, int]], wish: PictureWish | None) -> None:
+    def want(self, sizes: Sizes, wish: PictureWish | None) -> None:
         """Ask each of these cameras for pictures of its width and height [pixels]."""
-        self._wanted = frozenset(sizes)
+        if (sizes, wish) != self._newest:
+            self._newest = sizes, wish
+            self._client.post(lambda: self._want(sizes, wish))
+
+    def _want(self, sizes: Sizes, wish: PictureWish | None) -> None:
+        self._wanted = sizes
         for name in sizes.keys() - self._streams.keys():
             self._streams[name] = stream = PictureStream(
                 self._client,
                 camera=name,
-                take=functools.partial(self._take, name),
+                take=functools.partial(self._taken, name),
                 fail=functools.partial(self._note, name),
                 clock=self._clock,
             )
@@ -75,6 +86,8 @@ class CameraStreams:
             stream.want(sizes.get(name), wish)
         for name in self._faults.keys() - sizes.keys():
             self._note(name, "")
+        if sizes:
+            self._keep(sizes.keys())
 
     def shown(self, number: int, camera: str) -> None:
         """The picture of this number, of this camera, is on the screen."""
@@ -91,6 +104,11 @@ class CameraStreams:
         """Statistics of the pictures of the first wanted camera since the last call."""
         flows = {name: stream.flow(seconds) for name, stream in self._streams.items()}
         return next((flows[name] for name in sorted(self._wanted) if flows[name]), None)
+
+    def _taken(self, camera: str, image: vision.Image, reception: MessageInfo) -> int:
+        if self._wanted and camera not in self._wanted:
+            return 0  # asked before the choice of another camera
+        return self._take(camera, image, reception)
 
     def _note(self, camera: str, why: str) -> None:
         if why:

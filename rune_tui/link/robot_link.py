@@ -11,7 +11,7 @@ import os
 import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Set
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -36,7 +36,7 @@ from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.publish_rights import may_publish
 from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.layout.spec import RobotSpec
-from rune_tui.link.camera_streams import CameraStreams
+from rune_tui.link.camera_streams import CameraStreams, Sizes
 from rune_tui.link.control_line import ControlLine
 from rune_tui.link.map_stream import MapStream
 from rune_tui.link.mission_line import MissionLine
@@ -106,11 +106,9 @@ class RobotLink:
         """
         self._clock = clock
         self._spec = spec
-        self._numbers = 0
-        self._owner = 0
+        self._numbers = self._owner = 0
         self._traffic, self._counted = Traffic(clock()), clock()
         self._tap: Tap | None = None
-        self._wished: tuple[Mapping[str, tuple[int, int]], PictureWish | None] | None = None
         self._faults: set[tuple[type, object]] = set()
         self._control: ControlLine | None = None
         self._mission: MissionLine | None = None
@@ -128,7 +126,7 @@ class RobotLink:
         )
         self._state = RobotState(name=spec.name, link=link)
         self._pictures = CameraStreams(
-            self._client, take=self._take_picture, fail=self._no_picture, clock=clock
+            self._client, self._take_picture, self._keep_pictures, self._no_picture, clock
         )
         self._maps = MapStream(self._client, self._take_map, clock)
         self._streams = Streams(self._client, self._store, clock)
@@ -209,27 +207,16 @@ class RobotLink:
         if tap is not None:
             tap(definition, value, measured)
 
-    def want_pictures(
-        self, sizes: Mapping[str, tuple[int, int]], wish: PictureWish | None = None
-    ) -> None:
+    def want_pictures(self, sizes: Sizes, wish: PictureWish | None = None) -> None:
         """Ask each of these cameras for pictures of its width and height [pixels]."""
-        if (sizes, wish) != self._wished:
-            self._wished = sizes, wish
-            self._client.post(lambda: self._want_pictures(sizes, wish))
+        self._pictures.want(sizes, wish)
 
     def shown(self, number: int, camera: str = "") -> None:
         """The picture of this number, of this camera, is on the screen; see `Requester.handled`."""
         self._pictures.shown(number, camera)
 
-    def _want_pictures(
-        self, sizes: Mapping[str, tuple[int, int]], wish: PictureWish | None
-    ) -> None:
-        """Ask these cameras, and forget the pictures of others: they would only grow old."""
-        self._pictures.want(sizes, wish)
-        if sizes:
-            kept = {name: each for name, each in self._state.pictures.items() if name in sizes}
-            picture = self._state.picture if "" in sizes else None
-            self._state = self._state.with_(picture=picture, pictures=kept)
+    def _keep_pictures(self, cameras: Set[str]) -> None:
+        self._state = self._state.with_pictures_of(cameras)
 
     def _adopt(self, spec: RobotSpec) -> None:
         """Set a layout's wants."""
@@ -374,14 +361,7 @@ class RobotLink:
         self._traffic.add(image.data.size)
         self.record(vision.IMAGE, image, reception.measured)
         received = self.received(picture_of(image), reception)
-        wanted = self._pictures.wanted
-        if wanted and camera not in wanted:
-            return received.number  # asked before the choice of another camera
-        if camera:
-            pictures = {**self._state.pictures, camera: received}
-            self._state = self._state.with_(pictures=pictures)
-        else:
-            self._state = self._state.with_(picture=received)
+        self._state = self._state.with_picture(camera, received)
         return received.number
 
     def _no_picture(self, why: str) -> None:

@@ -11,7 +11,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import Received, RobotState
 
 MAIN: Final = ""
-"""Name of the main camera for the console, whatever the robot calls it."""
+"""Name of the main camera for the console; the robot may have another for it."""
 
 CAMERA_OPTION: Final = TextOption(
     longest=100,

@@ -6,7 +6,7 @@ import dataclasses
 import enum
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import field
 from typing import Any, Generic, TypeVar
 
@@ -215,6 +215,17 @@ class RobotState:
     def camera(self) -> Received[CameraState] | None:
         """Newest state of the main camera."""
         return self.newest(CAMERA_STATE)
+
+    def with_picture(self, camera: str, picture: Received[Picture]) -> RobotState:
+        """A copy with the newest picture of a camera; the main one's name is empty."""
+        if not camera:
+            return self.with_(picture=picture)
+        return self.with_(pictures={**self.pictures, camera: picture})
+
+    def with_pictures_of(self, cameras: Set[str]) -> RobotState:
+        """A copy without the pictures of other cameras, which would only grow old."""
+        kept = {name: each for name, each in self.pictures.items() if name in cameras}
+        return self.with_(picture=self.picture if "" in cameras else None, pictures=kept)
 
     def with_(self, **changes: Any) -> RobotState:  # noqa: ANN401 - the fields have several types
         """A copy with other values."""

@@ -264,6 +264,6 @@ def _explanation(robot: RobotState, camera: str, now: float) -> str:
     if not trouble and (unknown := unknown_camera(camera, robot)):
         return unknown
     if not trouble:
-        whose = f"camera {camera} of {robot.title}" if camera else robot.title
-        trouble = f"waiting for the first picture from {whose}"
+        source = f"camera {camera} of {robot.title}" if camera else robot.title
+        trouble = f"waiting for the first picture from {source}"
     return f"{trouble}; {robot.link.detail}" if trouble and robot.link.detail else trouble

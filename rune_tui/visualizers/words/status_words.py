@@ -254,11 +254,11 @@ def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         return
     camera = min(pictures, key=lambda name: pictures[name].measured)
     age = pictures[camera].age(state.now) + state.latency
-    whose = f"{camera} " if camera else ""
+    prefix = f"{camera} " if camera else ""
     if age > ALARM_AFTER_S:
-        yield Part(f"{whose.upper()}PICTURE {age_text(age)} OLD", 8, Severity.ALARM)
+        yield Part(f"{prefix.upper()}PICTURE {age_text(age)} OLD", 8, Severity.ALARM)
     elif age > MENTION_AFTER_S:
-        yield Part(f"{whose}picture {age_text(age)} old", 5)
+        yield Part(f"{prefix}picture {age_text(age)} old", 5)
 
 
 def _joysticks(state: ConsoleState) -> Iterator[Part]:
