@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from hub.command_line import ExitCode, login_name, write_completion
+from hub.ipc.endpoints import DEFAULT_ENDPOINT
 from hub.plain_text import plain
-from rune_tui.commands.arguments import DEMO_LAYOUT, parser
+from rune_tui.commands.arguments import AUTO, DEMO_LAYOUT, parser
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import ConsoleError, TunnelError
@@ -55,6 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "run": _run,
         "demo": _demo,
         "check": _check,
+        "layout": _layout,
         "layouts": _layouts,
         "completion": lambda options: write_completion(parser, options.shell),
         "shot": _shot,
@@ -84,14 +86,42 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from contextlib import ExitStack
+
     _need_screen(options.layouts, options.set)
-    source = _source(options.layouts, options.set, watched=options.watch)
-    log = log_to_file()
-    with _tunnels(options, source.layout) as tunnels:
+    with ExitStack() as stack:
+        names = stack.enter_context(_with_auto(options.layouts, options))
+        source = _source(names, options.set, watched=options.watch)
+        log = log_to_file()
+        tunnels = stack.enter_context(_tunnels(options, source.layout))
         links = _links(
             source.layout, _endpoints(options.hub), options.keys, tunnels, options.operator
         )
         return _console(source, links, options, log)
+
+
+def _with_auto(
+    names: Sequence[str], options: argparse.Namespace
+) -> AbstractContextManager[list[str]]:
+    """The names of layouts, with the path of a file that is made in place of the name auto."""
+    from rune_tui.commands.auto import with_file
+
+    if AUTO in names and options.ssh:
+        text = "auto asks the hub itself: on the robot, `rune layout auto -o FILE` makes the file"
+        raise _UsageError(text)
+    hub = (_endpoints(options.hub) or [DEFAULT_ENDPOINT])[0]
+    return with_file(names, hub, options.keys)
+
+
+def _layout(options: argparse.Namespace) -> int:
+    from rune_tui.commands.auto import auto_layout
+
+    text = auto_layout(_endpoints([options.hub])[0], options.keys)
+    if options.output is None:
+        sys.stdout.write(text)
+    else:
+        options.output.write_text(text)
+    return ExitCode.OK
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -113,11 +143,16 @@ def _demo(options: argparse.Namespace) -> int:
             return stack.enter_context(DemoHub(robot, log.path, settings))
 
         hubs = []
-        if layout == DEMO_LAYOUT:  # it has one robot, whose hub starts while the console is loaded
+        if layout in (
+            DEMO_LAYOUT,
+            "auto",
+        ):  # one robot, whose hub starts while the console is loaded
             (robot,), _ = demo_robots(["robot"], arena, options.robot)
             hubs.append(started(robot, arena))
             import rune_tui.app  # noqa: F401
 
+        options.hub, options.ssh, options.keys = [hub.endpoint() for hub in hubs], [], None
+        (layout,) = stack.enter_context(_with_auto([layout], options))
         source = _source([layout], options.set, watched=True)
         roles = [each.name for each in source.layout.robots]
         robots, arena = demo_robots(roles, arena, options.robot)
@@ -194,10 +229,15 @@ def _shot(options: argparse.Namespace) -> int:
     path: Path = options.output
     glyphs = GlyphSet(options.glyphs or GlyphSet.HALF)
     output = PictureFile(path, depth=ColourDepth(options.colors), glyphs=glyphs)
-    layout = _load(options.layout, options.set)
     with ExitStack() as stack:
+        if options.demo and options.layout == AUTO:
+            (robot,), _ = demo_robots([""], "", None)
+            hub = stack.enter_context(DemoHub(robot, log_to_file().path))
+            options.hub = [hub.endpoint()]
+        (name,) = stack.enter_context(_with_auto([options.layout], options))
+        layout = _load(name, options.set)
         hubs = _endpoints(options.hub)
-        if options.demo:
+        if options.demo and not hubs:
             log = log_to_file()
             robots, arena = demo_robots([each.name for each in layout.robots], "", None)
             settings = [f"simulation.arena={arena}"] if arena else []

@@ -30,7 +30,6 @@ class _Entry:
     y: float
     theta: float
     linear: float
-    sway: float
     angular: float
 
 
@@ -42,8 +41,7 @@ class PoseHistory:
 
     def add(self, state: Measured, measured: float) -> None:
         """Add the robot's pose at `measured` [s]; a pose that is not finite is ignored."""
-        pose = state.x, state.y, state.theta
-        values = (measured, *pose, state.linear, state.sway, state.angular)
+        values = (measured, state.x, state.y, state.theta, state.linear, state.angular)
         if not all(map(math.isfinite, values)):
             return
         # A late pose, as from a second navigation, would break the order.
@@ -70,9 +68,8 @@ def _carried_on(entry: _Entry, time: float) -> Pose:
         return UNKNOWN
     middle = entry.theta + entry.angular * ahead / 2.0
     # A chord, which for half a second of a wheeled robot is the arc to a millimetre.
-    x, y = Pose(x=entry.x, y=entry.y, theta=middle).outward(
-        entry.linear * ahead, entry.sway * ahead
-    )
+    x = entry.x + entry.linear * ahead * math.cos(middle)
+    y = entry.y + entry.linear * ahead * math.sin(middle)
     if max(abs(x), abs(y)) > FARTHEST_M:
         return UNKNOWN
     return Pose(x=x, y=y, theta=wrapped(entry.theta + entry.angular * ahead))

@@ -11,6 +11,8 @@ from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 
 DEMO_LAYOUT = "demo"
+AUTO = "auto"
+"""The layout that is made from what the robot's hub describes."""
 _LONGEST_NAME = 64
 
 
@@ -51,7 +53,7 @@ def parser() -> CommandParser:
     )
     parser.add_argument("--version", action=ShowVersion)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    layout_help = "a layout file, or the name of a shipped layout"
+    layout_help = "a layout file, the name of a shipped layout, or auto: made for the robot"
     keys_help = "your key's file, for a hub on another machine"
     hub_help = "HOST, HOST:PORT or tcp://HOST:PORT instead of the layout's; once for each robot"
     ssh_help = "[USER@]HOST[:PORT]: go to the robot's hub through ssh; once for each robot"
@@ -73,7 +75,7 @@ def parser() -> CommandParser:
         "layout",
         nargs="?",
         default=DEMO_LAYOUT,
-        help=f"a layout, or one of the arenas {', '.join(ARENAS)}; default: %(default)s",
+        help=f"a layout, auto, or one of the arenas {', '.join(ARENAS)}; default: %(default)s",
     )
     demo.add_argument(
         "--robot", choices=ROBOTS, help="the simulated robot; default: the one that suits the arena"
@@ -82,6 +84,7 @@ def parser() -> CommandParser:
         "--arena", metavar="ARENA", help="a shipped arena, or the path of one that you wrote"
     )
 
+    _add_layout(commands, keys_help)
     layouts = commands.add_parser("layouts", help="list the layouts that come with Rune")
     layouts.add_argument("--json", action="store_true", help="JSON, one line a layout")
 
@@ -179,3 +182,12 @@ def _add_pad(commands: Commands, keys_help: str) -> None:
         help="for the console of this operator only: the login there, or its own --operator, "
         "not the name of a key; default: for any at this hub",
     )
+
+
+def _add_layout(commands: Commands, keys_help: str) -> None:
+    layout = commands.add_parser("layout", help="make a layout for a robot")
+    tasks = layout.add_subparsers(dest="task", required=True, metavar="TASK")
+    auto = tasks.add_parser("auto", help="from what the robot's hub describes, to be edited")
+    auto.add_argument("--hub", default="127.0.0.1", help="HOST or HOST:PORT (%(default)s)")
+    auto.add_argument("--keys", type=Path, help=keys_help)
+    auto.add_argument("-o", "--output", type=Path, help="the file; default: standard output")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack, closing
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from hub.errors import HandlerFailedError
 from hub.gcm import ranges, vision
 from hub.gcm.beams import beams_of
 from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, RangeKind
+from rune_tui.cli import main
 from tests.system.harness import HubProcess, Observer
 
 _CAMERAS = "front", "rear", "mast"
@@ -91,3 +93,12 @@ def test_each_camera_has_its_own_picture(hub: HubProcess, stack: ExitStack) -> N
     assert ask("").camera.name == "front"
     with pytest.raises(HandlerFailedError, match="no camera 'left'; the robot has front, rear"):
         ask("left")
+
+
+def test_a_layout_is_made_for_it(hub: HubProcess, tmp_path: Path) -> None:
+    path = tmp_path / "carrier.xml"
+    assert main(["layout", "auto", "--hub", hub.endpoint, "-o", str(path)]) == 0
+    assert main(["check", str(path)]) == 0
+    text = path.read_text()
+    assert 'value="rear"' in text
+    assert "visualizeRangeData" in text

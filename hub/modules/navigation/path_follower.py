@@ -86,6 +86,7 @@ class PathFollower:
         self._drift = DriftWatch(self.correction, self._rules)
         self._switch = AssistanceSwitch()
         self._drive: DriveState | None = None
+        self._sway = 0.0
         self._map: Grid | None = None
         self._map_is_whole = False
         self._planned_at = -math.inf
@@ -142,6 +143,7 @@ class PathFollower:
         if self._drive is not None and self.assistance(now) is Assistance.ON:
             given = self._admissible(wanted, self._drive)
         self.held_back = _share_taken(wanted, given, self._limits)
+        self._sway = given.linear.y
         return given
 
     def _admissible(self, wanted: Twist, drive: DriveState) -> Twist:
@@ -149,12 +151,13 @@ class PathFollower:
         surge, sway = wanted.linear.x, wanted.linear.y
         axis = math.atan2(sway, surge) if sway else 0.0
         speed = math.hypot(surge, sway) if sway else surge
-        along, aside = Pose(theta=axis).inward(drive.linear, drive.sway)
+        # No report says how fast it drifts; the last command does.
+        along, aside = Pose(theta=axis).inward(drive.linear, self._sway)
         points = self._obstacles.points(*_odom(drive), self._reach)
-        given, turn = self._window.towards(
+        speed, turn = self._window.towards(
             (along, drive.angular), (speed, wanted.angular.z), points, axis=axis, aside=aside
         )
-        ahead, left = (surge * given / speed, sway * given / speed) if sway else (given, 0.0)
+        ahead, left = (speed * math.cos(axis), speed * math.sin(axis)) if sway else (speed, 0.0)
         return Twist(
             linear=Vector3(x=ahead, y=left, z=wanted.linear.z),
             angular=Vector3(x=wanted.angular.x, y=wanted.angular.y, z=turn),
@@ -162,7 +165,7 @@ class PathFollower:
 
     def rest(self) -> None:
         """Note that no velocity is commanded."""
-        self.held_back = 0.0
+        self.held_back = self._sway = 0.0
 
     def steered(self, now: float) -> Velocity | None:
         """The velocity for the active task [m/s, rad/s]; None: no task is active."""

@@ -203,9 +203,7 @@ class SpeedGovernor:
         """What the body can do of a velocity."""
         limits = [self._limits.get(freedom, 0.0) for freedom in Freedom]
         parts = zip(_parts(twist), limits, strict=True)
-        surge, sway, heave, roll, pitch, yaw = (
-            max(-most, min(most, part)) + 0.0 for part, most in parts
-        )
+        surge, sway, heave, roll, pitch, yaw = (max(-most, min(most, part)) for part, most in parts)
         return Twist(
             linear=Vector3(x=surge, y=sway, z=heave), angular=Vector3(x=roll, y=pitch, z=yaw)
         )

@@ -21,13 +21,6 @@ def test_nothing_is_known_before_the_robot_said_where_it_is() -> None:
     assert history.at(2.0).x == 3.0
 
 
-def test_after_the_newest_pose_its_velocities_go_on() -> None:
-    history = PoseHistory()
-    history.add(robot_state(theta=math.pi / 2.0, linear=0.4, sway=0.2), 10.0)
-    place = history.at(10.1)
-    assert (place.x, place.y) == pytest.approx((-0.02, 0.04))
-
-
 def test_between_two_poses_the_place_is_between_them() -> None:
     history = PoseHistory()
     history.add(robot_state(x=1.0, y=0.0, theta=3.0), 10.0)

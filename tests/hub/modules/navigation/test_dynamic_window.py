@@ -235,16 +235,6 @@ def test_in_a_corridor_a_long_body_turns_only_as_far_as_it_can_stop() -> None:
     assert LONG.towards((0.0, 0.9), (0.0, 1.0), corridor(0.55)) == (0.0, 1.0)
 
 
-def test_a_turn_on_the_spot_can_stop_before_a_post() -> None:
-    away = 0.47
-    met = math.asin(0.2 / away)
-    for gap in np.linspace(0.02, 0.4, 39).tolist():
-        post = points((away * math.cos(met + gap), away * math.sin(met + gap)))
-        rate = LONG.turn((0.0, 1.0), 2.0, post)
-        assert rate * LONG_BODY.reaction + rate * rate / (2.0 * LONG_BODY.angular_braking) <= gap
-    assert rate == 1.0
-
-
 def test_sideways_motion_is_held_back_before_a_wall_beside() -> None:
     left = math.pi / 2.0
     towards = LONG.towards((0.2, 0.0), (0.3, 0.0), wall(0.3, left), axis=left)

@@ -1,0 +1,309 @@
+"""A layout made from what a robot's hub says: its body and its capabilities; pure.
+
+| the robot has | the layout has |
+| --- | --- |
+| a camera | its picture in the large viewport, with the directions of its head |
+| more cameras | small pictures beside it, and a key for the next camera in the large one |
+| range sensors | ranges |
+| a map, autonomy | the map, what it does by itself, and their keys |
+| a degree of freedom | its keys and sticks |
+| motion up and down | attitude and height |
+
+The text is a layout file as people write it, to be edited further.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from xml.sax.saxutils import quoteattr
+
+from hub.gcm.body import Freedom, RobotBody
+from hub.values import dataclass
+from rune_tui.widgets.registry import WIDGETS
+
+_CAPABILITIES = (
+    ("CON_REAL", 0),
+    ("VIS_VID", 66),
+    ("VIS_PTZ", 0),
+    ("VIS_NIGHT", 0),
+    ("NAV_STATE", 0),
+    ("NAV_MOVE", 0),
+    ("NAV_GOAL", 0),
+    ("PRO_MAP", 2000),
+    ("PRO_POINTS", 0),
+    ("AUT_PILOT", 0),
+)
+"""What a console asks of a robot that has it, and how often [ms]; 0: no period."""
+_ALWAYS = ("CON_REAL", "NAV_STATE", "NAV_MOVE")
+"""What every layout asks for: state, motion and stop; a robot without them says so."""
+_MOST_SMALL = 3
+"""Most small pictures beside the large one."""
+_KEYS = {
+    Freedom.SURGE: ("translate", "w", "s", "W S"),
+    Freedom.YAW: ("rotate", "a", "d", "A D"),
+    Freedom.SWAY: ("strafe", ",", ".", "comma, period"),
+    Freedom.HEAVE: ("climb", "pageup", "pagedown", "PageUp, PageDown"),
+}
+"""Control of each degree of freedom, its keys for plus and minus, and their names."""
+_STICKS = {
+    Freedom.SURGE: ("lefty", 1),
+    Freedom.YAW: ("leftx", -1),
+    Freedom.HEAVE: ("righty", 1),
+    Freedom.SWAY: ("rightx", -1),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Panel:
+    """A viewport beside the large one.
+
+    Attributes:
+        name: Its name.
+        rows: Its height in the large arrangement [half rows]; 0: a share of what is left.
+        body: Its visualizer and widgets.
+        title: Its title; empty: none.
+    """
+
+    name: str
+    body: str
+    rows: int = 0
+    title: str = ""
+
+
+def layout_text(body: RobotBody, capabilities: Collection[str], hub: str) -> str:
+    """The layout for a robot.
+
+    Args:
+        body: What its hub describes.
+        capabilities: Names of the capabilities that it has.
+        hub: The hub's endpoint.
+    """
+    panels = [*_panels(body, capabilities)]
+    large, *beside = panels
+    legend = quoteattr(_legend(body, capabilities))
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        f"<!-- Made by `rune layout auto` for {_comment(body.name)}, a {_comment(body.kind)}. -->",
+        '<rune run="1">',
+        f'  <robot name="robot" hub={quoteattr(hub)}>',
+        *_wanted(capabilities),
+        "  </robot>",
+        '  <joystick name="pad"/>',
+        "  <view>",
+        '    <widget handler="widgetQuit"><event key="q"/></widget>',
+        '    <widget handler="widgetHelp"><event key="f1"/><event key="?"/></widget>',
+        '    <widget handler="widgetScreenshot"><event key="f12"/></widget>',
+        '    <widget handler="widgetRecord"><event key="f10"/></widget>',
+        f'    <viewport name="{large.name}">',
+        f"      {large.body}",
+        *(f"      {line}" for line in _controls(body, capabilities)),
+        "    </viewport>",
+    ]
+    for panel in (*beside, *_gauges()):
+        title = f" title={quoteattr(panel.title)}" if panel.title else ""
+        lines.append(f"    <viewport name={quoteattr(panel.name)}{title}>{panel.body}</viewport>")
+    lines += [
+        '    <viewport name="keys" zpos="5">',
+        f'      <visualizer function="visualizeLabel" text={legend}/>',
+        "    </viewport>",
+        '    <viewport name="status" zpos="5"><visualizer function="visualizeStatus"/></viewport>',
+        *_arrangement("wide", (120, 40), (120, 80), 89, large, beside, gauges=True),
+        *_arrangement("small", (80, 24), (80, 48), 55, large, beside, gauges=False),
+        *_tiny(large),
+        "  </view>",
+        "</rune>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _comment(text: str) -> str:
+    return re.sub("-(?=-)", "- ", text)
+
+
+def _wanted(capabilities: Collection[str]) -> Iterator[str]:
+    for name, period in _CAPABILITIES:
+        if name in capabilities or name in _ALWAYS:
+            interval = f' interval_ms="{period}"' if period else ""
+            yield f'    <capability name="{name}"{interval}/>'
+
+
+def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
+    """The large viewport, then those beside it from the top."""
+    cameras = body.cameras if "VIS_VID" in capabilities else ()
+    if cameras:
+        yield _Panel(name="camera", body=_shows("visualizeCameraImage", camera="*"))
+    for number, camera in enumerate(cameras[1 : 1 + _MOST_SMALL], start=2):
+        picture = _shows("visualizeCameraImage", camera=camera.name)
+        yield _Panel(name=f"camera {number}", body=picture, rows=20, title=camera.name.strip())
+    if "PRO_MAP" in capabilities:
+        shown = '<visualizer function="visualizeMapData" option="8"/>'
+        shown += '<widget handler="widgetZoomMap"><event mouse="wheel"/></widget>'
+        if "NAV_GOAL" in capabilities:
+            shown += '<widget handler="widgetGoTo"><event mouse="left"/></widget>'
+        yield _Panel(name="map", body=shown, rows=26, title="map")
+    if body.ranges:
+        shown = '<visualizer function="visualizeRangeData" option="3"/>'
+        yield _Panel(name="range", body=shown, rows=26, title="ranges")
+    if any(motion.freedom is Freedom.HEAVE for motion in body.motions):
+        yield _Panel(name="attitude", body=_shows("visualizeAttitude"), rows=18, title="attitude")
+        yield _Panel(name="height", body=_shows("visualizeDepth"), rows=18, title="height")
+    yield _Panel(name="alarms", body=_shows("visualizeAlarms"), title="problems")
+    if "AUT_PILOT" in capabilities:
+        yield _Panel(name="autonomy", body=_shows("visualizeAutonomy"), title="by itself")
+    yield _Panel(name="log", body=_shows("visualizeEventLog"), title="events")
+
+
+def _gauges() -> Iterator[_Panel]:
+    yield _Panel(name="heading", body=_shows("visualizeHeading"))
+    yield _Panel(name="speed", body=_shows("visualizeSpeed"))
+    yield _Panel(name="battery", body=_shows("visualizeBattery"))
+
+
+def _shows(function: str, **options: str) -> str:
+    if not options:
+        return f'<visualizer function="{function}"/>'
+    inner = "".join(
+        f"<option name={quoteattr(name)} value={quoteattr(value)}/>"
+        for name, value in options.items()
+    )
+    return f'<visualizer function="{function}">{inner}</visualizer>'
+
+
+def _bound(body: RobotBody) -> list[tuple[Freedom, float]]:
+    """The degrees of freedom with keys, and their limits."""
+    known = WIDGETS["widgetSetSpeed"].rule.controls
+    return [
+        (motion.freedom, motion.limit)
+        for motion in body.motions
+        if motion.freedom in _KEYS and _KEYS[motion.freedom][0] in known
+    ]
+
+
+def _controls(body: RobotBody, capabilities: Collection[str]) -> Iterator[str]:
+    """The widgets of the large viewport."""
+    if "NAV_MOVE" in capabilities:
+        yield from _driving(body)
+    yield '<widget handler="widgetStop"><event key="space"/></widget>'
+    yield '<widget handler="widgetStop"><event joystick="pad" button="b"/></widget>'
+    yield '<widget handler="widgetSpeedLimit">'
+    yield '  <event key="]" control="step" value="1"/><event key="[" control="step" value="-1"/>'
+    yield "</widget>"
+    if _looks(body) and "VIS_PTZ" in capabilities:
+        yield from _LOOKING
+    keys = [("widgetTakeControl", "t"), ("widgetReleaseControl", "c")]
+    keys += [("widgetGrantControl", "p"), ("widgetDenyControl", "b")]
+    keys += [("widgetMission", "m")] * ("PRO_POINTS" in capabilities)
+    keys += [("widgetChooseCamera", "v")] * (len(body.cameras) > 1)
+    keys += [("widgetToggleNightMode", "n")] * ("VIS_NIGHT" in capabilities)
+    for handler, key in keys:
+        yield f'<widget handler="{handler}"><event key="{key}"/></widget>'
+    for order, key in (("explore", "e"), ("return", "r")):
+        if "AUT_PILOT" in capabilities:
+            yield f'<widget handler="widgetAutonomy"><option name="order" value="{order}"/>'
+            yield f'  <event key="{key}"/>'
+            yield "</widget>"
+    if "PRO_POINTS" in capabilities and body.cameras:
+        yield '<widget handler="widgetSetVictim"><event mouse="left"/></widget>'
+
+
+_LOOKING = (
+    '<widget handler="widgetAdjustPanTilt"><option name="camera" value="*"/>',
+    '  <event key="j" control="pan" value="1"/><event key="l" control="pan" value="-1"/>',
+    '  <event key="i" control="tilt" value="1"/><event key="k" control="tilt" value="-1"/>',
+    '  <event joystick="pad" axis="rightx" control="pan" value="-1"/>',
+    '  <event joystick="pad" axis="righty" control="tilt" value="1"/>',
+    "</widget>",
+)
+
+
+def _driving(body: RobotBody) -> Iterator[str]:
+    """Keys and sticks of each degree of freedom."""
+    bound = dict(_bound(body))
+    if not bound:
+        return
+    linear = max((bound[each] for each in bound if each < Freedom.ROLL), default=0.5)
+    yield '<widget handler="widgetSetSpeed">'
+    yield f'  <option name="linear" value="{linear:g}"/>'
+    yield f'  <option name="angular" value="{bound.get(Freedom.YAW, 1.0):g}"/>'
+    for freedom in bound:
+        control, plus, minus, _ = _KEYS[freedom]
+        yield f'  <event key="{plus}" control="{control}" value="1"/>'
+        yield f'  <event key="{minus}" control="{control}" value="-1"/>'
+        axis, sign = _STICKS[freedom]
+        if not (_looks(body) and axis.startswith("right")):
+            yield f'  <event joystick="pad" axis="{axis}" control="{control}" value="{sign}"/>'
+    yield "</widget>"
+
+
+def _looks(body: RobotBody) -> bool:
+    """Whether a camera has a head."""
+    return any(each.pan_limit or each.tilt_lowest < each.tilt_highest for each in body.cameras)
+
+
+def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
+    words = {Freedom.SURGE: "drive", Freedom.YAW: "turn", Freedom.SWAY: "sideways"}
+    parts = ["Space STOP"]
+    for freedom, _ in _bound(body):
+        parts.append(f"{_KEYS[freedom][3]} {words.get(freedom, 'up and down')}")
+    if _looks(body) and "VIS_PTZ" in capabilities:
+        parts.append("IJKL look")
+    if len(body.cameras) > 1:
+        parts.append("V camera")
+    parts.append("T control")
+    if "AUT_PILOT" in capabilities:
+        parts.append("E explore")
+    return " · ".join([*parts, "F1 help", "Q quit"])
+
+
+def _arrangement(
+    name: str,
+    least: tuple[int, int],
+    size: tuple[int, int],
+    edge: int,
+    large: _Panel,
+    beside: Sequence[_Panel],
+    *,
+    gauges: bool,
+) -> Iterator[str]:
+    """The places for terminals of at least a size; sizes are columns and half rows."""
+    (columns, rows), (width, height) = least, size
+    bottom = height - 2 - (8 if gauges else 0)
+    extent = f'min-columns="{columns}" min-rows="{rows}" xsize="{width}" ysize="{height}"'
+    yield f'    <arrangement name="{name}" {extent}>'
+    yield _place("keys", 0, 0, width, 2)
+    yield _place(large.name, 0, 2, edge - 1, bottom - 2)
+    top, right = 2, width - edge
+    for panel, share in zip(beside, _heights(beside, height - 4), strict=True):
+        if share >= 4:
+            yield _place(panel.name, edge, top, right, share)
+            top += share
+    if gauges:
+        yield _place("heading", 0, bottom, 40, 6)
+        yield _place("speed", 42, bottom, edge - 43, 4)
+        yield _place("battery", 42, bottom + 4, edge - 43, 2)
+    yield _place("status", 0, height - 2, width, 2)
+    yield "    </arrangement>"
+
+
+def _tiny(large: _Panel) -> Iterator[str]:
+    yield '    <arrangement name="tiny" xsize="40" ysize="24">'
+    yield _place(large.name, 0, 0, 40, 20)
+    yield _place("keys", 0, 20, 40, 2)
+    yield _place("status", 0, 22, 40, 2)
+    yield "    </arrangement>"
+
+
+def _place(name: str, x: int, y: int, width: int, height: int) -> str:
+    where = f'xpos="{x}" ypos="{y}" xsize="{width}" ysize="{height}"'
+    return f"      <place viewport={quoteattr(name)} {where}/>"
+
+
+def _heights(panels: Sequence[_Panel], room: int) -> list[int]:
+    """The height of each panel [half rows], even, in all at most `room`."""
+    fixed = sum(panel.rows for panel in panels)
+    free = sum(1 for panel in panels if not panel.rows)
+    scale = min(1.0, max(0.0, room - 8 * free) / fixed) if fixed else 1.0
+    heights = [int(panel.rows * scale) // 2 * 2 for panel in panels]
+    left = (room - sum(heights)) // max(1, free) // 2 * 2
+    return [height or left for height in heights]

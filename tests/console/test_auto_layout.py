@@ -1,0 +1,86 @@
+"""Layouts that are made from what a hub describes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hub.gcm.body import BodyFrame, CameraBody, Freedom, Motion, RangeGroup, RangeKind, RobotBody
+from hub.gcm.capability import Capability
+from hub.robots.robot_file import SHIPPED, read_description
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.startup.auto_layout import layout_text
+from rune_tui.startup.opening import open_layout
+
+ALL = {capability.value for capability in Capability}
+HUB = "tcp://127.0.0.1:1381"
+
+
+def opened(folder: Path, body: RobotBody, capabilities: set[str]) -> LayoutSpec:
+    path = folder / "auto.xml"
+    path.write_text(layout_text(body, capabilities, HUB))
+    return open_layout(path)
+
+
+def names(layout: LayoutSpec) -> set[str]:
+    return {viewport.name for viewport in layout.view.viewports}
+
+
+@pytest.mark.parametrize("robot", sorted(path.stem for path in SHIPPED.glob("*.toml")))
+def test_each_shipped_robot_has_one(tmp_path: Path, robot: str) -> None:
+    body = read_description(SHIPPED / f"{robot}.toml")[0].body
+    shown = names(opened(tmp_path, body, ALL))
+    assert {"camera", "map", "alarms", "status", "keys"} <= shown
+    assert ("range" in shown) == (robot in {"magellan", "tracked"})
+    assert ("height" in shown) == (robot in {"blimp", "rov"})
+
+
+def test_a_robot_with_nothing_has_words_and_gauges(tmp_path: Path) -> None:
+    shown = names(opened(tmp_path, RobotBody(name="a", kind="b", radius=0.2), {"NAV_STATE"}))
+    assert shown == {"alarms", "log", "heading", "speed", "battery", "keys", "status"}
+
+
+def test_keys_are_those_of_its_degrees_of_freedom() -> None:
+    def text(*freedoms: Freedom) -> str:
+        motions = tuple(Motion(freedom=each, limit=0.4, acceleration=1.0) for each in freedoms)
+        return layout_text(
+            RobotBody(name="a", kind="b", radius=0.2, motions=motions), {"NAV_MOVE"}, HUB
+        )
+
+    assert 'control="rotate"' not in text(Freedom.SURGE)
+    assert 'control="translate"' in text(Freedom.SURGE)
+    assert "widgetSetSpeed" not in text()
+    assert "widgetStop" in text()
+
+
+_NAMES = st.text('ab<&"-é ', min_size=1, max_size=12)
+
+
+@given(
+    name=_NAMES,
+    cameras=st.lists(_NAMES, max_size=6, unique=True),
+    ranges=st.booleans(),
+    freedoms=st.sets(st.sampled_from(Freedom)),
+    capabilities=st.sets(st.sampled_from(sorted(ALL))),
+)
+def test_every_body_has_a_layout_without_mistakes(
+    tmp_path_factory: pytest.TempPathFactory,
+    name: str,
+    cameras: list[str],
+    ranges: bool,  # noqa: FBT001 - hypothesis gives it
+    freedoms: set[Freedom],
+    capabilities: set[str],
+) -> None:
+    body = RobotBody(
+        name=name,
+        kind="simulated-wheels",
+        radius=0.2,
+        motions=tuple(Motion(freedom=each, limit=0.4, acceleration=1.0) for each in freedoms),
+        frames=tuple(BodyFrame(name=each) for each in cameras),
+        ranges=(RangeGroup(name="a", kind=RangeKind.LASER, farthest=1.0),) * ranges,
+        cameras=tuple(CameraBody(name=each, horizontal_fov=1.0) for each in cameras),
+    )
+    opened(tmp_path_factory.mktemp("auto"), body, capabilities)
