@@ -90,7 +90,6 @@ class BeamRules:
         sure: Free length without a hit [m]; 0: none.
         blind: Ranges up to this mean "too near to measure" [m]; 0: none does.
         rim: Distance of the outline from the beam's origin [m].
-        covers: Which cones see what hides before a blind beam, shape (n, cones).
         sparse: Which ones show where nothing is, far apart from each other.
         light: The groups that show where nothing is.
         lasers: Those whose scans correct the pose.
@@ -107,7 +106,6 @@ class BeamRules:
         self.rim = exits(body, beams.x, beams.y, beams.bearing)
         # A beam that measures from inside of the outline on hides nothing.
         self.blind = np.where(beams.nearest > self.rim + RIM, beams.nearest + _CLAMPED, 0.0)
-        self.covers = self._within(beams.bearing, 0.5 * beams.opening[self.cones])
         self.light = tuple(
             _light_group(beams, place)
             for place in beams.groups.values()

@@ -168,9 +168,7 @@ class ObstacleMemory:
         blind = np.flatnonzero(ranges <= rules.blind)
         if len(blind):
             reach = rules.blind[blind][:, None] + _EXPLAINS_FAR
-            near = (cones > rules.blind[rules.cones]) & (cones <= reach) & rules.covers[blind]
-            known = near.any(axis=1) | self._shows(pose, blind, reach)
-            hidden = blind[~known]
+            hidden = blind[~self._shows(pose, blind, reach)]
             self._guess(pose, *beams.hits(hidden, rules.rim + RIM))
         gaps = rules.gaps
         if not len(gaps.one):

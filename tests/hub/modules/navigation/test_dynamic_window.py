@@ -225,6 +225,7 @@ def test_a_long_body_drives_through_a_corridor_that_its_circle_does_not_fit() ->
     assert LONG.towards((0.4, 0.0), FULL, narrow)[0] > 0.3
     assert LONG.towards((-0.4, 0.0), (-0.5, 0.0), narrow)[0] < -0.3
     assert LONG.to_goal((0.4, 0.0), (0.5, 0.0), 0.5, narrow)[0] > 0.3
+    assert LONG.towards((0.4, 1.0), FULL, narrow)[0] < 0.1, "its ends still swing"
     as_circle = dataclasses.replace(LONG_BODY, outline=None)
     assert DynamicWindow(as_circle).towards((0.0, 0.0), FULL, narrow)[0] == 0.0
 

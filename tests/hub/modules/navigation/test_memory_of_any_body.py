@@ -92,6 +92,16 @@ def test_a_laser_sees_that_an_obstacle_is_gone() -> None:
     assert not memory.held()
 
 
+def test_a_single_ray_says_nothing_of_what_is_behind_it() -> None:
+    memory, seen = Memory(), ranges()
+    seen[LASER[90]] = 1.0
+    memory.see(seen, 0.0)
+    assert len(memory.held()) == 1
+    for step in range(1, 6):
+        memory.see(ranges(laser=math.nan, mast=math.inf), 0.1 * step, Pose(x=0.02 * step))
+    assert len(memory.held()) == 1
+
+
 def test_a_cone_beside_the_body_is_an_arc_there() -> None:
     memory = Memory()
     memory.see(ranges(left=0.3), 0.0)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
 from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand, Twist
+from hub.gcm.outline import corners
 from hub.grids.grid import Grid
 from hub.modules.navigation.assistance import LAPSE_S
-from hub.modules.navigation.path_follower import known_part
+from hub.modules.navigation.path_follower import PathFollower, known_part
+from hub.modules.navigation.sweeps import Sweep
 from hub.pose import Pose, wrapped
 from hub.sim.arena import Arena, load_arena
-from tests.hub.modules.navigation.drives import Drive, random_start
+from tests.hub.modules.navigation.bodies import LONG
+from tests.hub.modules.navigation.drives import BODY, Drive, random_start
 from tests.support.footprints import distances
+from tests.support.messages import drive_state
 from tests.support.repetitions import repetitions
 
 EMPTY = load_arena("empty")
@@ -216,3 +221,21 @@ def test_where_the_whole_map_shows_no_way_it_waits_as_long_as_it_has_patience() 
     drive.carry_out(1.0)
     assert drive.pilot.task.state is Task.BLOCKED
     assert drive.pilot.task.why == "the map shows no way there"
+
+
+def test_a_long_robot_plans_through_a_corridor_that_its_circle_does_not_fit() -> None:
+    cells = np.zeros((80, 80), dtype=np.int8)
+    cells[:, 30:50] = 100
+    cells[35:45, 30:50] = 0  # 50 cm wide
+    grid = Grid(cells=cells, resolution=0.05, origin_x=-1.0, origin_y=-2.0)
+    routes = []
+    for body in (LONG, dataclasses.replace(LONG, footprint=())):
+        outline = Sweep(corners(body)) if body.footprint else None
+        limits = dataclasses.replace(BODY, radius=body.radius, outline=outline)
+        pilot = PathFollower(limits, body)
+        pilot.reported(drive_state(), 0.0, 0.0)
+        pilot.go(goal((2.5, 0.0)), 7, 0.0)
+        pilot.mapped(grid, 0.0)
+        routes.append(pilot.task.route)
+    assert routes[0] is not None
+    assert routes[1] is None
