@@ -10,6 +10,8 @@
 | the dead-man button is up | axes do not count | the same |
 | input that must be released first, or is stale | ignore it | the same |
 
+A control that the robot's body does not have drives nothing, and a press of it says so.
+
 A step is a distance: velocity times time, at the step's own low velocity. The speed limit of the
 robot holds for steps, keys and sticks. Shift makes steps shorter and driving slower.
 """
@@ -20,14 +22,24 @@ import math
 from collections.abc import Iterable
 from typing import ClassVar, Final, Self
 
-from hub.gcm.navigation import ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
+from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist, Vector3
 from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import joystick_input
-from rune_tui.layout.rules import HandlerRule, NumberOption, Purpose, Section
+from rune_tui.layout.rules import HandlerRule, Purpose, Section
 from rune_tui.layout.spec import ControlKind, EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, SendEffect
+from rune_tui.model.effects import Effect, Notify, SendEffect
+from rune_tui.widgets.speed_rule import (
+    ENABLE,
+    FREEDOMS,
+    ROTATE,
+    SPEED_RULE,
+    TRANSLATE,
+    TURBO,
+    WHEELED,
+)
 from rune_tui.widgets.widget import PressWidget
 
 ACTIVE_PERIOD_S = 0.05
@@ -38,10 +50,6 @@ _EARLY_S = 0.025
 """A tick this much too early counts, half of the time between two ticks [s]."""
 _LEAST_PERIOD_S = 0.02
 """Shortest time between two commands for the movement of a stick [s]."""
-_ENABLE = "enable"
-_TURBO = "turbo"
-_TRANSLATE = "translate"
-_ROTATE = "rotate"
 
 
 @dataclass(slots=True)
@@ -71,57 +79,7 @@ class SetSpeed:
     does not drive either.
     """
 
-    rule: ClassVar = HandlerRule(
-        purpose=Purpose.DRIVE,
-        section=Section.DRIVE,
-        says={
-            "translate": "Drive {direction}",
-            "rotate": "Turn {direction}",
-            _ENABLE: "Hold it: sticks drive",
-            _TURBO: "Hold it: faster",
-        },
-        meaning=(
-            "Drives while held; positive `translate` is forward, positive `rotate` is "
-            "counter-clockwise (to the left). Each control follows the newest of its keys, buttons "
-            "and axes that is not neutral. Where `enable` is bound, axes count only while it is "
-            "held; while `turbo` is held, all is faster. Where the terminal reports no releases, a "
-            "press of a key drives a step, and its repeats drive on. Shift makes both finer. "
-            "All is held down to the speed limit of `widgetSpeedLimit`."
-        ),
-        controls=("translate", "rotate", _ENABLE, _TURBO),
-        options={
-            "linear": NumberOption(
-                default=0.5, least=0.0, most=10.0, unit="m/s", meaning="speed at value 1"
-            ),
-            "angular": NumberOption(
-                default=1.0, least=0.0, most=10.0, unit="rad/s", meaning="turn rate at value 1"
-            ),
-            "turbo_factor": NumberOption(
-                default=2.0, least=1.0, most=10.0, meaning="how many times faster turbo is"
-            ),
-            "step": NumberOption(
-                default=0.05,
-                least=0.0,
-                most=0.5,
-                unit="m",
-                meaning="way of a step; 0: a press drives at full speed for 0.6 s",
-            ),
-            "turn_step_deg": NumberOption(
-                default=5.0, least=0.0, most=45.0, unit="deg", meaning="turn of a step; 0: as there"
-            ),
-            "fine": NumberOption(
-                default=0.2,
-                least=0.05,
-                most=1.0,
-                meaning="share of steps and speed of keys with Shift",
-            ),
-        },
-        sends=("GCM_Velocity_Command",),
-        uses=(ROBOT_STATE.name,),
-        words={"translate": ("forward", "backward"), "rotate": ("left", "right")},
-        plane=("rotate", "translate"),
-        held=True,
-    )
+    rule: ClassVar = SPEED_RULE
 
     def __init__(
         self,
@@ -129,6 +87,8 @@ class SetSpeed:
         *,
         linear: float,
         angular: float,
+        climb: float = 0.0,
+        tilt: float = 0.0,
         turbo: float = 1.0,
         guarded: bool = False,
         axes: Iterable[EventSpec] = (),
@@ -142,6 +102,8 @@ class SetSpeed:
             robot: Its name in the layout.
             linear: Forward velocity at value 1 [m/s].
             angular: Turn rate at value 1 [rad/s], counter-clockwise.
+            climb: Upward velocity at value 1 [m/s].
+            tilt: Rate of pitch and roll at value 1 [rad/s].
             turbo: Factor of the velocity while turbo is held.
             guarded: Whether axes count only while a dead-man button is held.
             axes: The axes that may drive.
@@ -150,14 +112,24 @@ class SetSpeed:
             fine: Share of steps and velocity with Shift.
         """
         self.robot = robot
-        self._linear = linear
-        self._angular = angular
+        self._speeds = {
+            TRANSLATE: linear,
+            "strafe": linear,
+            "climb": climb,
+            "pitch": tilt,
+            "roll": tilt,
+            ROTATE: angular,
+        }
         self._turbo = turbo
         self._guarded = guarded
         self._axes = tuple(axes)
-        self._step_sizes = {_TRANSLATE: step, _ROTATE: turn_step}
+        self._step_sizes = {
+            control: step if freedom <= Freedom.HEAVE else turn_step
+            for control, freedom in FREEDOMS.items()
+        }
         self._fine = fine
         self._limit = 1.0
+        self._body: RobotBody | None = None
         self._held: dict[EventSpec, float] = {}
         """The inputs that count, with their shares, -1 to 1, the newest last."""
         self._steps: dict[EventSpec, _Step] = {}
@@ -174,8 +146,10 @@ class SetSpeed:
             robot,
             linear=spec.options.number("linear"),
             angular=spec.options.number("angular"),
+            climb=spec.options.number("climb"),
+            tilt=spec.options.number("tilt"),
             turbo=spec.options.number("turbo_factor"),
-            guarded=any(event.control == _ENABLE for event in spec.events),
+            guarded=any(event.control == ENABLE for event in spec.events),
             axes=[event for event in spec.events if event.kind is ControlKind.AXIS],
             step=spec.options.number("step"),
             turn_step=math.radians(spec.options.number("turn_step_deg")),
@@ -195,7 +169,7 @@ class SetSpeed:
         """Whether this input would drive if it left neutral now."""
         if event_spec.kind is not ControlKind.AXIS:
             return True
-        if self._guarded and not self._holds(_ENABLE):
+        if self._guarded and not self._holds(ENABLE):
             return False
         unseen = {
             joystick_input(joystick.name, axis)
@@ -207,7 +181,11 @@ class SetSpeed:
     def velocity(self) -> Twist:
         """The command of the held inputs."""
         newest = {spec.control: spec for spec in self._held}
-        return Twist.planar(self._speed(newest.get(_TRANSLATE)), self._speed(newest.get(_ROTATE)))
+        speeds = {control: self._speed(newest.get(control)) for control in FREEDOMS}
+        return Twist(
+            linear=Vector3(x=speeds[TRANSLATE], y=speeds["strafe"], z=speeds["climb"]),
+            angular=Vector3(x=speeds["roll"], y=speeds["pitch"], z=speeds[ROTATE]),
+        )
 
     def _speed(self, spec: EventSpec | None) -> float:
         """The command of an input [m/s or rad/s]."""
@@ -215,18 +193,36 @@ class SetSpeed:
             return 0.0
         if (step := self._steps.get(spec)) is not None:
             return step.commanded
-        factor = self._turbo if self._holds(_TURBO) else 1.0
-        return self._held[spec] * factor * self._full(spec)
+        factor = self._turbo if self._holds(TURBO) else 1.0
+        most = self._most(spec.control)
+        return max(-most, min(most, self._held[spec] * factor * self._full(spec)))
 
     def _full(self, spec: EventSpec) -> float:
         """The speed at value 1 within the speed limit [m/s or rad/s]."""
-        return self._limit * (self._linear if spec.control == _TRANSLATE else self._angular)
+        return self._limit * min(self._speeds[spec.control], self._most(spec.control))
+
+    def _most(self, control: str) -> float:
+        """The largest speed of a control on the robot's body [m/s or rad/s]; 0: it has none."""
+        if control in WHEELED:
+            return math.inf
+        motions = self._body.motions if self._body is not None else ()
+        limits = (each.limit for each in motions if each.freedom is FREEDOMS[control])
+        return next(limits, 0.0)
+
+    def _look(self, state: ConsoleState) -> None:
+        """Take the limits of the robot and its body."""
+        robot = state.robot(self.robot)
+        self._limit = state.speed_limit(self.robot)
+        self._body = robot.body if robot is not None else None
 
     def handle(
         self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The new velocity, at once unless a stick moves; nothing for input that does not count."""
-        self._limit = state.speed_limit(self.robot)
+        self._look(state)
+        control = event_spec.control
+        if event.pressed and control in FREEDOMS and not self._most(control):
+            return () if event.repeat else self._refused(control, state)
         if event_spec.kind is ControlKind.AXIS and event.pressed:
             return self._deflected(event, event_spec, state)
         if event.pressed and event.repeat:
@@ -239,9 +235,18 @@ class SetSpeed:
             self._press(event, event_spec)
         elif not known:
             return ()
-        elif event_spec.control == _ENABLE and not self._holds(_ENABLE):
+        elif event_spec.control == ENABLE and not self._holds(ENABLE):
             self._wait_for_neutral()
         return self._send(state.now)
+
+    def _refused(self, control: str, state: ConsoleState) -> tuple[Effect, ...]:
+        """Say that a control drives nothing on this robot."""
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        why = "its body has no such motion" if self._body is not None else "its body is not known"
+        text = f"{control} does nothing on {robot.title}: {why}"
+        return (Notify.now(state, text, robot=robot.name),)
 
     def _press(self, event: ControlEvent, event_spec: EventSpec) -> None:
         share = event_spec.value * (self._fine if event.fine else 1.0)
@@ -268,7 +273,7 @@ class SetSpeed:
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """The velocity again if it is time: 20 times a second while it drives, else 5 times."""
-        self._limit = state.speed_limit(self.robot)
+        self._look(state)
         late = state.now - self._due
         if late < -_EARLY_S:
             return ()
