@@ -47,12 +47,22 @@ def sent(effects: tuple[Effect, ...]) -> Twist:
     return value
 
 
-@pytest.mark.parametrize("control", PARTS)
-def test_each_control_drives_its_own_part_while_it_is_held(control: str) -> None:
+@pytest.mark.parametrize(
+    ("control", "freedom"),
+    [
+        ("strafe", Freedom.SWAY),
+        ("climb", Freedom.HEAVE),
+        ("roll", Freedom.ROLL),
+        ("pitch", Freedom.PITCH),
+    ],
+)
+def test_each_control_drives_its_own_part_while_it_is_held(control: str, freedom: Freedom) -> None:
+    only = tuple(each for each in BODY.motions if each.freedom is freedom)
+    body = dataclasses.replace(BODY, motions=only)
     widget, key = widget_of("widgetSetSpeed", **OPTIONS), event_spec("x", control)
-    assert sent(widget.handle(down("x"), key, state())) == PARTS[control]
-    assert sent(widget.tick(state(now=1.05))) == PARTS[control]
-    assert sent(widget.handle(up("x"), key, state(now=1.1))) == Twist()
+    assert sent(widget.handle(down("x"), key, state(body))) == PARTS[control]
+    assert sent(widget.tick(state(body, now=1.05))) == PARTS[control]
+    assert sent(widget.handle(up("x"), key, state(body, now=1.1))) == Twist()
 
 
 @pytest.mark.parametrize("control", PARTS)
