@@ -41,11 +41,11 @@ SPEED_RULE: Final = HandlerRule(
         "Drives while held; positive `translate` is forward, positive `rotate` is "
         "counter-clockwise (to the left), positive `climb` is up, positive `strafe` is left, "
         "positive `pitch` is nose down, positive `roll` is right side down. A control that the "
-        "robot's body does not have does nothing, and says so. Each control follows the newest of its "
-        "keys, buttons and axes that is not neutral. Where `enable` is bound, axes count only "
-        "while it is held; while `turbo` is held, all is faster. Where the terminal reports no "
-        "releases, a press of a key drives a step, and its repeats drive on. Shift makes both "
-        "finer. All is held down to the speed limit of `widgetSpeedLimit`."
+        "robot's body does not have does nothing, and says so. Each control follows the newest "
+        "of its keys, buttons and axes that is not neutral. Where `enable` is bound, axes count "
+        "only while it is held; while `turbo` is held, all is faster. Where the terminal "
+        "reports no releases, a press of a key drives a step, and its repeats drive on. Shift "
+        "makes both finer. All is held down to the speed limit of `widgetSpeedLimit`."
     ),
     controls=("translate", "rotate", "climb", "strafe", "pitch", "roll", ENABLE, TURBO),
     options={
