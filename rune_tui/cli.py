@@ -151,8 +151,9 @@ def _demo(options: argparse.Namespace) -> int:
             hubs.append(started(robot, arena))
             import rune_tui.app  # noqa: F401
 
-        options.hub, options.ssh, options.keys = [hub.endpoint() for hub in hubs], [], None
-        (layout,) = stack.enter_context(_with_auto([layout], options))
+        if layout == AUTO:
+            options.hub, options.ssh, options.keys = [hub.endpoint() for hub in hubs], [], None
+            (layout,) = stack.enter_context(_with_auto([layout], options))
         source = _source([layout], options.set, watched=True)
         roles = [each.name for each in source.layout.robots]
         robots, arena = demo_robots(roles, arena, options.robot)

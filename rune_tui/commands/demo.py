@@ -64,6 +64,7 @@ class DemoHub:
             DemoError: The process cannot be started.
         """
         self._log = log
+        self._endpoint = ""
         command = [sys.executable, "-m", "hub", "run", robot, "--port", "0", "--json"]
         command += [word for setting in settings for word in ("--set", setting)]
         # A demo's data end with it, so that the next one begins with an empty map.
@@ -99,6 +100,11 @@ class DemoHub:
         Raises:
             DemoError: The hub ended, or takes too long.
         """
+        if not self._endpoint:
+            self._endpoint = self._said()
+        return self._endpoint
+
+    def _said(self) -> str:
         pipe = self._process.stdout
         if pipe is None:
             text = "the demo's hub has no output"

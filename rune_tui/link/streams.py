@@ -27,6 +27,8 @@ _POLL_TIME_S, _LONGEST_POLL_TIME_S = 10.0, 300.0
 """Time until broadcasts are tried again [s]; it doubles each time."""
 _TIMEOUT_S: Final = 2.0
 _NEW: Final = 0.2
+_LONGEST_WAIT_S: Final = 1.0
+"""A stream is asked for at least this often, however slow the last answer was [s]."""
 
 
 @dataclass(slots=True)
@@ -155,9 +157,11 @@ class Streams:
         stream.waits = False
         now = self._clock()
         busy = max(0.0, now - asked - self._client.round_trip)
-        self._busy = busy if not self._busy else self._busy + _NEW * (busy - self._busy)
+        # A fast answer shows that the link is free, so a slow one before it counts no more.
+        self._busy = min(busy, self._busy + _NEW * (busy - self._busy)) if self._busy else busy
         period = 1.0 / stream.definition.rate_hz
-        stream.due = asked + max(period, len(self._asked_for()) * self._busy / _SHARE)
+        share = len(self._asked_for()) * self._busy / _SHARE
+        stream.due = asked + max(period, min(share, _LONGEST_WAIT_S))
         if self._streams.get(stream.definition.name) is stream:
             self._store(stream.definition.name, value, reception)
 

@@ -15,6 +15,12 @@ from hub.values import Making, dataclass
 from tests.support.cases import for_each
 
 
+@pytest.fixture(autouse=True)
+def _methods_are_made_late(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in the console, whatever other tests of this process have imported."""
+    monkeypatch.setattr(Making, "at_once", False)
+
+
 def _point_class() -> type:
     @dataclass(frozen=True, slots=True, kw_only=True)
     class Point:

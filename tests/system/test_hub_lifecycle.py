@@ -282,4 +282,4 @@ def test_who_comes_late_is_told_what_the_robot_is(lasting_hub: HubProcess) -> No
         client.subscribe(ROBOT_DESCRIPTION, lambda body, _: bodies.append(body), last=True)
         until(lambda: bodies, 10.0, meanwhile=lambda: client.listen(0.05))
     assert bodies[0].kind == "simulated-magellan"
-    assert bodies[0].radius == pytest.approx(0.205)
+    assert bodies[0].radius == pytest.approx(0.203)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -136,3 +137,44 @@ def test_on_the_robots_own_machine_what_comes_late_waited_in_no_link(rig: Rig) -
     while time.monotonic() < began + 0.8:
         rig.wait_for_states()
     assert not rig.streams.asking
+
+
+class AnswersByHand:
+    """A client of a far hub; the test answers its requests."""
+
+    near, connected, round_trip = False, True, 0.1
+
+    def __init__(self) -> None:
+        self.requests: list[Callable[..., None]] = []
+        self.arrives: Callable[..., None] = lambda *_: None
+
+    def subscribe(self, _: object, handler: Callable[..., None], **__: object) -> None:
+        self.arrives = handler
+
+    def unsubscribe(self, *_: object) -> None:
+        """Nothing more arrives."""
+
+    def last_notify(self, *_: object, answered: Callable[..., None], **__: object) -> None:
+        self.requests.append(answered)
+
+
+def test_one_slow_answer_does_not_hold_back_the_next_requests() -> None:
+    now = [0.0]
+    client = AnswersByHand()
+    streams = Streams(cast(Client, client), lambda *_: None, lambda: now[0])
+    streams.follow({ROBOT_STATE.name})
+    late = SimpleNamespace(age=2.0)
+    for _ in range(10):
+        now[0] += 0.2
+        client.arrives(robot_state(), late)
+    assert streams.asking
+    times = []
+    for wait in (5.0, 0.15, 0.15, 0.15):
+        while not client.requests:
+            now[0] += 0.01
+            streams.step()
+        times.append(now[0])
+        now[0] += wait
+        client.requests.pop()(robot_state(), SimpleNamespace(age=wait))
+    assert times[2] - times[1] < 1.2, "the slow answer counts for a second at most"
+    assert times[3] - times[2] < 0.5, "fast answers show that the link is free"
