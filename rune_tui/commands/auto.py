@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from hub.errors import QueryError
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.supervision import CAPABILITY_REPORTS
 from hub.ipc.client import Client
@@ -57,11 +58,19 @@ def with_file(names: Sequence[str], hub: str, keys: Path | None) -> Iterator[lis
 
 
 def _described(client: Client) -> tuple[RobotBody, set[str]]:
-    """The body, and the capabilities once all modules have said theirs, or the time is over."""
-    body = client.last_value(ROBOT_DESCRIPTION, timeout=_ANSWER_S)
+    """The body, and the capabilities once all modules have said theirs, or the time is over.
+
+    A hub that starts listens before it describes its robot.
+    """
     end = time.monotonic() + _ANSWER_S
     while True:
-        reports = client.last_value(CAPABILITY_REPORTS, timeout=_ANSWER_S)
-        if not reports.undeclared or time.monotonic() >= end:
-            return body, {report.name for report in reports.capabilities}
+        try:
+            body = client.last_value(ROBOT_DESCRIPTION, timeout=_ANSWER_S)
+            reports = client.last_value(CAPABILITY_REPORTS, timeout=_ANSWER_S)
+        except QueryError:
+            if time.monotonic() >= end:
+                raise
+        else:
+            if not reports.undeclared or time.monotonic() >= end:
+                return body, {report.name for report in reports.capabilities}
         client.listen(_LOOK_S)
