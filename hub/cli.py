@@ -204,8 +204,10 @@ def _run_machine_command(options: argparse.Namespace) -> int:
 
     if options.command == "doctor":
         from hub.inspection.doctor import doctor
+        from hub.robots.robot_file import DEFAULT_ROBOT
 
-        return doctor.examine(options.robot, load_robot_table, as_json=options.json)
+        robot = options.robot or DEFAULT_ROBOT
+        return doctor.examine(robot, load_robot_table, as_json=options.json)
     if options.command == "check":
         from hub.inspection import check_command
 
@@ -340,7 +342,7 @@ def command_parser() -> CommandParser:
 def _add_machine_commands(commands: Commands) -> None:
     """Add the commands that need no running hub."""
     run = commands.add_parser("run", help="start central and a robot's modules; Ctrl-C ends all")
-    run.add_argument("robot", help="a robot file (TOML), or the name of a shipped one: magellan")
+    run.add_argument("robot", help="a robot file (TOML), or the name of a shipped one")
     run.add_argument("--port", type=_port, help="TCP port instead of the file's; 0: a free one")
     run.add_argument(
         "--set",
@@ -362,7 +364,7 @@ def _add_machine_commands(commands: Commands) -> None:
     service.add_argument("robot", help="a robot file, or the name of a shipped one")
     service.add_argument("--user", default="rune", help="as whom it is to run (%(default)s)")
     doctor = commands.add_parser("doctor", help="say what is wrong on this machine, and what to do")
-    doctor.add_argument("robot", nargs="?", default="magellan", help="robot file (%(default)s)")
+    doctor.add_argument("robot", nargs="?", help="robot file; default: a shipped robot")
     doctor.add_argument("--json", action="store_true", help="JSON, one line a finding")
     arena = commands.add_parser(
         "arena",

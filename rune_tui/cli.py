@@ -90,18 +90,17 @@ def _run(options: argparse.Namespace) -> int:
 
     _need_screen(options.layouts, options.set)
     with ExitStack() as stack:
-        names = stack.enter_context(_with_auto(options.layouts, options))
+        hubs = _endpoints(options.hub)
+        names = stack.enter_context(_made(options.layouts, hubs, options))
         source = _source(names, options.set, watched=options.watch)
         log = log_to_file()
         tunnels = stack.enter_context(_tunnels(options, source.layout))
-        links = _links(
-            source.layout, _endpoints(options.hub), options.keys, tunnels, options.operator
-        )
+        links = _links(source.layout, hubs, options.keys, tunnels, options.operator)
         return _console(source, links, options, log)
 
 
-def _with_auto(
-    names: Sequence[str], options: argparse.Namespace
+def _made(
+    names: Sequence[str], hubs: Sequence[str], options: argparse.Namespace
 ) -> AbstractContextManager[list[str]]:
     """The names of layouts, with the path of a file that is made in place of the name auto."""
     from rune_tui.commands.auto import with_file
@@ -109,8 +108,7 @@ def _with_auto(
     if AUTO in names and options.ssh:
         text = "auto asks the hub itself: on the robot, `rune layout auto -o FILE` makes the file"
         raise _UsageError(text)
-    hub = (_endpoints(options.hub) or [DEFAULT_ENDPOINT])[0]
-    return with_file(names, hub, options.keys)
+    return with_file(names, [*hubs, DEFAULT_ENDPOINT][0], options.keys)
 
 
 def _layout(options: argparse.Namespace) -> int:
@@ -127,6 +125,7 @@ def _layout(options: argparse.Namespace) -> int:
 def _demo(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
+    from rune_tui.commands.auto import with_file
     from rune_tui.commands.demo import ARENAS, DemoHub, demo_robots
 
     layout, arena = options.layout, _arena(options.arena) if options.arena else ""
@@ -143,17 +142,13 @@ def _demo(options: argparse.Namespace) -> int:
             return stack.enter_context(DemoHub(robot, log.path, settings))
 
         hubs = []
-        if layout in (
-            DEMO_LAYOUT,
-            "auto",
-        ):  # one robot, whose hub starts while the console is loaded
+        if layout in (DEMO_LAYOUT, AUTO):  # one robot, whose hub starts while the console is loaded
             (robot,), _ = demo_robots(["robot"], arena, options.robot)
             hubs.append(started(robot, arena))
             import rune_tui.app  # noqa: F401
 
         if layout == AUTO:
-            options.hub, options.ssh, options.keys = [hub.endpoint() for hub in hubs], [], None
-            (layout,) = stack.enter_context(_with_auto([layout], options))
+            (layout,) = stack.enter_context(with_file([layout], hubs[0].endpoint()))
         source = _source([layout], options.set, watched=True)
         roles = [each.name for each in source.layout.robots]
         robots, arena = demo_robots(roles, arena, options.robot)
@@ -231,13 +226,12 @@ def _shot(options: argparse.Namespace) -> int:
     glyphs = GlyphSet(options.glyphs or GlyphSet.HALF)
     output = PictureFile(path, depth=ColourDepth(options.colors), glyphs=glyphs)
     with ExitStack() as stack:
-        if options.demo and options.layout == AUTO:
-            (robot,), _ = demo_robots([""], "", None)
-            hub = stack.enter_context(DemoHub(robot, log_to_file().path))
-            options.hub = [hub.endpoint()]
-        (name,) = stack.enter_context(_with_auto([options.layout], options))
-        layout = _load(name, options.set)
         hubs = _endpoints(options.hub)
+        if options.demo and options.layout == AUTO and not hubs:
+            (robot,), _ = demo_robots([""], "", None)
+            hubs = [stack.enter_context(DemoHub(robot, log_to_file().path)).endpoint()]
+        (name,) = stack.enter_context(_made([options.layout], hubs, options))
+        layout = _load(name, options.set)
         if options.demo and not hubs:
             log = log_to_file()
             robots, arena = demo_robots([each.name for each in layout.robots], "", None)

@@ -27,8 +27,10 @@ MOST_PARTS = 64
 """Most sensors, bumpers or cameras of one kind."""
 MOST_BEAMS = 4096
 """Most beams of a scan."""
-MOST_RANGES = 256
-"""Most range sensors that are no scan."""
+USUAL_RADIUS = 0.205
+"""Radius of a robot that describes no outline [m]."""
+USUAL_HEIGHT = 0.45
+"""Height of a robot that describes none [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -204,7 +206,7 @@ class RobotBody:
 
     Attributes:
         name: The robot's own name, from its robot file.
-        kind: Its kind, such as "simulated-magellan".
+        kind: Its kind, such as "simulated-blimp".
         radius: Radius of the circle around the origin that encloses the robot [m].
         footprint: Corners of its outline on the ground, counter-clockwise, shape (n,); none:
             the circle.

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hub import toml_reader as toml
-from hub.gcm.body import MOST_CORNERS, BodyFrame, Freedom, Motion, Point32, RobotBody
+from hub.gcm.body import MOST_CORNERS, USUAL_RADIUS, BodyFrame, Freedom, Motion, Point32, RobotBody
 from hub.ipc.endpoints import DEFAULT_PORT, LARGEST_PORT
 from hub.robots.body_tables import (
     BumperTable,
@@ -30,7 +30,7 @@ class Base(enum.Enum):
     """How a simulated body moves.
 
     Attributes:
-        WHEELS: On wheels that may also go sideways; on rough ground, as the Magellan's.
+        WHEELS: On wheels that may also go sideways; on rough ground a round base on two wheels.
         TRACKS: On tracks with flippers.
         BLIMP: In air.
         ROV: In water.
@@ -54,8 +54,6 @@ class MissionBegin(enum.Enum):
     BY_HAND = "by hand"
 
 
-USUAL_RADIUS = 0.205
-"""Radius of a robot without a body in its file: a Magellan Pro's [m]."""
 _LEAST_AREA = 1e-4
 """Smallest surface of a body [m^2]."""
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from hub import toml_reader as toml
 from hub.errors import RobotFileError
-from hub.gcm.body import MOST_PARTS, BodyFrame
+from hub.gcm.body import MOST_PARTS, USUAL_RADIUS, BodyFrame
 from hub.nearest import did_you_mean
 from hub.robots.body_tables import (
     ROBOTS_OWN,
@@ -23,9 +23,11 @@ from hub.robots.body_tables import (
     range_faults,
     read_each,
 )
-from hub.robots.description import USUAL_RADIUS, RobotDescription
+from hub.robots.description import RobotDescription
 
 SHIPPED = Path(__file__).parent / "files"
+DEFAULT_ROBOT = "magellan"
+"""The shipped robot that commands take if none is named."""
 BODIES = Path(__file__).parent / "bodies"
 """The bodies of shipped kinds, a file each: their robot files need not repeat them."""
 _SAME_LENGTH = 1e-3

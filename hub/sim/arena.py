@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import ArenaError
+from hub.gcm.body import USUAL_HEIGHT, USUAL_RADIUS
 from hub.nearest import did_you_mean
 from hub.pose import Pose
 from hub.sim.arena_file import read_arena_file
@@ -23,12 +24,8 @@ from hub.values import dataclass
 
 SHIPPED = Path(__file__).parent / "arenas"
 """Folder of the arenas that come with the hub."""
-BODY_RADIUS = 0.203
-"""Radius of the robot [m], iRobot Magellan Pro."""
-BODY_HEIGHT = 0.45
-"""Height of the robot with its camera [m]; it drives under solids above this."""
 LOWEST_OBSTACLE = 0.01
-"""The robot drives over solids below this height [m]."""
+"""Wheels drive over solids below this height [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -171,7 +168,7 @@ def footprints_of(
     origins: tuple[str, ...],
     *,
     ground: float = 0.0,
-    height: float = BODY_HEIGHT,
+    height: float = USUAL_HEIGHT,
 ) -> Footprints:
     """The solids at the height of a robot's body.
 
@@ -180,7 +177,7 @@ def footprints_of(
         cylinders: All cylinders.
         origins: Place of each in the arena file, boxes first.
         ground: Height of the ground that the robot stands on [m].
-        height: Height of the robot [m].
+        height: Height of the robot, which drives under solids above it [m].
     """
 
     def in_the_way(low: float, high: float) -> bool:
@@ -211,7 +208,7 @@ def footprints_of(
 def _touched_at_start(arena: Arena) -> list[str]:
     """The obstacles that overlap a robot at the start pose, each place of the file once."""
     distances = arena.footprints.distances(arena.start.x, arena.start.y)
-    touched = (arena.footprints.origin[index] for index in np.flatnonzero(distances < BODY_RADIUS))
+    touched = (arena.footprints.origin[index] for index in np.flatnonzero(distances < USUAL_RADIUS))
     return list(dict.fromkeys(touched))
 
 

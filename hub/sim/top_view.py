@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from hub.sim.arena import BODY_HEIGHT, BODY_RADIUS, LOWEST_OBSTACLE, Arena
+from hub.gcm.body import USUAL_HEIGHT, USUAL_RADIUS
+from hub.sim.arena import LOWEST_OBSTACLE, Arena
 from hub.sim.arena_specs import WATER_TYPES
 from hub.sim.camera.ground_light import ground_light
 from hub.sim.geometry import Box, Colour, Cylinder, Side
@@ -128,7 +129,7 @@ def _share(arena: Arena, solid: Box | Cylinder) -> float:
     below = 0.0
     if arena.ground is not None:
         below = arena.ground.height(x, y, bottom + LOWEST_OBSTACLE)
-    return _SEE_THROUGH if bottom >= below + BODY_HEIGHT else 1.0
+    return _SEE_THROUGH if bottom >= below + USUAL_HEIGHT else 1.0
 
 
 def _draw_solid(canvas: Canvas, solid: Box | Cylinder, share: float) -> None:
@@ -186,9 +187,9 @@ def _draw_marks(canvas: Canvas, arena: Arena, victims: Sequence[Point]) -> None:
             for share, tone in ((0.75, WHITE), (0.55, BLACK), (0.3, WHITE)):
                 canvas.disc(at, share * _MARK_SIZE, tone)
     start = (arena.start.x, arena.start.y)
-    canvas.disc(start, BODY_RADIUS, WHITE)
-    canvas.disc(start, BODY_RADIUS - 2 * canvas.pixel, _START)
-    canvas.arrow(start, arena.start.theta, BODY_RADIUS, WHITE)
+    canvas.disc(start, USUAL_RADIUS, WHITE)
+    canvas.disc(start, USUAL_RADIUS - 2 * canvas.pixel, _START)
+    canvas.arrow(start, arena.start.theta, USUAL_RADIUS, WHITE)
     for berth in arena.berths:
         canvas.arrow(berth.at, berth.heading, 2.2 * _MARK_SIZE, WHITE)
         canvas.arrow(berth.at, berth.heading, 1.7 * _MARK_SIZE, _BERTH)

@@ -43,7 +43,7 @@ def auto_layout(hub: str, keys: Path | None = None) -> str:
 
 
 @contextlib.contextmanager
-def with_file(names: Sequence[str], hub: str, keys: Path | None) -> Iterator[list[str]]:
+def with_file(names: Sequence[str], hub: str, keys: Path | None = None) -> Iterator[list[str]]:
     """The names of layouts, with a file that is made in place of the name `AUTO`.
 
     The file is there until the end of the context.

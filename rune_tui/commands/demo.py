@@ -18,15 +18,10 @@ from rune_tui.errors import DemoError
 
 ROBOTS = ("magellan", "tracked", "blimp", "rov")
 """The robots that come with the hub."""
-ARENAS = {
-    "empty": "magellan",
-    "hall": "magellan",
-    "orange": "magellan",
-    "pool": "rov",
-    "red": "magellan",
-    "yellow": "magellan",
-}
-"""The arenas that come with the hub, and the robot that a demo has there."""
+ARENAS = ("empty", "hall", "orange", "pool", "red", "yellow")
+"""The arenas that come with the hub."""
+_OF_ARENA = {"pool": "rov"}
+"""The robot of an arena where it is not the first of `ROBOTS`."""
 _OF_ROLE = {name: name for name in ROBOTS} | {"submarine": "rov"}
 _ALL_ELEMENTS = "hall"
 """The arena of a demo with several kinds of robots: land, water and air."""
@@ -40,9 +35,9 @@ def demo_robots(roles: Sequence[str], arena: str, robot: str | None) -> tuple[li
     Args:
         roles: The layout's names of its robots.
         arena: Name or path of the arena; empty: that of the robots.
-        robot: The robot of each role that names none; None: the arena's.
+        robot: The robot of each role that names none; None: the one that suits the arena.
     """
-    usual = robot or ARENAS.get(arena, ROBOTS[0])
+    usual = robot or _OF_ARENA.get(arena, ROBOTS[0])
     robots = [_OF_ROLE.get(role, usual) for role in roles]
     if not arena and len(set(robots)) > 1:
         arena = _ALL_ELEMENTS

@@ -137,7 +137,7 @@ WHEELED = Chassis(
     height=0.45,
     mass=18.0,
 )
-"""A round base after the Magellan: two driven wheels, a castor behind, a skid ahead."""
+"""A round base: two driven wheels, a castor behind, a skid ahead."""
 
 TRACKED = Chassis(
     name="tracked",

@@ -32,7 +32,7 @@ _COUNT = whole_number(1, 20)
 
 def _two_counts(value: object) -> tuple[int, int]:
     numbers(2, 1, 20)(value)
-    first, second = (_COUNT(item) for item in value)  # type: ignore[attr-defined]
+    first, second = map(_COUNT, value if isinstance(value, list) else ())
     return first, second
 
 

@@ -6,8 +6,9 @@ import tomllib
 
 import numpy as np
 
+from hub.gcm.body import USUAL_RADIUS
 from hub.pose import Pose
-from hub.sim.arena import BODY_RADIUS, Arena, arena_from_spec
+from hub.sim.arena import Arena, arena_from_spec
 from hub.sim.arena_file import check_arena
 
 VOID = 'name = "void"\n[start]\nat = [0.0, 0.0]\n'
@@ -25,6 +26,6 @@ def free_poses(arena: Arena, count: int, seed: int, low: float, high: float) -> 
     poses: list[Pose] = []
     while len(poses) < count:
         x, y = random.uniform(low, high, 2).tolist()
-        if arena.footprints.distances(x, y).min() > BODY_RADIUS + 0.01:
+        if arena.footprints.distances(x, y).min() > USUAL_RADIUS + 0.01:
             poses.append(Pose(x=x, y=y, theta=float(random.uniform(-3.14, 3.14))))
     return poses

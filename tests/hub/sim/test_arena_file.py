@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from hub.errors import ArenaError
-from hub.sim.arena import BODY_RADIUS, SHIPPED, load_arena, shipped_arenas
+from hub.gcm.body import USUAL_RADIUS
+from hub.sim.arena import SHIPPED, load_arena, shipped_arenas
 from hub.sim.arena_file import MAX_OBJECTS, check_arena, read_arena_file
 from hub.sim.arena_specs import GAPS
 from hub.sim.camera.textures import TEXTURES
@@ -221,7 +222,7 @@ def test_every_shipped_arena_loads_and_has_room_for_the_robot() -> None:
     for name in shipped_arenas():
         arena = load_arena(name)
         assert read_arena_file(SHIPPED / f"{name}.toml").landmarks
-        assert arena.footprints.distances(arena.start.x, arena.start.y).min() > 2 * BODY_RADIUS
+        assert arena.footprints.distances(arena.start.x, arena.start.y).min() > 2 * USUAL_RADIUS
 
 
 @pytest.mark.parametrize(("name", "size"), [("yellow", (10.0, 10.0)), ("pool", (6.0, 8.0))])
@@ -230,7 +231,7 @@ def test_every_room_of_a_shipped_arena_can_be_reached(name: str, size: tuple[flo
     arena = load_arena(name)
     step = 0.05
     x, y = np.indices((round(size[0] / step), round(size[1] / step))) * step
-    free = distances(arena.footprints, x, y) > BODY_RADIUS + 0.05
+    free = distances(arena.footprints, x, y) > USUAL_RADIUS + 0.05
     reached = np.zeros_like(free)
     reached[round(arena.start.x / step), round(arena.start.y / step)] = True
     while True:

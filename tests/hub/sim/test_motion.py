@@ -11,16 +11,17 @@ from hypothesis import strategies as st
 
 from hub.pose import Pose, wrapped
 from hub.robots.simulated_base import LONGEST_ADVANCE, STEP
-from hub.sim.arena import BODY_RADIUS, Arena, load_arena
+from hub.sim.arena import Arena, load_arena
 from hub.sim.battery import Battery
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
 from tests.hub.sim.arenas import VOID, arena_of
 from tests.support.cases import for_each
-from tests.support.magellan import SimulatedMagellan
+from tests.support.magellan import SimulatedMagellan, magellan_body
 from tests.support.repetitions import repetitions
 
 YELLOW = load_arena("yellow")
 EMPTY = load_arena("empty")
+RADIUS = magellan_body().radius
 NARROW = arena_of(
     VOID
     + "[[wall]]\nfrom=[-1.0,0.5]\nto=[1.5,0.5]\n"
@@ -35,7 +36,7 @@ VELOCITIES = st.tuples(st.floats(-3.0, 3.0), st.floats(-6.0, 6.0), st.floats(0.0
 
 def clearance(arena: Arena, robot: SimulatedMagellan) -> float:
     truth = robot.ground_truth()
-    return float(arena.footprints.distances(truth.x, truth.y).min()) - BODY_RADIUS
+    return float(arena.footprints.distances(truth.x, truth.y).min()) - RADIUS
 
 
 @given(commands=st.lists(VELOCITIES, min_size=1, max_size=5), seed=st.integers(0, 2**32))
@@ -141,7 +142,7 @@ def test_the_bumper_that_faces_the_wall_is_pressed(bumper: int) -> None:
     north = 90.0 - 22.5 * bumper
     text = (
         f'name="a"\n[start]\nat=[0.0, 0.0]\nheading_deg={north}\n'
-        f"[[wall]]\nfrom=[-2.0, {BODY_RADIUS + 0.0505}]\nto=[2.0, {BODY_RADIUS + 0.0505}]\n"
+        f"[[wall]]\nfrom=[-2.0, {RADIUS + 0.0505}]\nto=[2.0, {RADIUS + 0.0505}]\n"
     )
     robot = SimulatedMagellan(arena_of(text))
     assert robot.drive_state(0.0).bumpers == 1 << bumper

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from hub.gcm.body import USUAL_RADIUS
 from hub.gcm.navigation import GroundTruth, Twist, Vector3
 from hub.gcm.ranges import RangeReadings
 from hub.modules.driver.reports import drive_state
@@ -16,7 +17,7 @@ from hub.pose import Pose
 from hub.robots.description import RobotDescription
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.robots.simulated_base import SimulatedBase
-from hub.sim.arena import BODY_RADIUS, Arena
+from hub.sim.arena import Arena
 
 ROBOT = read_description(find_robot_file("magellan"))[0]
 BODY = body_of(ROBOT)
@@ -30,7 +31,7 @@ def random_start(arena: Arena, seed: int, clearance: float = 0.01) -> Pose:
     random = np.random.default_rng(seed)
     while True:
         x, y, theta = random.uniform((0.0, 0.0, -math.pi), (10.0, 10.0, math.pi)).tolist()
-        if arena.footprints.distances(x, y).min() > BODY_RADIUS + clearance:
+        if arena.footprints.distances(x, y).min() > USUAL_RADIUS + clearance:
             return Pose(x=x, y=y, theta=theta)
 
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hub.sim.arena import BODY_RADIUS, load_arena
+from hub.sim.arena import load_arena
 from hub.sim.ground.chassis import TRACKED, WHEELED, Chassis
 from hub.sim.rough_base import LONGEST_ADVANCE, STEP, RoughBase
 from tests.hub.sim.ground.grounds import (
@@ -349,7 +349,7 @@ def test_flippers_turn_at_their_speed_within_their_limits_and_lift_the_body() ->
 
 def test_a_robot_of_another_size_keeps_its_own_distance_from_walls() -> None:
     wall = "[[wall]]\nfrom = [3.0, 0.0]\nto = [3.0, 3.0]\n"
-    for chassis, reach in ((WHEELED, BODY_RADIUS), (TRACKED, TRACKED.reach)):
+    for chassis, reach in ((WHEELED, WHEELED.reach), (TRACKED, TRACKED.reach)):
         base = drive(
             RoughBase(ground_arena(wall), chassis, flippers=RAISED if chassis.flippers else None),
             9.0,
