@@ -47,7 +47,7 @@ def main() -> None:
 
     tilted_picture()
     terrain_picture()
-    water_picture()
+    water_pictures()
     float_step()
 
     sensors = magellan_sensors(arena.footprints, 1)
@@ -143,13 +143,12 @@ def terrain_picture() -> None:
     report("sim.picture_terrain_ms", value, "ms", bar=6.0, note=note)
 
 
-def water_picture() -> None:
-    """What water and a lamp add to a picture of the pool: each view wet, then dry."""
+def water_pictures() -> None:
+    """What water adds to pictures of the pool, from inside with a lamp, and from above."""
     arena = load_arena("pool")
-    wet, dry = RayCaster(arena), RayCaster(replace(arena, water=None))
+    casters = RayCaster(arena), RayCaster(replace(arena, water=None))
     random = np.random.default_rng(4)
-    lamp = Lighting(headlight=0.8)
-    added = []
+    inside, above = [], []
     for _ in range(POSES):
         view = View(
             x=float(random.uniform(0.6, 5.4)),
@@ -160,20 +159,25 @@ def water_picture() -> None:
             roll=0.05,
             horizontal_fov=math.radians(64.0),
         )
-        wet_ms, dry_ms = (
-            median_ms(
-                lambda _, view=view, caster=caster, light=light: caster.picture(
-                    view, 160, 120, light
-                ),
-                5,
-                warmup=1,
-                clock=time.thread_time,
-            )
-            for caster, light in ((wet, lamp), (dry, Lighting()))
+        inside.append(_added_ms(casters, view, Lighting(headlight=0.8)))
+        above.append(_added_ms(casters, replace(view, z=3.0 + view.z, pitch=-1.0), Lighting()))
+    note = f"thread time, median over {POSES} views at 160x120, less the dry picture"
+    report("sim.water_ms", float(np.median(inside)), "ms", bar=0.6, note=note + ", with lamp")
+    report("sim.water_above_ms", float(np.median(above)), "ms", bar=0.6, note=note)
+
+
+def _added_ms(casters: tuple[RayCaster, RayCaster], view: View, lighting: Lighting) -> float:
+    """Time of a picture with water in a light, less that of a dry one by day [ms]."""
+    wet_ms, dry_ms = (
+        median_ms(
+            lambda _, caster=caster, light=light: caster.picture(view, 160, 120, light),
+            5,
+            warmup=1,
+            clock=time.thread_time,
         )
-        added.append(wet_ms - dry_ms)
-    note = f"thread time, median over {POSES} views at 160x120 with lamp, less the dry picture"
-    report("sim.water_ms", float(np.median(added)), "ms", bar=0.6, note=note)
+        for caster, light in zip(casters, (lighting, Lighting()), strict=True)
+    )
+    return wet_ms - dry_ms
 
 
 if __name__ == "__main__":

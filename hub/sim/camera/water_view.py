@@ -49,6 +49,7 @@ _REFLECTED_GRAZING = 0.6
 """Share of light that the surface reflects from above, straight down and at a grazing angle."""
 _REFLECTION = (150.0, 160.0, 168.0)
 _RIPPLES = 0.08
+_LEAST = np.float32(1e-6)
 _EVERYWHERE: Area = ((-math.inf, -math.inf), (math.inf, math.inf))
 
 _Floats = npt.NDArray[np.float32]
@@ -59,6 +60,10 @@ class _Tables:
     """Light by range and by depth under water, red, green and blue.
 
     Attributes:
+        direct: Loss of a thing's light [1/m], shape (3,).
+        back: Growth of backscatter [1/m], shape (3,).
+        daylight: Loss of daylight with depth [1/m], shape (3,).
+        brightest: Backscatter of an endless range at the surface, 0 to 255, shape (3,).
         passed: Share of light that is left after a range, shape (3, ranges).
         backscatter: Scattered daylight that a range adds at the surface, shape (3, ranges).
         lit: Share of full light that the lamp gives at a range, both ways, shape (3, ranges).
@@ -68,6 +73,10 @@ class _Tables:
         depth_steps_per_metre: Of depth.
     """
 
+    direct: _Floats
+    back: _Floats
+    daylight: _Floats
+    brightest: _Floats
     passed: _Floats
     backscatter: _Floats
     lit: _Floats
@@ -92,6 +101,10 @@ def _tables(water: WaterSpec) -> _Tables:
     reached = 1.0 - np.exp(-np.outer(back, ranges))
     glow = np.array(_GLOW)[:, None] * (1.0 - np.exp(-2.0 * np.outer(back, ranges)))
     return _Tables(
+        direct=direct.astype(np.float32),
+        back=back.astype(np.float32),
+        daylight=daylight.astype(np.float32),
+        brightest=backscatter.astype(np.float32),
         passed=passed.astype(np.float32),
         backscatter=(backscatter[:, None] * reached).astype(np.float32),
         lit=(_LAMP * passed**2 / (1.0 + (ranges / _HALF_DISTANCE) ** 2)).astype(np.float32),
@@ -182,7 +195,9 @@ class WaterView:
         pixels = np.flatnonzero(above)
         ray_z = np.broadcast_to(frame.ray_z, above.shape).take(pixels).astype(np.float32)
         way = np.float32(self._water.surface - view.z) / ray_z
-        ripple = self._ripple(view, frame, pixels, way)
+        x = np.float32(view.x) + frame.ray_x.take(pixels) * way
+        y = np.float32(view.y) + frame.ray_y.take(pixels) * way
+        ripple = _ripple(x, y)
         low, high = _WINDOW
         window = (ray_z / frame.length.take(pixels) + ripple - low) / (high - low)
         window = np.clip(window, 0.0, 1.0)
@@ -193,16 +208,6 @@ class WaterView:
             seen *= 1.0 + ripple
             flat[pixels, channel] = np.minimum(seen, 255.0)
 
-    def _ripple(
-        self, view: View, frame: CameraFrame, pixels: npt.NDArray[np.intp], way: _Floats
-    ) -> _Floats:
-        """Waves where rays meet the surface, between -RIPPLES and RIPPLES; they stand still."""
-        x = np.float32(view.x) + frame.ray_x.take(pixels) * way
-        y = np.float32(view.y) + frame.ray_y.take(pixels) * way
-        waves: _Floats = np.sin(9.0 * x + 2.0 * np.sin(5.0 * y))
-        waves *= np.float32(_RIPPLES)
-        return waves
-
     def _from_above(
         self,
         view: View,
@@ -212,38 +217,48 @@ class WaterView:
     ) -> None:
         """Draw the water over the picture that a camera above its surface takes."""
         drop = np.float32(view.z - self._water.surface)
-        ray_z = np.broadcast_to(frame.ray_z, frame.ray_x.shape)
-        pixels = np.flatnonzero(-ray_z > frame.inverse_depth * drop)
-        if not len(pixels):
-            return
-        down = -ray_z.take(pixels).astype(np.float32)
+        # Rays that do not go down meet no water; they only must not divide by 0.
+        down = np.maximum(-frame.ray_z, _LEAST).astype(np.float32, copy=False)
         way = drop / down
+        inverse_depth = np.maximum(frame.inverse_depth, _LEAST)
+        wet = way * inverse_depth < 1.0
+        wet &= frame.ray_z < 0.0
+        if not wet.any():
+            return
+        x = np.float32(view.x) + frame.ray_x * way
+        y = np.float32(view.y) + frame.ray_y * way
         if self._water.area is not None:
-            x = np.float32(view.x) + frame.ray_x.take(pixels) * way
-            y = np.float32(view.y) + frame.ray_y.take(pixels) * way
-            inside = np.flatnonzero(_within(self._water.area, x, y))
-            if len(inside) < len(pixels):
-                pixels, down, way = pixels.take(inside), down.take(inside), way.take(inside)
-        tables = self._tables
-        length = frame.length.take(pixels)
-        under = np.float32(1.0) / frame.inverse_depth.take(pixels) - way
-        at = (under * length * np.float32(tables.steps_per_metre)).astype(np.intp)
-        day_at = (under * down * np.float32(tables.depth_steps_per_metre)).astype(np.intp)
-        aslant = np.float32(1.0) - down / length - self._ripple(view, frame, pixels, way)
+            wet &= _within(self._water.area, x, y)
+        under = np.float32(1.0) / inverse_depth
+        under -= way
+        np.maximum(under, 0.0, out=under)
+        ranges = under * frame.length
+        depths = under * down
+        aslant = np.float32(1.0) - down / frame.length
+        aslant -= _ripple(x, y)
         np.maximum(aslant, 0.0, out=aslant)
         reflected = aslant * aslant * aslant
         reflected *= np.float32(_REFLECTED_GRAZING - _REFLECTED_AHEAD)
         reflected += np.float32(_REFLECTED_AHEAD)
         ambient = np.float32(lighting.ambient)
-        flat = picture.reshape(-1, 3)
+        tables = self._tables
         for channel in range(3):
-            plane = flat[:, channel]
-            seen = tables.passed[channel].take(at, mode="clip")
-            seen *= tables.day[channel].take(day_at, mode="clip")
-            seen *= plane.take(pixels)
-            seen += (tables.backscatter[channel] * ambient).take(at, mode="clip")
+            plane = picture[..., channel]
+            seen = np.exp(ranges * -tables.direct[channel] - depths * tables.daylight[channel])
+            seen *= plane
+            scattered = np.exp(ranges * -tables.back[channel])
+            scattered *= -tables.brightest[channel] * ambient
+            scattered += tables.brightest[channel] * ambient
+            seen += scattered
             seen += reflected * (np.float32(_REFLECTION[channel]) * ambient - seen)
-            plane[pixels] = seen
+            np.copyto(plane, seen, where=wet, casting="unsafe")
+
+
+def _ripple(x: _Floats, y: _Floats) -> _Floats:
+    """Waves of the surface at places [m], between -RIPPLES and RIPPLES; they stand still."""
+    waves: _Floats = np.sin(9.0 * x + 2.0 * np.sin(5.0 * y))
+    waves *= np.float32(_RIPPLES)
+    return waves
 
 
 def _within(
