@@ -200,6 +200,65 @@ class CameraBody:
     headlight: Flag = 0
 
 
+class HoldKind(enum.IntEnum):
+    """What a hold keeps.
+
+    Attributes:
+        HEIGHT: The height above the ground.
+        DEPTH: The depth below the water's surface.
+        HEADING: The heading.
+        POSITION: The place in the plane.
+    """
+
+    HEIGHT = 0
+    DEPTH = 1
+    HEADING = 2
+    POSITION = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HoldBody:
+    """A hold that the body has.
+
+    Attributes:
+        kind: What it keeps.
+        tolerance: It fails when the robot is farther off [m or rad]; 0: the body decides.
+    """
+
+    kind: HoldKind
+    tolerance: Annotated[float, Range(0.0, 1000.0, unit="m or rad")] = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LightBody:
+    """A light that can be switched.
+
+    Attributes:
+        name: Its name.
+        camera: The camera that it belongs to; empty: the body.
+    """
+
+    name: Name
+    camera: Name = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointBody:
+    """A joint that the operator moves, such as a pair of flippers.
+
+    Attributes:
+        name: Its name.
+        lowest: Least angle [rad].
+        highest: Largest angle [rad].
+        speed: Largest turn rate [rad/s].
+    """
+
+    name: Name
+    lowest: Radians
+    highest: Radians
+    speed: Annotated[float, Range(0.0, 100.0, unit="rad/s")]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotBody:
     """The constants of a robot; the hub publishes them once and keeps them.
@@ -218,6 +277,10 @@ class RobotBody:
         bumpers: The bumpers; bit i of the readings is bumper i.
         cameras: The cameras, the main one first.
         left_alone: What it does without an operator, as robot files name it.
+        holds: What it can hold while the operator commands no motion.
+        lights: The lights, those of cameras too.
+        joints: The joints that the operator moves, besides cameras.
+        arms: 1: its motors can be armed and disarmed, else 0.
     """
 
     name: Name
@@ -232,6 +295,10 @@ class RobotBody:
     bumpers: Annotated[tuple[Bumper, ...], Counted("bumper_count"), Most(MOST_PARTS)] = ()
     cameras: Annotated[tuple[CameraBody, ...], Counted("camera_count"), Most(MOST_PARTS)] = ()
     left_alone: Name = "stand"
+    holds: Annotated[tuple[HoldBody, ...], Counted("hold_count"), Most(len(HoldKind))] = ()
+    lights: Annotated[tuple[LightBody, ...], Counted("light_count"), Most(2 * MOST_PARTS)] = ()
+    joints: Annotated[tuple[JointBody, ...], Counted("joint_count"), Most(MOST_PARTS)] = ()
+    arms: Flag = 0
 
 
 ROBOT_DESCRIPTION = MessageDefinition(

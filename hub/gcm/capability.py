@@ -22,6 +22,10 @@ class Capability(enum.StrEnum):
         PRO_POINTS: Interest points on the map: victims and landmarks.
         AUT_PILOT: Autonomy: explore, wander, return, go, hold.
         DRV_BASE: The hardware's side of navigation: wheels and raw sensors.
+        DRV_HOLD: Holds of height, depth, heading or position.
+        DRV_LIGHT: Lights that can be switched.
+        DRV_JOINT: Joints that the operator moves, such as flippers.
+        DRV_ARM: Motors that can be armed and disarmed.
         SIM_TRUTH: The simulator's ground truth.
     """
 
@@ -36,6 +40,10 @@ class Capability(enum.StrEnum):
     PRO_POINTS = "PRO_POINTS"
     AUT_PILOT = "AUT_PILOT"
     DRV_BASE = "DRV_BASE"
+    DRV_HOLD = "DRV_HOLD"
+    DRV_LIGHT = "DRV_LIGHT"
+    DRV_JOINT = "DRV_JOINT"
+    DRV_ARM = "DRV_ARM"
     SIM_TRUTH = "SIM_TRUTH"
 
 

@@ -8,8 +8,11 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.diagnostics import DiagnosticStatus
+from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth, Twist
 from hub.gcm.ranges import LaserScan
+from hub.gcm.vehicle import VehicleState
 from hub.gcm.vision import CameraCommand, CameraState
 from hub.robots.left_alone import LeftAlone
 from hub.values import dataclass
@@ -40,6 +43,10 @@ class Sensors:
             process gives it one.
         origin: Number of the origin of `odom`; equal numbers mean equal places, even after a
             restart of the dead reckoning. 0: the robot's place at the restart.
+        diagnostics: What is wrong with the body now; none: nothing.
+        vehicle: Holds, arming, lights, tether, and what it does; the driver adds the time, and
+            "drives" or "stands" where `activity` is empty.
+        joints: Its joints, in the order of the description.
     """
 
     x: float = 0.0
@@ -60,6 +67,9 @@ class Sensors:
     climb: float = math.nan
     odometry: int = 0
     origin: int = 0
+    diagnostics: tuple[DiagnosticStatus, ...] = ()
+    vehicle: VehicleState = VehicleState()
+    joints: tuple[JointState, ...] = ()
 
 
 class Body(Protocol):

@@ -409,7 +409,8 @@ def _member(name: str, hint: Any, node: formats.Format, where: str, *, strict: b
         return _around(inner, "*", _writing_pointer, _reading_pointer)
     if isinstance(node, (formats.FixedArray, formats.VariableArray)):
         if isinstance(node.element, formats.Primitive):
-            return Member(name=name, checks=checks)
+            texts = node.element.name == "string"
+            return Member(name=name, checks=checks, inward=_read_texts if texts else None)
         entry = next(iter(typing.get_args(hint)), hint)
         inner = _member(name, entry, node.element, where, strict=strict)
         inner = _around(inner, "[]", _writing_array, _reading_array)
@@ -417,6 +418,10 @@ def _member(name: str, hint: Any, node: formats.Format, where: str, *, strict: b
     if isinstance(hint, type) and issubclass(hint, enum.IntEnum):
         return Member(name=name, inward=_enum_reader(hint, where))
     return Member(name=name, checks=checks)
+
+
+def _read_texts(items: Sequence[str], _note: Note | None) -> tuple[str, ...]:
+    return tuple(items)
 
 
 def _late(record: DataclassCodec) -> _Converter:

@@ -166,6 +166,8 @@ def _check(each: Declared, node: formats.Format, where: str, *, strict: bool) ->
     name = node.name if isinstance(node, formats.Primitive) else ""
     if isinstance(each, Text) and name == "string":
         return _text_check(each, where)
+    if isinstance(each, Text) and _is_of_texts(node):
+        return _texts_check(each, where)
     if isinstance(each, Most) and isinstance(node, formats.VariableArray):
         fix = _refuser(lambda value: f"{len(value)} entries, at most {each.count}", where)
         return Check(outside=f"len({{value}}) > {each.count}", fix=fix)
@@ -181,6 +183,11 @@ def _check(each: Declared, node: formats.Format, where: str, *, strict: bool) ->
     raise TypeError(text)
 
 
+def _is_of_texts(node: formats.Format) -> bool:
+    element = node.element if isinstance(node, formats.VariableArray) else None
+    return isinstance(element, formats.Primitive) and element.name == "string"
+
+
 def _text_check(text: Text, where: str) -> Check:
     def fix(value: str, note: Note) -> str:
         if not is_plain(value, lines=text.lines):
@@ -192,6 +199,16 @@ def _text_check(text: Text, where: str) -> Check:
 
     shown = "lined({value})" if text.lines else "{value}.isprintable()"
     return Check(outside=f"len({{value}}) > {text.most} or not {shown}", fix=fix)
+
+
+def _texts_check(text: Text, where: str) -> Check:
+    """The check of each text of an array."""
+    one = _text_check(text, where)
+
+    def fix(value: Sequence[str], note: Note) -> tuple[str, ...]:
+        return tuple(one.fix(each, note) for each in value)
+
+    return Check(outside=f"any({one.outside.format(value='each')} for each in {{value}})", fix=fix)
 
 
 def lined(text: str) -> bool:

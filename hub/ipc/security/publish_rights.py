@@ -44,6 +44,7 @@ COMMANDS: Mapping[str, Right] = {
     "GCM_Landmark_Correction": _OPERATOR,
     "GCM_Camera_Command": _OPERATOR,
     "GCM_Night_Command": _OPERATOR,
+    "GCM_Vehicle_Command": _OPERATOR,
     "GCM_Point_Command": _OPERATOR,
     "GCM_Map_Command": _OPERATOR,
     "GCM_Mission_Command": _OPERATOR,

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
+from hub.gcm.diagnostics import Diagnostics
 from hub.gcm.flight import Altitude, Attitude
+from hub.gcm.joints import JointStates
 from hub.gcm.navigation import DriveState
+from hub.gcm.standard import Header, Time
+from hub.gcm.vehicle import VehicleState
 from hub.robots.interfaces import Sensors
 
 
@@ -59,6 +64,24 @@ def altitude(sensors: Sensors, stamp: float) -> Altitude | None:
         depth=sensors.depth,
         climb=sensors.climb,
     )
+
+
+def vehicle(sensors: Sensors, stamp: float) -> VehicleState:
+    """What the body does besides its motion."""
+    activity = sensors.vehicle.activity or ("stands" if stands(sensors) else "drives")
+    return dataclasses.replace(sensors.vehicle, stamp=stamp, activity=activity)
+
+
+def joints(sensors: Sensors, stamp: float) -> JointStates | None:
+    """The joints; None: the body has none."""
+    if not sensors.joints:
+        return None
+    return JointStates.of(sensors.joints, Header(stamp=Time.of(stamp)))
+
+
+def diagnostics(sensors: Sensors, stamp: float) -> Diagnostics:
+    """What is wrong with the body now."""
+    return Diagnostics(header=Header(stamp=Time.of(stamp)), status=sensors.diagnostics)
 
 
 def stands(sensors: Sensors) -> bool:

@@ -25,7 +25,7 @@ from hub.sim.afloat.holds import (
     ClimbGains,
     HeadingHold,
     HeightHold,
-    HoldState,
+    Held,
     RestingPlace,
     TurnGains,
     speed_force,
@@ -192,14 +192,14 @@ class SimulatedBlimp(FloatingVehicle):
         return self._propellers.ahead, self._propellers.left, self._propellers.up
 
     @property
-    def hold(self) -> HoldState:
+    def hold(self) -> Held:
         """What it holds, and whether that fails."""
         if self._flight is not Flight.FLYING:
-            return HoldState()
+            return Held()
         x, y, _ = self._body.position
         off = self._height_hold.off(self._senses.vertical.height)
         carried = self._place.carried(x, y)
-        return HoldState(
+        return Held(
             height=self._height_hold.goal,
             heading=self._heading_hold.goal,
             braking=self._place.braking and self._commanded == NEUTRAL,

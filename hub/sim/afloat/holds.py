@@ -203,7 +203,7 @@ class TiltHold:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class HoldState:
+class Held:
     """What a floating robot holds.
 
     Attributes:

@@ -24,7 +24,7 @@ from hub.sim.afloat.holds import (
     ClimbGains,
     HeadingHold,
     HeightHold,
-    HoldState,
+    Held,
     RestingPlace,
     TiltGains,
     TiltHold,
@@ -178,12 +178,12 @@ class SimulatedRov(FloatingVehicle):
         return self._thrusters.wrench
 
     @property
-    def hold(self) -> HoldState:
+    def hold(self) -> Held:
         """What it holds, and whether that fails."""
         x, y, _ = self._body.position
         goal = self._depth_hold.goal
         off = self._depth_hold.off(self._senses.vertical.height)
-        return HoldState(
+        return Held(
             depth=None if goal is None else -goal,
             heading=self._heading_hold.goal,
             braking=self._place.braking and self._commanded == NEUTRAL,

@@ -77,7 +77,8 @@ def misfits(value: Any, hint: Any, where: str) -> list[str]:
             )
             found += [] if good else [where]
         elif isinstance(each, ranges.Text):
-            good = len(value) <= each.most and is_plain(value, lines=each.lines)
+            texts = value if isinstance(value, tuple) else (value,)
+            good = all(len(one) <= each.most and is_plain(one, lines=each.lines) for one in texts)
             found += [] if good else [where]
         elif len(value) > each.count:
             found.append(where)
