@@ -26,6 +26,7 @@ from hub.gcm import navigation
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.tunnel import Tunnel
+from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.robot_state import RobotState
 from rune_tui.startup.opening import open_layout
 from tests.support.ports import free_port
@@ -126,7 +127,7 @@ def watched(link: RobotLink) -> tuple[list[Seen], RobotState]:
     """What a console shows once the link is known."""
     link.start()
     with closing(link):
-        link.want_pictures({"": SIZE})
+        link.want_pictures({"": PictureNeed(size=SIZE)})
         until(lambda: link.state.picture is not None, 30.0, lambda: repr(link.state.link))
         drawn(link, SETTLE_S)
         seen, state = drawn(link, SECONDS)

@@ -152,11 +152,11 @@ class EffectRunner:
             self._leave()
 
     def ask_for_pictures(self) -> None:
-        """Request pictures of the shown size and kind from each robot."""
-        sizes = self._current.view.picture_sizes(self._state())
+        """Request pictures of the shown size, rate and kind from each robot."""
+        needs = self._current.view.picture_needs(self._state())
         wishes = self._current.console.wishes
         for name, link in self._links.items():
-            link.want_pictures(sizes.get(name, {}), wishes.get(name))
+            link.want_pictures(needs.get(name, {}), wishes.get(name))
 
     def _change(self, effect: StateEffect) -> None:
         current = self._current

@@ -19,7 +19,7 @@ from rune_tui.drawn_viewport import DrawnViewport, is_shown
 from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
-from rune_tui.model.cameras import unknown_camera
+from rune_tui.model.cameras import PictureNeed, unknown_camera
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.overlays.banner_layer import BannerLayer
@@ -83,7 +83,7 @@ class View:
         self._page = PageLayer(layout)
         self._paged = False
         self._page_rows = 0
-        self._sizes: Mapping[str, Mapping[str, tuple[int, int]]] = {}
+        self._needs: Mapping[str, Mapping[str, PictureNeed]] = {}
         self._banner = BannerLayer()
         self._notices = NoticeLayer()
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
@@ -212,15 +212,15 @@ class View:
         found = (pane.hit(x, y, state) for pane in reversed(panes))
         return tuple(hit for hit in found if hit is not None)
 
-    def picture_sizes(self, state: ConsoleState) -> Mapping[str, Mapping[str, tuple[int, int]]]:
-        """Width and height [pixels] of the largest 4:3 picture shown, by robot and camera.
+    def picture_needs(self, state: ConsoleState) -> Mapping[str, Mapping[str, PictureNeed]]:
+        """The 4:3 pictures that the viewports on the screen need, by robot and camera.
 
         A robot without a camera image on the screen is left out, and a camera that it has not.
         """
         self._arrange(state)
         if self._paged:
-            return self._sizes  # pictures must be new when the page closes
-        sizes: dict[str, dict[str, tuple[int, int]]] = {}
+            return self._needs  # pictures must be new when the page closes
+        needs: dict[str, dict[str, PictureNeed]] = {}
         for pane in self.panes:
             robot, shown = pane.robot(state), pane.visualizer
             if shown.rule.pictures and robot is not None and pane.visible(state):
@@ -230,10 +230,12 @@ class View:
                 more = max(self._scale)
                 width, height = more * pane.place.width, more * pane.place.height
                 size = cast("Picturing", shown).picture_size(width, height)
-                known = sizes.setdefault(robot.name, {})
-                known[camera] = max(size, known.get(camera, MIN_PICTURE))
-        self._sizes = sizes
-        return sizes
+                interval = float(getattr(shown, "interval_s", 0.0))
+                need = PictureNeed(size=max(size, MIN_PICTURE), interval_s=interval)
+                known = needs.setdefault(robot.name, {})
+                known[camera] = need.and_also(known.get(camera, need))
+        self._needs = needs
+        return needs
 
     def _arrange(self, state: ConsoleState) -> None:
         """Place the viewports again when a viewport or a page starts or ends to fill the view."""

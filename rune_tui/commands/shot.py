@@ -50,13 +50,13 @@ def take(
         ConsoleState.at_start(layout, time.monotonic()),
         robots={name: link.state for name, link in links.items()},
     )
-    sizes = view.picture_sizes(state)
+    needs = view.picture_needs(state)
     for name, link in links.items():
-        link.want_pictures(sizes.get(name, {}))
+        link.want_pictures(needs.get(name, {}))
         link.start()
     try:
         end = time.monotonic() + seconds
-        while (now := time.monotonic()) < end or (now < end + _EXTRA_S and _waits(links, sizes)):
+        while (now := time.monotonic()) < end or (now < end + _EXTRA_S and _waits(links, needs)):
             for link in links.values():
                 for camera, picture in link.state.all_pictures.items():
                     link.shown(picture.number, camera)

@@ -11,11 +11,12 @@ from hub.gcm import vision
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from rune_tui.link.picture_stream import PictureStream
+from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import PictureWish
 from rune_tui.model.robot_state import PictureFlow
 
-Sizes: TypeAlias = Mapping[str, tuple[int, int]]
-"""Width and height [pixels] of the pictures of each camera."""
+Needs: TypeAlias = Mapping[str, PictureNeed]
+"""The pictures that are needed of each camera."""
 
 
 class CameraStreams:
@@ -37,8 +38,7 @@ class CameraStreams:
         Args:
             client: The client that asks.
             take: Gets each picture after its camera's name, and returns its number for `shown`.
-            keep: Gets the shown cameras at each change, unless there are none: the pictures of
-                others are out of date.
+            keep: Gets the shown cameras at each change: the pictures of others are out of date.
             fail: Gets in words why there is none; empty when all cameras answer.
             clock: Monotonic time [s].
         """
@@ -50,8 +50,8 @@ class CameraStreams:
         self._interval: float | None = None
         self._streams: dict[str, PictureStream] = {}
         self._faults: dict[str, str] = {}
-        self._wanted: Sizes = {}
-        self._newest: tuple[Sizes, PictureWish | None] | None = None
+        self._wanted: Needs = {}
+        self._newest: tuple[Needs, PictureWish | None] | None = None
 
     @property
     def round_trip(self) -> float:
@@ -60,34 +60,41 @@ class CameraStreams:
         return next((delay for delay in delays if not math.isnan(delay)), math.nan)
 
     def follow(self, interval: float | None) -> None:
-        """Ask each camera no more often than every `interval` [s]; None: not at all."""
+        """Ask no camera more often than every `interval` [s]; None: not at all."""
         self._interval = interval
-        for stream in self._streams.values():
-            stream.follow(interval)
+        for name, stream in self._streams.items():
+            stream.follow(self.interval(name))
 
-    def want(self, sizes: Sizes, wish: PictureWish | None) -> None:
-        """Ask each of these cameras for pictures of its width and height [pixels]."""
-        if (sizes, wish) != self._newest:
-            self._newest = sizes, wish
-            self._client.post(lambda: self._want(sizes, wish))
+    def interval(self, camera: str) -> float | None:
+        """Shortest time between two pictures of a camera [s]; None: it is not asked."""
+        need = self._wanted.get(camera)
+        if self._interval is None or need is None:
+            return None
+        return max(self._interval, need.interval_s)
 
-    def _want(self, sizes: Sizes, wish: PictureWish | None) -> None:
-        self._wanted = sizes
-        for name in sizes.keys() - self._streams.keys():
-            self._streams[name] = stream = PictureStream(
+    def want(self, needs: Needs, wish: PictureWish | None) -> None:
+        """Ask for the pictures that these cameras need, of the operator's kind."""
+        if (needs, wish) != self._newest:
+            self._newest = needs, wish
+            self._client.post(lambda: self._want(needs, wish))
+
+    def _want(self, needs: Needs, wish: PictureWish | None) -> None:
+        self._wanted = needs
+        for name in needs.keys() - self._streams.keys():
+            self._streams[name] = PictureStream(
                 self._client,
                 camera=name,
                 take=functools.partial(self._taken, name),
                 fail=functools.partial(self._note, name),
                 clock=self._clock,
             )
-            stream.follow(self._interval)
         for name, stream in self._streams.items():
-            stream.want(sizes.get(name), wish)
-        for name in self._faults.keys() - sizes.keys():
+            need = needs.get(name)
+            stream.follow(self.interval(name))
+            stream.want(need.size if need is not None else None, wish)
+        for name in self._faults.keys() - needs.keys():
             self._note(name, "")
-        if sizes:
-            self._keep(sizes.keys())
+        self._keep(needs.keys())
 
     def shown(self, number: int, camera: str) -> None:
         """The picture of this number, of this camera, is on the screen."""
@@ -106,7 +113,7 @@ class CameraStreams:
         return next((flows[name] for name in sorted(self._wanted) if flows[name]), None)
 
     def _taken(self, camera: str, image: vision.Image, reception: MessageInfo) -> int:
-        if self._wanted and camera not in self._wanted:
+        if camera not in self._wanted:
             return 0  # asked before the choice of another camera
         return self._take(camera, image, reception)
 

@@ -46,4 +46,4 @@ class MapStream:
         self._wanted = MAP.name in spec.messages
         for capability in spec.capabilities:
             if capability.name == Capability.PRO_MAP:
-                self._requests.pace.interval = capability.interval_s
+                self._requests.follow(capability.interval_s)

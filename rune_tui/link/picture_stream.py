@@ -65,7 +65,8 @@ class PictureStream:
     def follow(self, interval: float | None) -> None:
         """Ask no more often than every `interval` [s]; None: not at all."""
         self._wanted = interval is not None
-        self._requests.pace.interval = self._choice.interval = interval or 0.0
+        self._choice.interval = interval or 0.0
+        self._requests.follow(self._choice.interval)
 
     def want(self, size: tuple[int, int] | None, wish: PictureWish | None) -> None:
         """Ask for pictures of this width and height [pixels], None for none, and of this kind."""

@@ -21,8 +21,8 @@ _CHANNELS = (1, 3)
 _FILES = frozenset({ImageCoding.JPEG, ImageCoding.WEBP})
 
 
-def picture_of(image: Image) -> Picture:
-    """The picture in a message.
+def picture_of(image: Image, interval: float | None = None) -> Picture:
+    """The picture in a message, and the usual time until the next one [s]; None: not known.
 
     Raises:
         CodecError: It is damaged.
@@ -44,7 +44,7 @@ def picture_of(image: Image) -> Picture:
         pixels = rle.decode(image.data, *shape)
     if image.channels == 1:
         pixels = pixels.repeat(3, axis=2)
-    return Picture(pixels=pixels, camera=image.camera)
+    return Picture(pixels=pixels, camera=image.camera, interval_s=interval or 0.0)
 
 
 def _file(image: Image, shape: tuple[int, int, int]) -> npt.NDArray[np.uint8]:

@@ -76,6 +76,12 @@ class Requester(Generic[Q, A]):
         """Open requests in order, and the numbers of their answers, if any."""
         self._due = 0.0
 
+    def follow(self, interval: float) -> None:
+        """Ask no more often than every `interval` [s]; a shorter one holds at once."""
+        before = self.pace.spacing
+        self.pace.interval = interval
+        self._due += self.pace.spacing - before
+
     @property
     def handled(self) -> bool:
         """Whether enough requests are over: answered and shown, or failed.

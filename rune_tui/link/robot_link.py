@@ -36,7 +36,7 @@ from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.publish_rights import may_publish
 from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.layout.spec import RobotSpec
-from rune_tui.link.camera_streams import CameraStreams, Sizes
+from rune_tui.link.camera_streams import CameraStreams, Needs
 from rune_tui.link.control_line import ControlLine
 from rune_tui.link.map_stream import MapStream
 from rune_tui.link.mission_line import MissionLine
@@ -207,9 +207,9 @@ class RobotLink:
         if tap is not None:
             tap(definition, value, measured)
 
-    def want_pictures(self, sizes: Sizes, wish: PictureWish | None = None) -> None:
-        """Ask each of these cameras for pictures of its width and height [pixels]."""
-        self._pictures.want(sizes, wish)
+    def want_pictures(self, needs: Needs, wish: PictureWish | None = None) -> None:
+        """Ask for the pictures that these cameras need, of the operator's kind."""
+        self._pictures.want(needs, wish)
 
     def shown(self, number: int, camera: str = "") -> None:
         """The picture of this number, of this camera, is on the screen; see `Requester.handled`."""
@@ -360,7 +360,7 @@ class RobotLink:
     def _take_picture(self, camera: str, image: vision.Image, reception: MessageInfo) -> int:
         self._traffic.add(image.data.size)
         self.record(vision.IMAGE, image, reception.measured)
-        received = self.received(picture_of(image), reception)
+        received = self.received(picture_of(image, self._pictures.interval(camera)), reception)
         self._state = self._state.with_picture(camera, received)
         return received.number
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from hub.gcm.vision import CAMERA_STATE
+from hub.values import dataclass
 from rune_tui.layout.rules import TextOption
 from rune_tui.layout.spec import CHOSEN
 from rune_tui.model.console_state import ConsoleState
@@ -18,6 +19,25 @@ CAMERA_OPTION: Final = TextOption(
     meaning="name of the camera, as the robot describes it; empty: the main one; *: the one that "
     "the operator chose by widgetChooseCamera, at first the main one",
 )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PictureNeed:
+    """The pictures of one camera that the viewports on the screen need.
+
+    Attributes:
+        size: Width and height of the largest of them [pixels].
+        interval_s: Shortest time between two of them [s]; 0: as often as the layout's `VIS_VID`.
+    """
+
+    size: tuple[int, int]
+    interval_s: float = 0.0
+
+    def and_also(self, other: PictureNeed) -> PictureNeed:
+        """The pictures that serve both: the larger, and the more frequent."""
+        return PictureNeed(
+            size=max(self.size, other.size), interval_s=min(self.interval_s, other.interval_s)
+        )
 
 
 def camera_names(robot: RobotState) -> tuple[str, ...]:

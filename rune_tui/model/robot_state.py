@@ -66,10 +66,12 @@ class Picture:
     Attributes:
         pixels: Red, green, blue, shape (height, width, 3).
         camera: State of the camera at that moment.
+        interval_s: Usual time until the next one [s].
     """
 
     pixels: npt.NDArray[np.uint8]
     camera: CameraState
+    interval_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

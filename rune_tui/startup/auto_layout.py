@@ -37,6 +37,8 @@ _CAPABILITIES = (
 """What a console asks of a robot that has it, and how often [ms]; 0: no period."""
 _ALWAYS = ("CON_REAL", "NAV_STATE", "NAV_MOVE")
 """What every layout asks for: state, motion and stop; a robot without them says so."""
+_SMALL_MS = 333
+"""Shortest time between two of the small pictures [ms]."""
 _MOST_SMALL = 3
 """Most small pictures beside the large one."""
 _KEYS = {
@@ -134,7 +136,7 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
     if cameras:
         yield _Panel(name="camera", body=_shows("visualizeCameraImage", camera="*"))
     for number, camera in enumerate(cameras[1 : 1 + _MOST_SMALL], start=2):
-        picture = _shows("visualizeCameraImage", camera=camera.name)
+        picture = _shows("visualizeCameraImage", camera=camera.name, interval_ms=str(_SMALL_MS))
         yield _Panel(name=f"camera {number}", body=picture, rows=20, title=camera.name.strip())
     if "PRO_MAP" in capabilities:
         shown = '<visualizer function="visualizeMapData" option="8"/>'

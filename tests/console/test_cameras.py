@@ -13,7 +13,7 @@ from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.vision import CameraCommand, CameraMotion
 from rune_tui.compositor.cells import Cells
 from rune_tui.layout.spec import CHOSEN
-from rune_tui.model.cameras import camera_of, seen_by, unknown_camera
+from rune_tui.model.cameras import PictureNeed, camera_of, seen_by, unknown_camera
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ChooseCamera, Notify, SendEffect
 from rune_tui.model.geometry import PictureGeometry
@@ -117,18 +117,22 @@ def test_a_small_viewport_above_a_large_one_is_a_picture_in_the_picture() -> Non
 def test_each_camera_on_the_screen_is_asked_for_and_no_other() -> None:
     state = dataclasses.replace(STATE, robots={"magellan": car()})
     both = screen(pane("video", ""), pane("small", "rear", (110, 10, 40, 30), zpos=1))
-    assert both.picture_sizes(state) == {"magellan": {"": (128, 96), "rear": (40, 30)}}
-    assert screen(pane("video", "front")).picture_sizes(state) == {"magellan": {"": (128, 96)}}
+    assert both.picture_needs(state) == {
+        "magellan": {"": PictureNeed(size=(128, 96)), "rear": PictureNeed(size=(40, 30))}
+    }
+    assert screen(pane("video", "front")).picture_needs(state) == {
+        "magellan": {"": PictureNeed(size=(128, 96))}
+    }
     one = screen(pane("video", CHOSEN))
     later = dataclasses.replace(state, cameras={"magellan": "rear"})
-    assert one.picture_sizes(later) == {"magellan": {"rear": (128, 96)}}
+    assert one.picture_needs(later) == {"magellan": {"rear": PictureNeed(size=(128, 96))}}
 
 
 def test_an_unknown_camera_is_said_with_those_that_there_are_and_not_asked_for() -> None:
     cells = shown(car(), pane("video", "left"))
     assert "car has no camera left; it has front, rear" in text(cells)
     state = dataclasses.replace(STATE, robots={"magellan": car()})
-    assert screen(pane("video", "left")).picture_sizes(state) == {}
+    assert screen(pane("video", "left")).picture_needs(state) == {}
     assert unknown_camera("rear", RobotState(name="r", link=car().link)) == ""  # not known yet
 
 

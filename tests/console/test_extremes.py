@@ -127,7 +127,7 @@ def test_layout_takes_whatever_robots_say(name: str, caplog: pytest.LogCaptureFi
         cells = view.render(state)
         if cells is not None and number % 10 == 0:
             assert all(row.isprintable() for row in plain_text(cells).split("\n"))
-        view.picture_sizes(state)
+        view.picture_needs(state)
         hits = view.hits(random.randrange(SIZE[0]), random.randrange(2 * SIZE[1]), state)
         events = [dataclasses.replace(each, hits=hits) for each in inputs(layout, random)]
         effects = [*dispatch.tick(state)]

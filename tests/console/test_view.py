@@ -15,13 +15,15 @@ from hypothesis import strategies as st
 
 from rune_tui.compositor.ansi import encoded_rows
 from rune_tui.layout.placing import area_of
+from rune_tui.layout.spec import CHOSEN
+from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, RobotState
 from rune_tui.model.theme import THEMES, Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.view import MIN_COLUMNS, MIN_ROWS, View
-from tests.console.states import layout_of, rendered
+from tests.console.states import layout_of, rendered, visualizer_spec
 from tests.console.view_scenes import (
     CAMERA,
     EVERYTHING,
@@ -128,7 +130,7 @@ def test_hidden_viewports_are_neither_drawn_nor_asked_for(monkeypatch: pytest.Mo
     assert counted.drawn == []
     assert cells is not None
     assert (cells.pixels[..., :3] == (1, 2, 3)).all()
-    assert screen.picture_sizes(dataclasses.replace(STATE, robots={"magellan": robot()})) == {}
+    assert screen.picture_needs(dataclasses.replace(STATE, robots={"magellan": robot()})) == {}
 
 
 def test_ageing_alone_gives_a_new_frame_at_each_step() -> None:
@@ -167,8 +169,8 @@ def test_for_quadrants_the_camera_shows_more_and_all_else_stays() -> None:
     assert not seen[~video].any()
     assert (more.pixels == usual.pixels)[~video.repeat(2, axis=0)].all()
     state = dataclasses.replace(STATE, robots=robots)
-    assert halves.picture_sizes(state) == {"magellan": {"": (128, 96)}}
-    assert quadrants.picture_sizes(state) == {"magellan": {"": (256, 192)}}
+    assert halves.picture_needs(state) == {"magellan": {"": PictureNeed(size=(128, 96))}}
+    assert quadrants.picture_needs(state) == {"magellan": {"": PictureNeed(size=(256, 192))}}
 
 
 @pytest.mark.parametrize("theme", THEMES.values(), ids=str)
@@ -291,9 +293,40 @@ def test_the_picture_size_is_the_largest_shown_of_each_robot() -> None:
     screen = View(layout_of(spec))
     screen.resize(160, 48)
     state = dataclasses.replace(STATE, robots={"magellan": robot(), "blimp": robot("blimp")})
-    assert screen.picture_sizes(state) == {"magellan": {"": (80, 60)}, "blimp": {"": (16, 12)}}
+    assert screen.picture_needs(state) == {
+        "magellan": {"": PictureNeed(size=(80, 60))},
+        "blimp": {"": PictureNeed(size=(16, 12))},
+    }
     screen.resize(80, 24)
-    assert screen.picture_sizes(state)["magellan"] == {"": (40, 30)}
+    assert screen.picture_needs(state)["magellan"] == {"": PictureNeed(size=(40, 30))}
+
+
+@pytest.mark.parametrize(
+    ("chosen", "needs"),
+    [
+        ("magellan", {"magellan": ((80, 60), 0.0), "blimp": ((32, 24), 0.333)}),
+        ("blimp", {"magellan": ((32, 24), 0.333), "blimp": ((80, 60), 0.0)}),
+    ],
+)
+def test_the_picture_of_the_chosen_robot_is_large_and_frequent_the_others_small_and_slow(
+    chosen: str, needs: dict[str, tuple[tuple[int, int], float]]
+) -> None:
+    small = visualizer_spec("visualizeCameraImage", interval_ms=333.0)
+    spec = view(
+        viewport("visualizeCameraImage", (0, 0, 80, 60), robot=CHOSEN),
+        viewport("visualizeCameraImage", (80, 0, 32, 24), name="1", visualizer=small),
+        viewport(
+            "visualizeCameraImage", (80, 24, 32, 24), name="2", visualizer=small, robot="blimp"
+        ),
+    )
+    screen = View(layout_of(spec))
+    screen.resize(160, 48)
+    robots = {"magellan": robot(), "blimp": robot("blimp")}
+    state = dataclasses.replace(STATE, robots=robots, chosen=chosen)
+    assert screen.picture_needs(state) == {
+        name: {"": PictureNeed(size=size, interval_s=interval)}
+        for name, (size, interval) in needs.items()
+    }
 
 
 @given(st.text(), st.text(), st.lists(st.text(), max_size=3), st.integers(1, 60))
@@ -343,8 +376,8 @@ def test_a_viewport_that_fills_the_view_gets_larger_pictures_and_leaves_room_for
     full = dataclasses.replace(usual, full="visualizeCameraImage")
     before = shown.render(usual)
     assert before is not None
-    assert shown.picture_sizes(usual) == {"magellan": {"": (50, 38)}}
-    assert shown.picture_sizes(full) == {"magellan": {"": (48, 36)}}
+    assert shown.picture_needs(usual) == {"magellan": {"": PictureNeed(size=(50, 38))}}
+    assert shown.picture_needs(full) == {"magellan": {"": PictureNeed(size=(48, 36))}}
     cells = shown.render(full)
     assert cells is not None
     assert not cells.glyphs[:18].any()

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from hub.ipc.definition import MessageDefinition
-from rune_tui.model.robot_state import Received
+from rune_tui.model.robot_state import Picture, Received
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
@@ -18,6 +18,8 @@ ALARM_AFTER_S = 0.5
 """Largest age of pictures to drive by [s]: beyond it, people move and wait, and turn too late
 (Chen, Haas and Barnes 2007).
 """
+_ON_ITS_WAY_S = 0.15
+"""Usual age of a picture on its arrival, with room for a busy machine [s]."""
 DIM_AFTER_S = 1.0
 HATCH_AFTER_S = 3.0
 
@@ -37,6 +39,11 @@ class Staleness(enum.IntEnum):
     FRESH = 0
     OLD = 1
     STALE = 2
+
+
+def usual_age(picture: Picture) -> float:
+    """Age of a picture at which the next should have arrived [s]."""
+    return picture.interval_s + _ON_ITS_WAY_S
 
 
 def pause_of(definition: MessageDefinition[Any]) -> float:

@@ -57,12 +57,14 @@ class CameraImage:
             ahead.
         aside_deg: Least angle for these words.
         camera: The camera, as `CAMERA_OPTION` says.
+        interval_s: Shortest time between two pictures [s]; 0: that of the layout's `VIS_VID`.
     """
 
     fit: str = FIT
     crosshair: bool = False
     aside_deg: float = _ASIDE_DEG
     camera: str = MAIN
+    interval_s: float = 0.0
 
     rule: ClassVar = VisualizerRule(
         pictures=True,
@@ -86,6 +88,14 @@ class CameraImage:
                 choices=("off", "on"),
                 meaning="marks the picture's middle, and says in words when the camera looks aside",
             ),
+            "interval_ms": NumberOption(
+                default=0.0,
+                least=0.0,
+                most=1000.0,
+                unit="ms",
+                meaning="shortest time between two pictures; 0: that of the capability VIS_VID, "
+                "which is the least; of several viewports of a camera, the shortest counts",
+            ),
         },
     )
     whole_cells: ClassVar[bool] = True
@@ -99,6 +109,7 @@ class CameraImage:
             crosshair=spec.options.word("crosshair") == "on",
             aside_deg=spec.option if spec.option > 0.0 else _ASIDE_DEG,
             camera=spec.options.word("camera"),
+            interval_s=spec.options.number("interval_ms") / 1000.0,
         )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:

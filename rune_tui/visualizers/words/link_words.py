@@ -15,7 +15,13 @@ from rune_tui.model.robot_state import LinkPhase, LinkState, PictureFlow, RobotS
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.parts.rows import GAP, TextRow, cut, flowing, wrapped
 from rune_tui.visualizers.parts.severity import Severity, ink_of
-from rune_tui.visualizers.parts.staleness import ALARM_AFTER_S, Staleness, age_text, staleness
+from rune_tui.visualizers.parts.staleness import (
+    ALARM_AFTER_S,
+    Staleness,
+    age_text,
+    staleness,
+    usual_age,
+)
 from rune_tui.visualizers.visualizer import PlainVisualizer
 
 _KILO = 1000.0
@@ -67,7 +73,7 @@ def _words(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
         yield TextRow(f"state {age_text(age)} old", Severity.PLAIN if fresh else Severity.ALARM)
     if robot.picture is not None:
         age = robot.picture.age(now) + state.latency
-        late = age > ALARM_AFTER_S
+        late = age > max(ALARM_AFTER_S, usual_age(robot.picture.value))
         text = f"PICTURE {age_text(age)} OLD" if late else f"picture {age_text(age)} old"
         yield TextRow(text, Severity.ALARM if late else Severity.PLAIN)
     if state.display is not None:

@@ -24,6 +24,7 @@ from rune_tui.visualizers.parts.staleness import (
     Staleness,
     age_text,
     staleness,
+    usual_age,
 )
 from rune_tui.visualizers.parts.task_words import task_parts
 
@@ -255,9 +256,10 @@ def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     camera = min(pictures, key=lambda name: pictures[name].measured)
     age = pictures[camera].age(state.now) + state.latency
     prefix = f"{camera} " if camera else ""
-    if age > ALARM_AFTER_S:
+    usual = usual_age(pictures[camera].value)
+    if age > max(ALARM_AFTER_S, usual):
         yield Part(f"{prefix.upper()}PICTURE {age_text(age)} OLD", 8, Severity.ALARM)
-    elif age > MENTION_AFTER_S:
+    elif age > max(MENTION_AFTER_S, usual):
         yield Part(f"{prefix}picture {age_text(age)} old", 5)
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +15,12 @@ from hub.errors import HandlerFailedError
 from hub.gcm.vision import IMAGE, IMAGE_REQUEST, Image, ImageCoding, ImageRequest
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
+from hub.ipc.message_info import MessageInfo
 from hub.modules.vision.coding import code
 from rune_tui.layout.spec import CapabilitySpec, RobotSpec
+from rune_tui.link.camera_streams import CameraStreams
 from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import PictureWish
 from tests.support.messages import camera_state
 from tests.support.waiting import until
@@ -92,7 +97,7 @@ def test_the_first_picture_comes_in_the_best_coding_that_the_robot_has(
 ) -> None:
     better = {ImageCoding.WEBP: 0, ImageCoding.JPEG: 1, ImageCoding.RLE: 2}
     robot.codings = frozenset(each for each in better if better[each] >= better[coding])
-    link.want_pictures({"": (32, 24)})
+    link.want_pictures({"": PictureNeed(size=(32, 24))})
     wait(lambda: link.state.picture is not None)
     assert [each.coding for each in robot.asked[: better[coding] + 1]] == [*better][
         : better[coding] + 1
@@ -107,7 +112,7 @@ def test_the_first_picture_comes_in_the_best_coding_that_the_robot_has(
 def test_the_next_is_asked_for_only_when_the_last_is_shown(
     robot: Robot, link: RobotLink, wait: Callable[..., None]
 ) -> None:
-    link.want_pictures({"": (32, 24)})
+    link.want_pictures({"": PictureNeed(size=(32, 24))})
     wait(lambda: link.state.picture is not None)
     for _ in range(50):
         robot.serve()
@@ -122,7 +127,9 @@ def test_the_next_is_asked_for_only_when_the_last_is_shown(
 def test_what_the_layout_asks_for_is_asked_for(
     robot: Robot, link: RobotLink, wait: Callable[..., None]
 ) -> None:
-    link.want_pictures({"": (32, 24)}, PictureWish(coding=ImageCoding.RAW, quality=7))
+    link.want_pictures(
+        {"": PictureNeed(size=(32, 24))}, PictureWish(coding=ImageCoding.RAW, quality=7)
+    )
     wait(lambda: link.state.picture is not None)
     # It asks again where an answer takes long.
     asked = ImageRequest(width_px=32, height_px=24, quality=7, coding=ImageCoding.RAW)
@@ -133,7 +140,7 @@ def test_on_the_robots_own_machine_pictures_are_run_lengths_from_the_first(
     robot: Robot, make_link: Callable[..., RobotLink], wait: Callable[..., None]
 ) -> None:
     link = make_link(near=True)
-    link.want_pictures({"": (32, 24)})
+    link.want_pictures({"": PictureNeed(size=(32, 24))})
     wait(lambda: link.state.picture is not None)
     assert set(robot.asked) == {ImageRequest(width_px=32, height_px=24)}
 
@@ -141,7 +148,7 @@ def test_on_the_robots_own_machine_pictures_are_run_lengths_from_the_first(
 def test_pictures_of_each_shown_camera_are_kept_by_its_name(
     robot: Robot, link: RobotLink, wait: Callable[..., None]
 ) -> None:
-    link.want_pictures({"": (32, 24), "rear": (16, 12)})
+    link.want_pictures({"": PictureNeed(size=(32, 24)), "rear": PictureNeed(size=(16, 12))})
     wait(lambda: link.state.picture is not None and "rear" in link.state.pictures)
     rear = link.state.pictures["rear"]
     assert rear.value.camera.name == "rear"
@@ -155,9 +162,9 @@ def test_pictures_of_each_shown_camera_are_kept_by_its_name(
 def test_a_camera_that_is_not_shown_any_more_is_not_asked_and_its_picture_is_forgotten(
     robot: Robot, link: RobotLink, wait: Callable[..., None]
 ) -> None:
-    link.want_pictures({"": (32, 24)})
+    link.want_pictures({"": PictureNeed(size=(32, 24))})
     wait(lambda: link.state.picture is not None)
-    link.want_pictures({"rear": (32, 24)})
+    link.want_pictures({"rear": PictureNeed(size=(32, 24))})
     wait(lambda: "rear" in link.state.pictures and link.state.picture is None)
     robot.asked.clear()
     for _ in range(3):
@@ -171,8 +178,93 @@ def test_a_camera_that_is_not_shown_any_more_is_not_asked_and_its_picture_is_for
 def test_a_picture_that_comes_after_the_choice_of_another_camera_is_not_kept(
     robot: Robot, link: RobotLink, wait: Callable[..., None]
 ) -> None:
-    robot.before_answer = lambda: link.want_pictures({"rear": (32, 24)})
-    link.want_pictures({"": (32, 24)})
+    robot.before_answer = lambda: link.want_pictures({"rear": PictureNeed(size=(32, 24))})
+    link.want_pictures({"": PictureNeed(size=(32, 24))})
     wait(lambda: "rear" in link.state.pictures)
     assert [each.camera for each in robot.asked[:2]] == ["", "rear"]
     assert link.state.picture is None
+
+
+class Asking(Client):
+    """A client that counts its open requests."""
+
+    open = 0
+
+    def query_notify(
+        self, *args: Any, answered: Callable[..., None], failed: Callable[..., None], **named: Any
+    ) -> None:
+        def over(then: Callable[..., None], *values: Any) -> None:
+            self.open -= 1
+            then(*values)
+
+        self.open += 1
+        ends = {"answered": partial(over, answered), "failed": partial(over, failed)}
+        super().query_notify(*args, **named, **ends)
+
+
+class Cameras:
+    """The pictures of a robot's cameras, by a clock that the test moves; all are shown at once."""
+
+    def __init__(self, robot: Robot, client: Asking) -> None:
+        self.robot, self.client, self.now, self.taken = robot, client, 100.0, 0
+        self.streams = CameraStreams(
+            client, self._take, lambda _: None, lambda _: None, lambda: self.now
+        )
+        self.streams.follow(0.066)
+
+    def want(self, **needs: PictureNeed) -> None:
+        done: list[bool] = []
+        self.streams.want(needs, PictureWish(coding=ImageCoding.RAW))
+        self.client.post(lambda: done.append(True))
+        until(lambda: done, 15.0, meanwhile=self._serve)
+
+    def asked(self, seconds: float) -> list[str]:
+        """The cameras that are asked in a time; each answer arrives before the clock moves on."""
+        before = len(self.robot.asked)
+        for _ in range(round(seconds / 0.01)):
+            self._serve()
+            self.streams.step()
+            until(lambda: not self.client.open, 15.0, meanwhile=self._serve)
+            self.now += 0.01
+        return [each.camera for each in self.robot.asked[before:]]
+
+    def _serve(self) -> None:
+        self.robot.client.listen(0.0)
+        self.client.listen(0.0)
+
+    def _take(self, camera: str, _image: Image, _reception: MessageInfo) -> int:
+        self.taken += 1
+        self.streams.shown(self.taken, camera)
+        return self.taken
+
+
+@pytest.fixture
+def cameras(robot: Robot) -> Iterator[Cameras]:
+    with closing(Asking("console", robot.client.endpoint)) as client:
+        made = Cameras(robot, client)
+        made.want(front=PictureNeed(size=(16, 12)))
+        until(lambda: made.taken, 15.0, meanwhile=lambda: made.asked(0.1))  # both are connected
+        made.want()
+        made.now += 10.0
+        yield made
+
+
+def test_each_camera_is_asked_as_often_as_its_viewports_need(cameras: Cameras) -> None:
+    cameras.want(
+        front=PictureNeed(size=(32, 24), interval_s=0.333), rear=PictureNeed(size=(32, 24))
+    )
+    asked = cameras.asked(2.0)
+    assert 5 <= asked.count("front") <= 7
+    assert 27 <= asked.count("rear") <= 31
+
+
+def test_a_camera_that_is_needed_more_often_is_asked_at_once_and_a_hidden_one_never(
+    cameras: Cameras,
+) -> None:
+    cameras.want(front=PictureNeed(size=(16, 12), interval_s=0.333))
+    assert cameras.asked(0.05) == ["front"]
+    cameras.want(front=PictureNeed(size=(64, 48)))
+    assert cameras.asked(0.07) == ["front"]
+    assert cameras.robot.asked[-1].width_px == 64
+    cameras.want()
+    assert cameras.asked(0.5) == []

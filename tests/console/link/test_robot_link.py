@@ -20,6 +20,7 @@ from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
 from rune_tui.layout.spec import CapabilitySpec, LayoutSpec
 from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.startup.opening import open_layout
@@ -121,7 +122,7 @@ def test_who_may_drive_reads_nothing_of_keys(desk: Desk, role: Role | None) -> N
 
 def test_a_robot_without_pictures_is_not_waited_for_in_silence(desk: Desk) -> None:
     link = desk.link(None)
-    link.want_pictures({"": (64, 48)})
+    link.want_pictures({"": PictureNeed(size=(64, 48))})
     until(lambda: "the robot sends no pictures" in desk.screen(link), 10.0)
 
 

@@ -17,6 +17,7 @@ from hub.ipc.client import Client
 from hub.ipc.node.responders import Reply
 from hub.modules.vision.coding import code
 from rune_tui.link.robot_link import RobotLink
+from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.robot_state import RobotState
 from rune_tui.startup.opening import open_layout
 from tests.console.states import IN_THE_OPEN
@@ -122,7 +123,7 @@ def test_on_a_link_that_broadcasts_would_fill_pictures_and_states_stay_live(
                 fresh.clear()
         return len(fresh) >= 10
 
-    link.want_pictures({"": (160, 96)})
+    link.want_pictures({"": PictureNeed(size=(160, 96))})
     until(live, 40.0, lambda: f"ages are {fresh}: {link.state.link}")
     # Each came by half a round trip at most another way than it is taken to have come.
     now = link.state

@@ -192,14 +192,14 @@ def test_under_a_page_of_the_view_what_is_vital_and_the_pictures_go_on():
     view = View(SEARCH)
     view.resize(80, 24)
     state = dataclasses.replace(STATE, robots={"robot": robot("robot")})
-    usual = view.picture_sizes(state)
+    usual = view.picture_needs(state)
     helped = dataclasses.replace(state, help=True)
     cells = view.render(helped)
     assert cells is not None
     text = words(cells)
     assert "MOVING" in text.splitlines()[-1]
     assert "Stop and drive" in text
-    assert view.picture_sizes(helped) == usual != {}
+    assert view.picture_needs(helped) == usual != {}
     scrolled = view.within_page(dataclasses.replace(helped, page=Page(top=10**6)))
     assert 0 < scrolled.page.top < 100
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import Picture
@@ -223,7 +224,7 @@ def test_two_viewports_of_one_camera_share_the_larger_picture(made) -> None:
     pixels[:, :80, 0] = 250
     known = made.robot(picture=made.received(Picture(pixels=pixels, camera=made.camera())))
     state = dataclasses.replace(STATE, robots={"magellan": known})
-    assert screen.picture_sizes(state) == {"magellan": {"": (160, 120)}}
+    assert screen.picture_needs(state) == {"magellan": {"": PictureNeed(size=(160, 120))}}
     cells = rendered(screen, {"magellan": known}, STATE)
     assert cells is not None
     reds = cells.pixels[..., 0]

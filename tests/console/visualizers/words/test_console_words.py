@@ -274,11 +274,15 @@ def test_a_picture_of_more_than_half_a_second_is_told_in_red_and_louder_words(ma
     assert picture_row(made, draw, 0.61) == ("PICTURE 0.6 s OLD", DARK.alarm_ink)
 
 
-def picture_row(made, draw, age):
+def test_a_picture_is_late_only_after_the_time_of_the_next_one(made, draw) -> None:
+    assert picture_row(made, draw, 0.81, interval=0.7) == ("picture 0.8 s old", DARK.ink)
+    assert picture_row(made, draw, 0.91, interval=0.7) == ("PICTURE 0.9 s OLD", DARK.alarm_ink)
+
+
+def picture_row(made, draw, age, interval=0.0):
     """What the link says of a picture of this age [s], and in what colour."""
-    robot = made.robot(
-        link=made.link(), navigation=None, picture=made.received(made.picture(), age)
-    )
+    picture = dataclasses.replace(made.picture(), interval_s=interval)
+    robot = made.robot(link=made.link(), navigation=None, picture=made.received(picture, age))
     canvas = draw("visualizeLink", robot, (20, 16))
     (row,) = [at for at, text in enumerate(words(canvas)) if "picture" in text.lower()]
     return words(canvas)[row], tuple(canvas.ink[row, 0].tolist())
