@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Iterator
 
-from hub.gcm.body import BodyFrame, RobotBody
+from hub.gcm.body import BodyFrame, CameraBody, RobotBody
 from hub.inspection import value_text
 from hub.inspection.output import put, table
 from hub.robots.description import RobotDescription
@@ -43,10 +43,21 @@ def _rows(body: RobotBody) -> Iterator[tuple[str, str, str]]:
         words = f"at {math.degrees(bumper.direction):.4g} degrees, {_degrees(bumper.width)} wide"
         yield "bumper", bumper.name, words
     for camera in body.cameras:
-        head = f"pans {_degrees(camera.pan_limit)} to each side" if camera.pan_limit else "fixed"
-        words = f"{_degrees(camera.horizontal_fov)} from left to right, {head}"
+        words = f"{_degrees(camera.horizontal_fov)} from left to right, {_head(camera)}"
         yield "camera", camera.name, f"{words}, {_place(frames[camera.name])}"
     yield "left alone", "", body.left_alone
+
+
+def _head(camera: CameraBody) -> str:
+    parts = []
+    if camera.pan_limit:
+        parts.append(f"pans {_degrees(camera.pan_limit)} to each side")
+    if camera.tilt_lowest < camera.tilt_highest:
+        lowest, highest = math.degrees(camera.tilt_lowest), math.degrees(camera.tilt_highest)
+        parts.append(f"tilts from {lowest:.4g} to {highest:.4g} degrees")
+    if camera.zoom > 1.0:
+        parts.append(f"zooms {camera.zoom:g} times")
+    return ", ".join(parts) or "fixed"
 
 
 def _place(frame: BodyFrame) -> str:
