@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import logging
-from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import cast
 
 from hub.gcm.navigation import VELOCITY_COMMAND, Twist
-from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.actions import Action
 from rune_tui.layout.names import JOYSTICK, MOUSE
 from rune_tui.layout.rules import Purpose
-from rune_tui.layout.spec import EventSpec, LayoutSpec
+from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import refusal, refused, taking
 from rune_tui.model.control_changes import ControlChanges
@@ -32,6 +30,13 @@ from rune_tui.model.effects import (
 from rune_tui.model.own_keys import own_key
 from rune_tui.model.page import scrolled, turned
 from rune_tui.widgets.driving import DrivingWidgets
+from rune_tui.widgets.listeners import (
+    Listener,
+    Listeners,
+    passed_under_page,
+    passed_while_peeking,
+    with_purpose,
+)
 from rune_tui.widgets.widget import TakingWidget, Widget, commanded
 
 _logger = logging.getLogger(__name__)
@@ -43,15 +48,6 @@ _WHEEL_LINES = 3
 _YES = "enter"
 _STALE_KEY = "the console ignores keys typed while it was blocked: press it again"
 _STALE_CLICK = "that click only brought the terminal to the front: click again"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Listener:
-    """An input pattern and its widget."""
-
-    widget: Widget
-    spec: EventSpec
-    viewport: str
 
 
 class Dispatch:
@@ -67,6 +63,8 @@ class Dispatch:
     | a new press drives a free robot | take control |
     | control changes | release the held inputs |
     | a page covers the view | only keys of stop, page, quit, list and shell work |
+    | the operator begins to peek | release the held inputs that drive |
+    | the operator peeks at another robot | no input commands a robot, but a stop |
     | a key is stale | only keys of stop, help and quit work |
 
     The caller executes the effects in order. When it ends or loses sight of the keys, it executes
@@ -74,20 +72,11 @@ class Dispatch:
     """
 
     def __init__(self, layout: LayoutSpec) -> None:
-        self._widgets: list[Widget] = []
-        self._by_input: defaultdict[str, list[_Listener]] = defaultdict(list)
+        self._listeners = Listeners(layout)
+        self._widgets = self._listeners.widgets
         self._buttons: set[str] = set()
         self._failed: set[int] = set()
         self._changes = ControlChanges()
-        owners = [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
-        kinds = layout.vocabulary.widgets
-        for robot, specs in (("", layout.view.widgets), *owners):
-            for spec in specs:
-                widget = cast("Widget", kinds[spec.handler].from_spec(spec, robot))
-                self._widgets.append(widget)
-                for event_spec in spec.events:
-                    listener = _Listener(widget=widget, spec=event_spec, viewport=spec.viewport)
-                    self._by_input[event_spec.name].append(listener)
         self._driving = DrivingWidgets(self._widgets)
 
     @property
@@ -97,20 +86,20 @@ class Dispatch:
 
     def waits_for(self, name: str) -> bool:
         """Whether the layout binds an input of this name."""
-        return name in self._by_input
+        return name in self._listeners
 
     def waits_for_hold(self, name: str) -> bool:
         """Whether a widget acts while an input of this name is held."""
-        return any(each.widget.rule.held for each in self._by_input.get(name, ()))
+        return any(each.widget.rule.held for each in self._listeners.named(name))
 
     def stops(self, name: str) -> bool:
         """Whether an input of this name stops a robot."""
-        return bool(_with_purpose(self._by_input.get(name, ()), Purpose.STOP))
+        return bool(with_purpose(self._listeners.named(name), Purpose.STOP))
 
     def stopping(self, name: str, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of a key's stop widgets only."""
         event = ControlEvent(name=name, pressed=True)
-        stops = _with_purpose(self._listeners(event), Purpose.STOP)
+        stops = with_purpose(self._listeners.of(event), Purpose.STOP)
         return (*self.look(state), *self._run_widgets(event, stops, state))
 
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
@@ -128,7 +117,7 @@ class Dispatch:
 
     def _handled(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         fresh = event.pressed and not event.repeat
-        listeners = self._listeners(event)
+        listeners = self._listeners.of(event)
         if event.must_release_first:
             listeners = [each for each in listeners if not each.widget.rule.held]
         elif event.proven:
@@ -140,26 +129,23 @@ class Dispatch:
             return self._answered(event, listeners, state)
         if state.paged:
             return self._paged(event, listeners, state)
-        if fresh and event.name not in self._by_input:
+        if fresh and event.name not in self._listeners:
             own = own_key(event.name)
             return () if own is None else (own.effect,)
+        if state.peeked:
+            return self._peeking(event, listeners, state)
         return self._run_widgets(event, listeners, state)
 
     def _paged(
-        self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
+        self, event: ControlEvent, listeners: Iterable[Listener], state: ConsoleState
     ) -> tuple[Effect, ...]:
         """Effects of an input while a page covers the view; a stop always works."""
         if event.proven:
             return ()  # the page took it as text already; now it could only drive
-        # Releases pass, except to widgets that act on the release.
-        safe = [
-            each
-            for each in listeners
-            if each.widget.rule.under_help or not (event.pressed or each.spec.released)
-        ]
+        safe = passed_under_page(event, listeners)
         if not event.pressed:
             return self._run_widgets(event, safe, state)
-        stops = _with_purpose(safe, Purpose.STOP)
+        stops = with_purpose(safe, Purpose.STOP)
         stopping = self._run_widgets(event, stops, state)
         if event.name == _WHEEL:
             page = scrolled(state.page, round(-_WHEEL_LINES * event.value))
@@ -169,7 +155,7 @@ class Dispatch:
             page = turned(state.page, event.name, state.rows)
         if page != state.page:
             return (TurnPage(page=page), *stopping)
-        own = None if event.name in self._by_input else own_key(event.name)
+        own = None if event.name in self._listeners else own_key(event.name)
         close = ToggleHelp() if state.help else ToggleLog()
         if own is not None and not event.repeat and (own.under_page or own.ends_page):
             return (close, own.effect) if own.ends_page else (own.effect,)
@@ -179,8 +165,23 @@ class Dispatch:
             return (close, *stopping)
         return self._run_widgets(event, safe, state) if own is None else (own.effect,)
 
+    def _peeking(
+        self, event: ControlEvent, listeners: list[Listener], state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """Effects of an input while the operator peeks at another robot."""
+        safe = passed_while_peeking(event, listeners)
+        effects = self._run_widgets(event, safe, state)
+        if len(safe) == len(listeners) or event.repeat:
+            return effects
+        text = f"that does nothing while you peek at {state.title(state.peeked)}"
+        effects = (*effects, Notify.now(state, text))
+        driving = any(each.widget.rule.held for each in listeners)
+        if not driving or event.name.startswith((MOUSE, JOYSTICK)):
+            return effects
+        return (*effects, ReleaseFirst(keys=frozenset({event.name})))
+
     def _answered(
-        self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
+        self, event: ControlEvent, listeners: Iterable[Listener], state: ConsoleState
     ) -> tuple[Effect, ...]:
         """Effects of a key while the console asks whether to end.
 
@@ -189,7 +190,7 @@ class Dispatch:
         """
         if event.name == _YES and not self.stops(_YES):
             return (QuitEffect(),)
-        safe = _with_purpose(listeners, Purpose.QUIT, Purpose.STOP)
+        safe = with_purpose(listeners, Purpose.QUIT, Purpose.STOP)
         if safe:
             return self._run_widgets(event, safe, state)
         stay = AskToLeave(reasons=())
@@ -198,7 +199,7 @@ class Dispatch:
 
     def _stale(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of a key that may be old: only stop, help and quit work."""
-        waiting = self._by_input.get(event.name, ())
+        waiting = self._listeners.named(event.name)
         safe = [each for each in waiting if each.widget.rule.under_help]
         if safe:
             return self._run_widgets(event, safe, state)
@@ -209,15 +210,18 @@ class Dispatch:
     def act(self, action: Action, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an action chosen from the list: a press and release of its first input."""
         spec = action.event
-        chosen = [each for each in self._by_input.get(spec.name, ()) if each.spec is spec]
-        press, release = (ControlEvent(name=spec.name, pressed=down) for down in (True, False))
+        chosen = [each for each in self._listeners.named(spec.name) if each.spec is spec]
+        # No finger is on it, so a time limit ends it.
+        press, release = (
+            ControlEvent(name=spec.name, pressed=down, timed=True) for down in (True, False)
+        )
         return (
             *self._run_widgets(press, chosen, state),
             *self._run_widgets(release, chosen, state),
         )
 
     def _run_widgets(
-        self, event: ControlEvent, listeners: Iterable[_Listener], state: ConsoleState
+        self, event: ControlEvent, listeners: Iterable[Listener], state: ConsoleState
     ) -> tuple[Effect, ...]:
         effects: list[Effect] = []
         stopped: dict[str, None] = {}
@@ -238,28 +242,16 @@ class Dispatch:
                     stopped[effect.stopped] = None
         for robot in stopped:
             effects += self._stop(robot, state)
+        if any(effect.ends_driving for effect in effects):
+            effects = [*self._end_driving(state), *effects]
         return tuple(effects)
 
-    def _note_button(self, event: ControlEvent, listeners: Iterable[_Listener]) -> None:
+    def _note_button(self, event: ControlEvent, listeners: Iterable[Listener]) -> None:
         """Update the set of mouse buttons that are down."""
         if not event.pressed:
             self._buttons.discard(event.name)
         elif event.name.startswith(MOUSE) and any(each.widget.rule.held for each in listeners):
             self._buttons.add(event.name)
-
-    def _listeners(self, event: ControlEvent) -> list[_Listener]:
-        """Listeners of an event; a press of the mouse goes to the nearest viewport with listeners.
-
-        The release of a button goes to all its listeners, wherever the mouse is.
-        """
-        listeners = self._by_input.get(event.name, [])
-        if not event.name.startswith(MOUSE) or not event.pressed:
-            return listeners
-        for hit in event.hits:
-            found = [listener for listener in listeners if listener.viewport == hit.viewport]
-            if found:
-                return found
-        return []
 
     def tick(self, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of a tick; the caller runs 20 ticks a second."""
@@ -281,13 +273,17 @@ class Dispatch:
 
     def _stop(self, robot: str, state: ConsoleState) -> list[Effect]:
         """Release what drives a robot; its keys must go up before they drive again."""
-        keys = frozenset(
-            name
-            for name, listeners in self._by_input.items()
-            for each in listeners
-            if each.widget.rule.held and commanded(each.widget, state) == robot
-        )
+        keys = frozenset(self._listeners.holding(lambda each: commanded(each, state) == robot))
         return [*self._release(robot, state), ReleaseFirst(keys=keys)]
+
+    def _end_driving(self, state: ConsoleState) -> Iterator[Effect]:
+        """Release all that drives; keys that are down must go up before they drive again."""
+        for widget in self._widgets:
+            if widget.rule.held and not self._silent(widget, state):
+                yield from self._effects_of(widget, partial(widget.release, state), state)
+        held = {key for key in state.held if self.waits_for_hold(key)}
+        if held:
+            yield ReleaseFirst(keys=frozenset(held))
 
     def _allowed(
         self, widget: Widget, asked: list[Effect], state: ConsoleState, *, fresh: bool
@@ -343,11 +339,6 @@ class Dispatch:
 
     def _silent(self, widget: Widget, state: ConsoleState) -> bool:
         return id(widget) in self._failed or self._driving.is_silent(widget, state)
-
-
-def _with_purpose(listeners: Iterable[_Listener], *purposes: Purpose) -> list[_Listener]:
-    """Listeners whose widgets have one of these purposes."""
-    return [each for each in listeners if each.widget.rule.purpose in purposes]
 
 
 def _checked(given: object) -> Effect:

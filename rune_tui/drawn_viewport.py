@@ -19,7 +19,7 @@ from hub.values import dataclass
 from rune_tui.compositor.blend import Layer
 from rune_tui.controls.events import Hit
 from rune_tui.layout.placing import Area
-from rune_tui.layout.spec import PlaceSpec, ViewportSpec
+from rune_tui.layout.spec import CHOSEN, PlaceSpec, ViewportSpec
 from rune_tui.model.cameras import MAIN, camera_of
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
@@ -35,6 +35,8 @@ SLOW_S: Final = 0.25
 """Processor time of a drawing that delays the operator's inputs [s]."""
 _PAUSE: Final = 10.0
 """Pause after a slow drawing, as a multiple of the drawing's time."""
+_ROBOT: Final = "{robot}"
+"""Stands for the robot's name in a title."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -53,7 +55,7 @@ class DrawnViewport:
     over: Layer | None = None
     over_zpos: int | None = None
     markable: bool = False
-    titled: tuple[tuple[str, bool], Layer] | None = None
+    titled: tuple[tuple[str, tuple[str, ...], bool], Layer] | None = None
     source: Hashable = None
     drawn_robot: RobotState | None = None
     failed: bool = False
@@ -69,7 +71,7 @@ class DrawnViewport:
             gone, self.layer, self.over = self.layer is not None, None, None
             return gone
         robot = self.robot(state)
-        if robot is None or (self.layer is not None and state.now < self.paused_until):
+        if robot is None or (self._drew(robot) and state.now < self.paused_until):
             return False
         began = self.spent()
         try:
@@ -103,6 +105,12 @@ class DrawnViewport:
             self.over = dataclasses.replace(self.layer, canvas=over, zpos=self.over_zpos)
         return True
 
+    def _drew(self, robot: RobotState) -> bool:
+        """Whether the last drawing is of this robot."""
+        return self.layer is not None and (
+            self.drawn_robot is None or self.drawn_robot.name == robot.name
+        )
+
     def _pause_after(self, took: float, canvas: Canvas, state: ConsoleState) -> None:
         """Pause after a slow drawing and note the period on it; never if vital."""
         if took > SLOW_S and not self.visualizer.rule.vital:
@@ -117,15 +125,24 @@ class DrawnViewport:
             return
         yield self.layer
         if (head := self.head) is not None:
-            look = state.theme.name, self.markable and self.spec.robot == state.chosen
+            marked = self.markable and self.spec.robot == state.chosen
+            look = state.theme.name, self._titles(state), marked
             if self.titled is None or self.titled[0] != look:
-                row = titled(head, self.spec.title, state.theme, marked=look[1])
+                row = titled(head, look[1], state.theme, marked=marked)
                 self.titled = look, Layer(canvas=row, x=head.x, y=head.y, zpos=self.how.zpos)
             yield self.titled[1]
 
+    def _titles(self, state: ConsoleState) -> tuple[str, ...]:
+        """Its title, the longest form first; it says so if keys do not command what it shows."""
+        robot = self.robot(state)
+        title = self.spec.title.replace(_ROBOT, state.title(robot.name) if robot else "no robot")
+        if self.spec.robot == CHOSEN and state.peeked:
+            return f"{title} · PEEK: keys drive nothing", f"{title} · PEEK", "PEEK"
+        return (title,)
+
     def robot(self, state: ConsoleState) -> RobotState | None:
         """The robot that the viewport shows."""
-        return state.robot(self.spec.robot)
+        return state.shown_robot(self.spec.robot)
 
     def hit(self, x: int, y: int, state: ConsoleState) -> Hit | None:
         """The place of a terminal's pixel in this viewport; None if outside, or not shown."""

@@ -67,7 +67,7 @@ class View:
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
         self._choice = any(each.robot == CHOSEN for each in layout.view.viewports)
-        self._look = "", ""
+        self._look = "", "", ""
         self._columns = 0
         self._rows = 0
         self.panes: list[DrawnViewport] = []
@@ -188,7 +188,7 @@ class View:
         nearest = self._top_zpos + 1
         changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
         changed.append(self._refresh_notices(state))
-        look = state.theme.name, state.chosen
+        look = state.theme.name, state.chosen, state.peeked
         if self._complete and not any(changed) and look == self._look:
             return None
         self._look, self._complete = look, True
@@ -247,7 +247,7 @@ class View:
 
     def _vital_names(self, full: str, state: ConsoleState) -> list[str]:
         """Names of the vital viewports that are shown; the robot in the full view comes first."""
-        robot = self._viewports[full].robot if full else state.chosen
+        robot = self._viewports[full].robot if full else state.seen
         shown = [
             self._viewports[place.viewport]
             for place in self._arrangement.places

@@ -63,7 +63,10 @@ def actions_of(layout: LayoutSpec) -> tuple[Action, ...]:
 
 
 def inputs_of(layout: LayoutSpec) -> dict[tuple[Purpose, str], str]:
-    """The first input of each purpose, in words, by the purpose and the robot it is for."""
+    """The first input of each purpose, in words, by the purpose and the robot it is for.
+
+    That is the robot of its option `robot`, if it has one, else the one of its viewport.
+    """
     owners = [("", layout.view.widgets)]
     owners += [(viewport.robot, viewport.widgets) for viewport in layout.view.viewports]
     found: dict[tuple[Purpose, str], str] = {}
@@ -72,7 +75,8 @@ def inputs_of(layout: LayoutSpec) -> dict[tuple[Purpose, str], str]:
             purpose = layout.vocabulary.widgets[widget.handler].rule.purpose
             if purpose is not None and widget.events:
                 said, _ = next(ways(widget.events[0], layout.joysticks))
-                found.setdefault((purpose, robot), said)
+                meant = widget.options.values.get("robot", robot)
+                found.setdefault((purpose, str(meant)), said)
     return found
 
 

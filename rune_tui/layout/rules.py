@@ -42,6 +42,7 @@ class Purpose(enum.Enum):
         GRANT_CONTROL: Hands control to the console that asks for it.
         DENY_CONTROL: Keeps control though another console asks for it.
         MISSION: Begins, names or ends a mission.
+        CHOOSE_ROBOT: Chooses the robot of the option `robot`.
     """
 
     DRIVE = enum.auto()
@@ -52,6 +53,7 @@ class Purpose(enum.Enum):
     GRANT_CONTROL = enum.auto()
     DENY_CONTROL = enum.auto()
     MISSION = enum.auto()
+    CHOOSE_ROBOT = enum.auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -112,7 +112,9 @@ class ConsoleState:
         hold_s: Duration of a hold after a repeat, where releases are not reported [s].
         releases_reported: Whether the terminal reports releases of keys.
         robots: The state of each robot, by name.
-        chosen: The robot of viewports with `CHOSEN`.
+        chosen: The robot that inputs of viewports with `CHOSEN` command.
+        peeked: The robot that those viewports show instead, without commands; empty: none.
+        looked: Time at which the operator last looked away from each robot [s], by name.
         shown: Viewports that the operator has shown (True) or hidden (False).
         places: Viewports that have a place at this size, and whether each is shown by default.
         zooms: Zoom of each viewport, relative to its layout, by name.
@@ -151,6 +153,8 @@ class ConsoleState:
     releases_reported: bool = False
     robots: Mapping[str, RobotState] = field(default_factory=dict)
     chosen: str = ""
+    peeked: str = ""
+    looked: Mapping[str, float] = field(default_factory=dict)
     shown: Mapping[str, bool] = field(default_factory=dict)
     places: Mapping[str, bool] = field(default_factory=dict)
     zooms: Mapping[str, float] = field(default_factory=dict)
@@ -204,9 +208,23 @@ class ConsoleState:
         known = self.display is not None and math.isfinite(self.display.latency)
         return self.display.latency if self.display is not None and known else 0.0
 
+    @property
+    def seen(self) -> str:
+        """The robot that the operator looks at: the peeked one, else the chosen one."""
+        return self.peeked or self.chosen
+
+    def unseen_s(self, robot: str) -> float:
+        """Time since the operator looked away from a robot [s]; infinite: not looked at yet."""
+        away = self.now - self.looked.get(robot, -math.inf)
+        return 0.0 if robot == self.seen else max(0.0, away)
+
     def robot(self, name: str) -> RobotState | None:
-        """The robot of this name, which may be `CHOSEN`; None if there is none."""
+        """The robot that a viewport commands; its name may be `CHOSEN`. None: there is none."""
         return self.robots.get(self.chosen if name == CHOSEN else name)
+
+    def shown_robot(self, name: str) -> RobotState | None:
+        """The robot that a viewport shows; its name may be `CHOSEN`. None: there is none."""
+        return self.robots.get(self.seen if name == CHOSEN else name)
 
     def title(self, robot: str) -> str:
         """The name of the robot of a role, for people; empty: no robot."""
@@ -248,6 +266,8 @@ def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
     return dataclasses.replace(
         state,
         chosen=state.chosen if state.chosen in robots else layout.robots[0].name,
+        peeked="",
+        looked={name: since for name, since in state.looked.items() if name in robots},
         shown={name: shown for name, shown in state.shown.items() if name in viewports},
         full=state.full if state.full in viewports else "",
         zooms={name: zoom for name, zoom in state.zooms.items() if name in viewports},

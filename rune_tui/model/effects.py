@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.control import DRIVING, RESTRICTED, ControlAction
@@ -12,8 +12,8 @@ from hub.gcm.mission import MissionAction
 from hub.gcm.navigation import GOAL_COMMAND, STOP, VELOCITY_COMMAND, Twist
 from hub.ipc.definition import MessageDefinition
 from hub.values import dataclass
-from rune_tui.layout.spec import CHOSEN
 from rune_tui.model.console_state import ConsoleState, Ghost, Notice, PictureWish
+from rune_tui.model.effect_facts import EffectFacts, RobotEffect
 from rune_tui.model.page import Page
 
 SPEED_LIMITS = (0.1, 0.25, 0.5, 1.0)
@@ -22,69 +22,6 @@ SPEED_LIMITS = (0.1, 0.25, 0.5, 1.0)
 
 _SENDS_OFF = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
 """Messages that start a robot's own task."""
-
-
-class EffectFacts:
-    """Facts about an effect that the console needs before it executes the effect.
-
-    Attributes:
-        moves_view: Whether it may move viewports.
-    """
-
-    __slots__ = ()
-
-    moves_view: ClassVar[bool] = False
-
-    @property
-    def ends_holds(self) -> bool:
-        """Whether held inputs must be released: they belong to another robot or view."""
-        return False
-
-    @property
-    def stopped(self) -> str:
-        """The robot that it stops; empty: none."""
-        return ""
-
-    @property
-    def driven(self) -> str:
-        """The robot whose velocity it sets; empty: none."""
-        return ""
-
-    @property
-    def controlled(self) -> str:
-        """The robot whose control it needs; empty: none."""
-        return ""
-
-    @property
-    def takes_control(self) -> bool:
-        """Whether a new press takes control of a free robot for it."""
-        return False
-
-    @property
-    def sent_off(self) -> str:
-        """The robot that gets its own task; empty: none."""
-        return ""
-
-    def addressed(self, _chosen: str) -> Self | None:
-        """The effect with the chosen robot's name, if it is for that one; None: there is none."""
-        return self
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RobotEffect(EffectFacts):
-    """An effect on one robot, which may be the chosen one.
-
-    Attributes:
-        robot: The robot's name in the layout; `CHOSEN` until it is addressed.
-    """
-
-    robot: str
-
-    def addressed(self, chosen: str) -> Self | None:
-        """The effect with the chosen robot's name, if it is for that one; None: there is none."""
-        if self.robot != CHOSEN:
-            return self
-        return dataclasses.replace(self, robot=chosen) if chosen else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -277,6 +214,22 @@ class ChooseRobot(EffectFacts):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Peek(EffectFacts):
+    """Look at another robot without commands to it, or look at the chosen robot again.
+
+    Attributes:
+        robot: Its name; empty: the chosen robot again.
+    """
+
+    robot: str = ""
+
+    @property
+    def ends_driving(self) -> bool:
+        """When it begins."""
+        return bool(self.robot)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Zoom(EffectFacts):
     """Show the world larger or smaller in a viewport.
 
@@ -450,6 +403,7 @@ StateEffect = (
     ShowViewport
     | CoverEffect
     | ChooseRobot
+    | Peek
     | Zoom
     | WishPictures
     | ChooseCamera

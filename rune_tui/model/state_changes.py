@@ -17,6 +17,7 @@ from rune_tui.model.effects import (
     LimitSpeed,
     MarksWaiting,
     Notify,
+    Peek,
     SetTheme,
     ShowGhost,
     ShowViewport,
@@ -46,7 +47,10 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
         case FillView() | ToggleHelp() | ToggleLog() | TurnPage() | AskToLeave():
             return _covered(state, effect)
         case ChooseRobot(robot=name):
-            return dataclasses.replace(state, chosen=name or _next(state.chosen, state.robots))
+            chosen = name or _next(state.chosen, state.robots)
+            return _looked_away(dataclasses.replace(state, chosen=chosen, peeked=""), state)
+        case Peek(robot=name):
+            return _looked_away(dataclasses.replace(state, peeked=name), state)
         case Zoom(viewport=name, factor=factor):
             zoom = state.zooms.get(name, 1.0) * factor if factor > 0.0 else 1.0
             zoom = min(MOST_ZOOM, max(LEAST_ZOOM, zoom))
@@ -65,6 +69,13 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
         case Notify(notice=notice):
             notices = (*state.notices[1 - MOST_NOTICES :], notice)
             return dataclasses.replace(state, notices=notices)
+
+
+def _looked_away(state: ConsoleState, before: ConsoleState) -> ConsoleState:
+    """The state with the time at which the operator looked away from a robot."""
+    if state.seen == before.seen:
+        return state
+    return dataclasses.replace(state, looked=_with(state.looked, before.seen, before.now))
 
 
 def _covered(state: ConsoleState, effect: CoverEffect) -> ConsoleState:

@@ -19,7 +19,6 @@ from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoo
 from rune_tui.widgets.seeing import ChooseCameraWidget, Headlight, SetImageRequest, ToggleNightMode
 from rune_tui.widgets.session import Calibrate, NextLayout, Quit, RecordWidget, Screenshot
 from rune_tui.widgets.showing import (
-    ChooseRobotWidget,
     FullScreen,
     Help,
     Messages,
@@ -29,6 +28,7 @@ from rune_tui.widgets.showing import (
 )
 from rune_tui.widgets.speed import SetSpeed, StopRobot
 from rune_tui.widgets.speed_limit import SpeedLimit
+from rune_tui.widgets.team import ChooseRobotWidget, PeekWidget
 from rune_tui.widgets.widget import Widget
 
 WIDGETS: Mapping[str, type[Widget]] = {
@@ -64,6 +64,7 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetFullScreen": FullScreen,
     "widgetZoomMap": ZoomMap,
     "widgetChooseRobot": ChooseRobotWidget,
+    "widgetPeek": PeekWidget,
     "widgetNextLayout": NextLayout,
     "widgetTheme": ThemeWidget,
     "widgetHelp": Help,

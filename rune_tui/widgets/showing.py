@@ -7,7 +7,6 @@ from typing import ClassVar
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section, TextOption
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
-    ChooseRobot,
     Effect,
     FillView,
     SetTheme,
@@ -92,25 +91,6 @@ class ZoomMap(SteppingWidget):
         """The factor to the power of the value; 0 restores the layout's scale."""
         factor = self.spec.options.number("factor") ** value if value else 0.0
         return Zoom(viewport=_viewport(self), factor=factor)
-
-
-class ChooseRobotWidget(EffectWidget):
-    """Chooses the robot that some viewports show and command."""
-
-    rule: ClassVar = HandlerRule(
-        section=Section.ROBOT,
-        says={"": "Choose the robot: {robot}"},
-        meaning=(
-            "Chooses the robot that viewports of the robot `*` show and command. What is held is "
-            "let go first."
-        ),
-        options={"robot": TextOption(names="robot", meaning="which one; empty: the next")},
-        needs_robot=False,
-    )
-
-    def effect(self) -> Effect:
-        """The choice."""
-        return ChooseRobot(robot=self.spec.options.word("robot"))
 
 
 class ThemeWidget(EffectWidget):

@@ -28,7 +28,7 @@ from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import joystick_input
 from rune_tui.layout.rules import HandlerRule, Purpose, Section
-from rune_tui.layout.spec import ControlKind, EventSpec, WidgetSpec
+from rune_tui.layout.spec import CHOSEN, ControlKind, EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify, SendEffect
 from rune_tui.widgets.speed_rule import (
@@ -335,6 +335,14 @@ class StopRobot(PressWidget):
     def press(
         self, event: ControlEvent, _event_spec: EventSpec, state: ConsoleState
     ) -> tuple[Effect, ...]:
-        """Stops the robot at every press and repeat: fast presses look like repeats."""
+        """Stops the robot at every press and repeat: fast presses look like repeats.
+
+        A stop of the chosen robot also stops the one that the operator peeks at.
+        """
         reason = f"{state.operator or 'the operator'} pressed {event.name}"
-        return (SendEffect(robot=self.robot, definition=STOP, value=Stop(reason=reason)),)
+        robots = [self.robot]
+        if self.robot == CHOSEN and state.peeked:
+            robots.append(state.peeked)
+        return tuple(
+            SendEffect(robot=robot, definition=STOP, value=Stop(reason=reason)) for robot in robots
+        )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from typing import ClassVar, Self
 
+from hub.gcm.body import ROBOT_DESCRIPTION, Freedom
 from hub.values import dataclass
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -16,11 +18,17 @@ from rune_tui.raster.lettering import Font, check_font, letter, measured
 
 _BETWEEN = " · "
 """Separates the pieces of a list; pieces that do not fit into one row are left out."""
+_LOOK = "look"
+_CONDITION = re.compile(rf"\{{({'|'.join((*(each.name.lower() for each in Freedom), _LOOK))})\}}")
+"""Begins a piece for robots whose body moves so, or whose main camera turns."""
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
     """Wrapped text from the upper left corner; the rest is clear.
+
+    A piece that begins with a degree of freedom in braces, such as `{heave}`, is shown only for
+    robots whose body moves so; `{look}` stands for a main camera that turns.
 
     Attributes:
         text: Its text.
@@ -32,7 +40,10 @@ class Label:
 
     rule: ClassVar = VisualizerRule(
         heads=True,
-        meaning="its `text`, in letters of the terminal or of a `font`",
+        meaning="its `text`, in letters of the terminal or of a `font`; a piece between ` · ` that "
+        "begins with a degree of freedom in braces, such as `{heave}` or `{sway}`, is shown only "
+        "for robots that move so, and one with `{look}` only if the main camera turns",
+        others=(ROBOT_DESCRIPTION.name,),
         text=True,
         font=True,
     )
@@ -46,29 +57,54 @@ class Label:
             check_font(font)
         return cls(printable_text(spec.text), font)
 
-    def draw(self, canvas: Canvas, _robot: RobotState, state: ConsoleState) -> None:
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the text."""
+        pieces = self._pieces(robot)
         if self.font:
-            for row, line in enumerate(_wrapped(self.text, self.font, canvas.width)):
+            text = _BETWEEN.join(pieces)
+            for row, line in enumerate(_wrapped(text, self.font, canvas.width)):
                 height = measured(line, self.font)[1]
                 letter(canvas, (0.0, row * height), line, self.font, state.theme.ink)
             return
-        for row, line in enumerate(self._lines(canvas)):
+        for row, line in enumerate(_lines(pieces, canvas)):
             canvas.text(0, row, line, state.theme.soft)
 
-    def _lines(self, canvas: Canvas) -> list[str]:
-        """The text wrapped; in one row, the pieces of a list that fit, the first one always."""
-        pieces = self.text.split(_BETWEEN)
-        if canvas.rows > 1 or len(pieces) < 3:
-            return textwrap.wrap(self.text, max(1, canvas.width))
-        while len(pieces) > 1 and len(_BETWEEN.join(pieces)) > canvas.width:
-            # The first is about the stop; the last two are about help and the end.
-            del pieces[{3: -2, 2: -1}.get(len(pieces), -3)]
-        return [_BETWEEN.join(pieces)]
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with the pieces and the colours."""
+        return self._pieces(robot), state.theme.name
 
-    def source(self, _robot: RobotState, state: ConsoleState) -> Hashable:
-        """Changes with the colours only."""
-        return state.theme.name
+    def _pieces(self, robot: RobotState) -> tuple[str, ...]:
+        """The pieces for a robot, without their conditions."""
+        pieces = self.text.split(_BETWEEN)
+        met = _met(robot)
+        known = ((_CONDITION.match(piece), piece) for piece in pieces)
+        return tuple(
+            piece[found.end() :] if found else piece
+            for found, piece in known
+            if found is None or found[1] in met
+        )
+
+
+def _met(robot: RobotState) -> frozenset[str]:
+    """The conditions that a robot meets; none before its body is known."""
+    if robot.body is None:
+        return frozenset()
+    moves = {motion.freedom.name.lower() for motion in robot.body.motions}
+    turns = any(
+        each.pan_limit or each.tilt_lowest < each.tilt_highest for each in robot.body.cameras[:1]
+    )
+    return frozenset(moves | {_LOOK} if turns else moves)
+
+
+def _lines(pieces: Sequence[str], canvas: Canvas) -> list[str]:
+    """The text wrapped; in one row, the pieces of a list that fit, the first one always."""
+    if canvas.rows > 1 or len(pieces) < 3:
+        return textwrap.wrap(_BETWEEN.join(pieces), max(1, canvas.width))
+    kept = list(pieces)
+    while len(kept) > 1 and len(_BETWEEN.join(kept)) > canvas.width:
+        # The first is about the stop; the last two are about help and the end.
+        del kept[{3: -2, 2: -1}.get(len(kept), -3)]
+    return [_BETWEEN.join(kept)]
 
 
 def _wrapped(text: str, font: Font, width: int) -> list[str]:

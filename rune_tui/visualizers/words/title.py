@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rune_tui.layout.placing import Area
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, printable_text
@@ -22,19 +24,21 @@ def with_title(area: Area, title: str) -> tuple[Area | None, Area]:
     return head, Area(x=area.x, y=area.y + 2, width=area.width, height=area.height - 2)
 
 
-def titled(head: Area, title: str, theme: Theme, *, marked: bool = False) -> Canvas:
+def titled(head: Area, titles: Sequence[str], theme: Theme, *, marked: bool = False) -> Canvas:
     """The row of a title; a name that does not fit is left out, and the rule stays.
 
     Args:
         head: Where it is.
-        title: The name.
+        titles: Forms of the name, the longest first.
         theme: Its colours.
         marked: Whether it differs from other titles.
     """
     canvas = Canvas.blank(head.width, head.height)
     canvas.fill(theme.ground)
     canvas.text(0, 0, _RULE * canvas.width, theme.faint)
-    name = (_MARK if marked else "") + printable_text(title)
+    room = canvas.width - _BEFORE - 2
+    forms = [(_MARK if marked else "") + printable_text(title) for title in titles]
+    name = next((form for form in forms if len(form) <= room), forms[-1])
     if _BEFORE + len(name) + 2 <= canvas.width:
         canvas.text(_BEFORE, 0, f" {name} ", theme.ink if marked else theme.soft)
     elif marked:
