@@ -24,7 +24,7 @@ from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.states import Standing, layout_of, rendered, standing, view_of, visualizer_spec
 from tests.console.visualizers.conftest import NOW, Made, received
 from tests.console.widgets.presses import down, event_spec, widget_of
-from tests.support.bodies import CAR
+from tests.support.car import CAR
 from tests.support.messages import camera_state
 
 GREEN, BLUE = 1, 2

@@ -1,72 +1,46 @@
-"""A body unlike the Magellan: a long car with a laser, one sonar, and two cameras."""
+"""The five bodies of the tests: the four that Rune ships, and one that only the tests describe."""
 
 from __future__ import annotations
 
-import math
+import functools
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
 
-import numpy as np
-import numpy.typing as npt
+from hub.robots.description import RobotDescription
+from hub.robots.robot_file import find_robot_file, read_description, shipped_bodies
 
-from hub.gcm.body import BodyFrame, Bumper, CameraBody, Point32, RangeGroup, RangeKind, RobotBody
-from hub.gcm.ranges import RangeReadings, scan_of
-
-CAR = RobotBody(
-    name="car",
-    kind="car",
-    radius=0.7,
-    footprint=tuple(
-        Point32(x=x, y=y) for x, y in ((0.6, 0.3), (-0.4, 0.3), (-0.4, -0.3), (0.6, -0.3))
-    ),
-    frames=(
-        BodyFrame(name="laser", x=0.4, z=0.3),
-        BodyFrame(name="front", x=0.6, z=0.2),
-        BodyFrame(name="side", x=-0.2, y=-0.3, z=0.2, yaw=-math.pi / 2),
-        BodyFrame(name="down", z=0.2, pitch=math.pi / 2),
-    ),
-    ranges=(
-        RangeGroup(
-            name="laser",
-            kind=RangeKind.LASER,
-            beams=360,
-            first=-math.pi,
-            step=math.tau / 360,
-            farthest=8.0,
-        ),
-        RangeGroup(name="front", kind=RangeKind.SONAR, opening=math.radians(30.0), farthest=4.0),
-        RangeGroup(name="side", kind=RangeKind.INFRARED, farthest=1.5),
-        RangeGroup(name="down", kind=RangeKind.LASER, farthest=2.0),
-    ),
-    cameras=(
-        CameraBody(name="front", horizontal_fov=0.8),
-        CameraBody(name="rear", horizontal_fov=1.2),
-    ),
-    bumpers=(
-        Bumper(name="front", direction=0.0, width=0.9),
-        Bumper(name="back", direction=math.pi, width=1.2),
-    ),
-)
-"""Its laser is 0.2 m behind its front, its infrared sensor looks to the right."""
+CARRIER = "carrier"
+_CARRIER_FILE = Path(__file__).parents[1] / "data" / "carrier.toml"
+SHIPPED = "magellan", "tracked", "blimp", "rov"
+BODIES = (*SHIPPED, CARRIER)
+REST_S = {"magellan": 0.7, "tracked": 0.7, "carrier": 0.7, "rov": 1.5, "blimp": 4.0}
+"""Longest time from a command to stop to rest [s], after docs/safety.md."""
+STILL = {"blimp": 0.1, "rov": 0.1}
+"""Speed below which a body that drafts or currents carry is at rest; wheels stand [m/s]."""
+STANDING = 1e-3
+"""Wheels that are slower stand [m/s, rad/s]."""
 
 
-def car_readings(
-    laser: npt.NDArray[np.float32] | float = math.inf,
-    front: float = math.inf,
-    side: float = math.inf,
-    down: float = 0.2,
-) -> RangeReadings:
-    """Readings of the car; in the open, but for those given [m]."""
-    given = (laser, front, side, down)
-    return RangeReadings(
-        scans=tuple(
-            scan_of(group, np.broadcast_to(np.float32(ranges), group.beams), 0.0)
-            for group, ranges in zip(CAR.ranges, given, strict=True)
-        )
-    )
+@functools.cache
+def robot_of(name: str) -> RobotDescription:
+    """The robot with this body, in its own arena."""
+    path = _CARRIER_FILE if name == CARRIER else find_robot_file(name)
+    robot, problems = read_description(path)
+    assert not problems
+    return robot
 
 
-def laser_of(**degrees: float) -> npt.NDArray[np.float32]:
-    """A scan of the car that sees nothing but at these bearings [deg], as in l90=1.0, r90=1.0."""
-    ranges = np.full(360, np.inf, np.float32)
-    for name, distance in degrees.items():
-        ranges[180 + int(name[1:]) * (-1 if name[0] == "r" else 1)] = distance
-    return ranges
+def hub_with(name: str, kind: str = "simulated-wheels") -> dict[str, Any]:
+    """The keys of a `HubProcess` whose robot has this body, as a robot of another kind."""
+    file = _CARRIER_FILE if name == CARRIER else shipped_bodies()[f"simulated-{name}"]
+    text = file.read_text()
+    base = tomllib.loads(text).get("simulation", {}).get("base", "wheels")
+    flags = re.DOTALL | re.MULTILINE
+    return {
+        "kind": kind,
+        "arena": "pool" if base == "rov" else "empty",
+        "options": ("--set", f"simulation.base={base}"),
+        "tables": re.sub(r"\A.*?(?=^\[(?:limits|body)\])", "", text, flags=flags),
+    }

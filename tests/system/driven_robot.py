@@ -14,12 +14,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from hub.gcm.body import Freedom
 from tests.support import warm_start
+from tests.support.bodies import robot_of
 from tests.support.fake_hid import VirtualBed, VirtualDevice
 from tests.support.ports import free_port
 from tests.support.waiting import until
 from tests.system.harness import DELAY_S, ConsoleProcess, HubProcess
-from tests.system.recorded_robot import Row, Wheels
+from tests.system.recorded_robot import Recording, Row
 
 _PAD = "logitech_f310_dinput"
 _STICKS = """
@@ -46,6 +48,7 @@ _LAYOUT = """<rune run="1">
       <widget handler="widgetSetSpeed">
         <event key="w" control="translate"/>
         <event key="s" control="translate" value="-1"/>
+        {keys}
         {sticks}
       </widget>
       {guarded}
@@ -59,6 +62,11 @@ _LAYOUT = """<rune run="1">
   </view>
 </rune>
 """
+_KEYS = {
+    Freedom.SWAY: ("q", "strafe"),
+    Freedom.HEAVE: ("r", "climb"),
+}
+"""The keys of motions that not every body has, and their controls."""
 _CENTRE, _THROW = 128, 127
 _TRIES = 5
 _PRELOAD = "LD_PRELOAD"
@@ -68,12 +76,19 @@ _GAPS = 0.15
 _SHOULDER = 1
 
 
-def layout(hub: str, *, pad: bool) -> str:
+def layout(hub: str, body: str, *, pad: bool) -> str:
     """A layout that drives with keys, and with the pad's sticks; the right one is guarded."""
     parts = ('<joystick name="pad"/>', _STICKS, _GUARDED) if pad else ("", "", "")
+    keys = (f'<event key="{key}" control="{control}"/>' for key, control in _own_keys(body))
     return _LAYOUT.format(
-        hub=hub, **dict(zip(("joystick", "sticks", "guarded"), parts, strict=True))
+        hub=hub,
+        keys="".join(keys),
+        **dict(zip(("joystick", "sticks", "guarded"), parts, strict=True)),
     )
+
+
+def _own_keys(body: str) -> list[tuple[str, str]]:
+    return [_KEYS[each.freedom] for each in robot_of(body).body.motions if each.freedom in _KEYS]
 
 
 class Finger:
@@ -119,7 +134,7 @@ class DrivenRobot:
 
     Attributes:
         hub: The hub.
-        wheels: What its wheels do.
+        record: The commands to the robot, and its motion.
         chance: Decides what is left to chance.
         console: The operator's.
         rival: Somebody else's console, without a pad; None: there is none.
@@ -133,6 +148,7 @@ class DrivenRobot:
         folder: Path,
         bed: VirtualBed,
         *,
+        body: str = "magellan",
         clock: dict[str, str] | None = None,
         programs: Path | None = None,
     ) -> None:
@@ -141,11 +157,12 @@ class DrivenRobot:
         Args:
             folder: For files.
             bed: Where the pad is plugged in.
+            body: One of `BODIES`.
             clock: Variables of processes with another wall clock.
             programs: Folder of programs that consoles find before all others.
         """
         self.chance = random.Random(1)
-        self.wheels = Wheels(folder)
+        self.record = Recording(folder, body)
         self.console: ConsoleProcess
         self.rival: ConsoleProcess | None = None
         self.pad: VirtualDevice | None = None
@@ -160,15 +177,16 @@ class DrivenRobot:
         # The same for all, so that all are forked from one process; only some get a bed.
         self._common = {
             **(clock or {}),
-            **self.wheels.environment,
+            **self.record.environment,
             _PRELOAD: ":".join(preloaded),
         }
         self._port = free_port()
         self._stick = (0.0, 0.0)
         self._guarded = False
+        self._driving_keys = ["w", "s", *(key for key, _ in _own_keys(body))]
         self.hub = self._started_hub()
-        (folder / "pad.xml").write_text(layout(self.hub.endpoint, pad=True))
-        (folder / "keys.xml").write_text(layout(self.hub.endpoint, pad=False))
+        (folder / "pad.xml").write_text(layout(self.hub.endpoint, body, pad=True))
+        (folder / "keys.xml").write_text(layout(self.hub.endpoint, body, pad=False))
         self.plug()
         self.console = self._started_console(())
 
@@ -181,7 +199,7 @@ class DrivenRobot:
             environment=self._common,
             port=self._port,
             modules=modules,
-            kind=Wheels.kind,
+            **self.record.hub,
         )
 
     def start_hub(self) -> None:
@@ -269,7 +287,7 @@ class DrivenRobot:
         self.unplug()
         self._nothing_plugged.close()
         self.hub.close()
-        self.wheels.close()
+        self.record.close()
 
     # Hands.
 
@@ -281,7 +299,7 @@ class DrivenRobot:
 
     def hold_key(self) -> None:
         """Hold a key that drives."""
-        key = self.chance.choice("ws")
+        key = self.chance.choice(self._driving_keys)
         self.finger.press(lambda: self.console.terminal, key)
 
     def push(self, *, guarded: bool = False) -> None:
@@ -325,7 +343,7 @@ class DrivenRobot:
 
     def _said(self) -> str:
         others = [self.rival.text] if self.rival is not None else []
-        return "\n".join([self.console.text, *others, str(self.wheels.now)])
+        return "\n".join([self.console.text, *others, str(self.record.now)])
 
     # Driving.
 
@@ -338,14 +356,14 @@ class DrivenRobot:
         for _ in range(_TRIES):
             let_go()
             self.wait(self._at_rest, "the robot does not want to be driven")
-            self.wheels.forget()
+            self.record.forget()
             press()
             end = time.monotonic() + 2.0
             while time.monotonic() < end:
                 self.pump()
-                if self._drives(self.wheels.now):
+                if self._drives(self.record.now):
                     self.watch(self.chance.uniform(0.0, 0.4))
-                    if self._drives(self.wheels.now):
+                    if self._drives(self.record.now):
                         return
         message = f"nothing drives the robot\n{self._said()}"
         raise AssertionError(message)
@@ -358,4 +376,4 @@ class DrivenRobot:
         return bool(seen and "STANDING" in text and "LET GO OF" not in text)
 
     def _drives(self, row: Row) -> bool:
-        return row.told and (abs(row.linear) > 0.1 or abs(row.angular) > 0.2)
+        return row.commanded and (row.speed > 0.1 or abs(row.yaw) > 0.2)

@@ -1,115 +1,141 @@
-"""A simulated Magellan whose wheels write down what they are told and what they do.
+"""A simulated robot with any of the bodies, which writes down its commands and its motion.
 
-Its file outlives every process of the hub, so it also says what became of the wheels when the hub
-died. A row is a time on the monotonic clock [s], the velocities that the wheels are told, and the
-true ones: forward [m/s] and turning [rad/s] each.
+Its file outlives every process of the hub, so it also says what became of the robot when the hub
+died. A row is a time on the monotonic clock [s], the velocities that the driver commands, and the
+true ones: forward, to the left, up [m/s] and turning [rad/s] each.
 """
 
 from __future__ import annotations
 
 import atexit
+import math
 import os
 import struct
 import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from hub.gcm.navigation import Twist
-from hub.robots.description import RobotDescription
-from hub.robots.registry import RobotKind
+from hub.gcm.navigation import GroundTruth, Twist
+from hub.robots.description import Base, RobotDescription
+from hub.robots.interfaces import BodyLeftAlone, Sensors
+from hub.robots.left_alone import LeftAlone
+from hub.robots.registry import KINDS, RobotKind
 from hub.robots.simulated_base import STEP
-from hub.sim.arena import load_arena
-from tests.support.magellan import SimulatedMagellan
+from tests.support.bodies import STANDING, STILL, hub_with
 
-STILL = 1e-3
-"""A robot that is slower stands [m/s, rad/s]."""
 _VARIABLE = "RUNE_TEST_WHEELS"
-_ROW = struct.Struct("<5d")
+_ROW = struct.Struct("<9d")
 _PERIOD_S = 0.02
 """How often a driver looks at its hardware [s]."""
 _LONGEST_ROLL = round(1.0 / STEP)
 
 
 class Row(NamedTuple):
-    """What the wheels did at a moment."""
+    """The commands and the motion of the robot at a moment."""
 
     at: float
-    told_linear: float
-    told_angular: float
-    linear: float
-    angular: float
+    wanted_surge: float
+    wanted_sway: float
+    wanted_heave: float
+    wanted_yaw: float
+    surge: float
+    sway: float
+    heave: float
+    yaw: float
 
     @property
-    def told(self) -> bool:
-        """Whether they are told to move."""
-        return (self.told_linear, self.told_angular) != (0.0, 0.0)
+    def commanded(self) -> bool:
+        """Whether a motion is commanded."""
+        return any(self[1:5])
 
     @property
-    def moves(self) -> bool:
-        return max(abs(self.linear), abs(self.angular)) >= STILL
+    def speed(self) -> float:
+        """[m/s]"""
+        return math.hypot(self.surge, self.sway, self.heave)
 
 
-class RecordedMagellan(SimulatedMagellan):
+class RecordedBody:
     """The robot; it rolls out when its driver ends, as a real one does."""
 
     def __init__(self, robot: RobotDescription) -> None:
-        super().__init__(
-            load_arena(robot.arena),
-            linear_limit=robot.linear_limit,
-            angular_limit=robot.angular_limit,
-        )
+        self._body = KINDS["simulated-wheels"].open_body(robot)
+        self._wanted = (0.0, 0.0, 0.0, 0.0)
         flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC
         self._file = os.open(os.environ[_VARIABLE], flags)
         atexit.register(self._roll_out)
         self._write()
 
     def command(self, twist: Twist) -> None:
-        """As every base, and note it."""
-        before = self._commanded
-        super().command(twist)
-        if self._commanded != before:
+        """As every body, and note it."""
+        self._body.command(twist)
+        before, linear = self._wanted, twist.linear
+        self._wanted = (linear.x, linear.y, linear.z, twist.angular.z)
+        if self._wanted != before:
             self._write()
 
     def advance(self, seconds: float) -> None:
-        """As every base, and note it."""
-        super().advance(seconds)
+        """As every body, and note it."""
+        self._body.advance(seconds)
         self._write()
 
-    def _write(self) -> None:
-        row = Row(
-            time.monotonic(), self._commanded[0], self._commanded[2], self._linear, self._angular
-        )
+    def sensors(self, stamp: float) -> Sensors:
+        return self._body.sensors(stamp)
+
+    def ground_truth(self) -> GroundTruth:
+        truth = self._body.ground_truth()
+        assert truth is not None
+        return truth
+
+    def _write(self) -> Row:
+        truth = self.ground_truth()
+        moves = truth.linear, truth.sway, truth.heave, truth.angular
+        row = Row(time.monotonic(), *self._wanted, *moves)
         os.write(self._file, _ROW.pack(*row))
+        return row
 
     def _roll_out(self) -> None:
         for _ in range(_LONGEST_ROLL):
-            if not (self._linear or self._angular):
-                return
             time.sleep(STEP)
-            self.advance(STEP)
+            self._body.advance(STEP)
+            row = self._write()
+            if max(row.speed, abs(row.yaw)) < STANDING:
+                return
 
 
-KIND = RobotKind(open_body=RecordedMagellan)
+class RecordedFloat(RecordedBody):
+    """A robot that does more than stand when it is left alone."""
+
+    def left_alone(self, action: LeftAlone | None) -> None:
+        assert isinstance(self._body, BodyLeftAlone)
+        self._body.left_alone(action)
 
 
-class Wheels:
-    """Reads what the wheels of such a robot write.
+def _opened(robot: RobotDescription) -> RecordedBody:
+    return (RecordedFloat if robot.base in {Base.BLIMP, Base.ROV} else RecordedBody)(robot)
+
+
+KIND = RobotKind(open_body=_opened)
+
+
+class Recording:
+    """Reads what such a robot writes.
 
     Attributes:
         environment: Variables of a hub with such a robot.
+        hub: Keys of a `HubProcess` with it.
     """
 
-    kind = f"{__name__}:KIND"
-
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, body: str) -> None:
         self._path = folder / "wheels"
         self._path.touch()
         self._file = self._path.open("rb")
         self._rows: list[Row] = []
+        self._still = STILL.get(body, STANDING)
         root = str(Path(__file__).parents[2])
         self.environment = {_VARIABLE: str(self._path), "PYTHONPATH": root}
+        self.hub: dict[str, Any] = hub_with(body, f"{__name__}:KIND")
 
     @property
     def now(self) -> Row:
@@ -124,12 +150,16 @@ class Wheels:
         self._rows += [Row(*each) for each in _ROW.iter_unpack(data[:whole])]
         return self._rows
 
+    def moves(self, row: Row) -> bool:
+        """Whether the robot is not at rest, for a body of its kind."""
+        return max(row.speed, abs(row.yaw)) >= self._still
+
     def first(self, since: float, holds: Callable[[Row], bool]) -> float | None:
         """When this first held after `since`, after that [s]; None: not yet."""
         return next((row.at - since for row in self.rows() if row.at >= since and holds(row)), None)
 
     def away(self, since: float, until: float) -> float:
-        """For how long in this time whoever moves the wheels did not [s]: the machine was busy."""
+        """For how long in this time whoever moves the robot did not [s]: the machine was busy."""
         times = [row.at for row in self.rows() if since <= row.at <= until]
         pauses = (later - earlier - _PERIOD_S for earlier, later in pairwise([since, *times]))
         return sum(pause for pause in pauses if pause > _PERIOD_S)

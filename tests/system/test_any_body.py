@@ -13,44 +13,11 @@ from hub.gcm import ranges, vision
 from hub.gcm.beams import beams_of
 from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, RangeKind
 from rune_tui.cli import main
+from tests.support.bodies import CARRIER, hub_with
 from tests.system.harness import HubProcess, Observer
 
 _CAMERAS = "front", "rear", "mast"
-_TABLES = """
-[body]
-footprint = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]
-[[range]]
-name = "scan"
-kind = "laser"
-beams = 181
-first_deg = -90.0
-spread_deg = 180.0
-forward = 0.25
-farthest = 20.0
-[[camera]]
-name = "front"
-fov_deg = 70.0
-[[camera]]
-name = "rear"
-forward = -0.3
-yaw_deg = 180.0
-[[camera]]
-name = "mast"
-height = 0.9
-pan_limit_deg = 90.0
-""" + "".join(
-    f"""
-[[range]]
-name = "echo-{place}"
-kind = "{"sonar" if place % 2 else "infrared"}"
-opening_deg = {15 * (place % 2)}
-yaw_deg = {51 * place}
-ring = 0.2
-farthest = 3.0
-"""
-    for place in range(7)
-)
-HUB = {"kind": "simulated-wheels", "tables": _TABLES, "options": ("--set", "limits.sway=0.3")}
+HUB = hub_with(CARRIER)
 
 
 @pytest.fixture

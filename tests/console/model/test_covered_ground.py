@@ -11,7 +11,7 @@ import pytest
 from rune_tui.model.covered_ground import COVERS_M, covered, covers_of, uncovered
 from rune_tui.model.robot_ranges import RobotRanges
 from tests.console.states import range_readings, ranges_around
-from tests.support.bodies import CAR, car_readings, laser_of
+from tests.support.car import CAR, car_readings, laser_of
 from tests.support.magellan import magellan_body
 
 CLEAR = np.full(16, np.inf, np.float32)

@@ -17,7 +17,7 @@ from rune_tui.model.pose import Pose
 from rune_tui.model.robot_ranges import RobotRanges
 from rune_tui.model.world import DistanceSource, WorldPoint
 from tests.console.states import range_readings, ranges_around
-from tests.support.bodies import CAR, car_readings, laser_of
+from tests.support.car import CAR, car_readings, laser_of
 from tests.support.magellan import magellan_body
 from tests.support.messages import camera_state
 

@@ -11,7 +11,7 @@ from hub.gcm.ranges import RANGES, RangeReadings
 from rune_tui.model.robot_ranges import RobotRanges, lack_of_ranges, ranges_of
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from tests.console.states import ranges_around
-from tests.support.bodies import CAR, car_readings, laser_of
+from tests.support.car import CAR, car_readings, laser_of
 
 
 def robot(**messages: object) -> RobotState:

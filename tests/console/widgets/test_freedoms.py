@@ -15,7 +15,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify, SendEffect
 from tests.console.visualizers.conftest import Made, received
 from tests.console.widgets.presses import again, down, event_spec, up, widget_of
-from tests.support.bodies import CAR
+from tests.support.car import CAR
 
 LIMIT = 0.2
 BODY = dataclasses.replace(

@@ -14,7 +14,7 @@ from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.visualizers.maps.range_data import DEFAULT_RIM_M, RangeData
 from tests.console.states import range_readings, visualizer_spec
 from tests.console.visualizers.conftest import words
-from tests.support.bodies import CAR, car_readings
+from tests.support.car import CAR, car_readings
 from tests.support.cases import for_each
 
 NAME = "visualizeRangeData"
