@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import math
 import zlib
 from dataclasses import replace
 
@@ -33,8 +34,8 @@ DIVES_AT = 0.5
 class _FloatingBody(abc.ABC):
     """What both have in common; implements `Body` and `BodyLeftAlone`.
 
-    It has no encoders: its dead reckoning adds up what it wants to do, so it drifts with the air
-    or the water.
+    It has no encoders: its dead reckoning adds up the speed that it measures, and the commanded
+    one where it measures none.
     """
 
     def __init__(self, vehicle: FloatingVehicle, body: RobotBody, origin: int) -> None:
@@ -58,6 +59,11 @@ class _FloatingBody(abc.ABC):
     def heading(self) -> float:
         """The heading that it measures [rad]."""
 
+    @property
+    @abc.abstractmethod
+    def speed(self) -> tuple[float, float]:
+        """The speeds ahead and to the left that it knows of [m/s]."""
+
     def command(self, twist: Twist) -> None:
         """Set the velocity; NaN counts as 0."""
         linear, angular = twist.linear, twist.angular
@@ -69,11 +75,11 @@ class _FloatingBody(abc.ABC):
         before = self._vehicle.time
         self._vehicle.advance(seconds)
         passed = self._vehicle.time - before
-        speed = self._vehicle.commanded
+        ahead, left = self.speed
         heading = self.heading
         turn = wrapped(heading - self._heading)
         self._heading = heading
-        self._reckoned = moved(self._reckoned, speed.surge * passed, turn, speed.sway * passed)
+        self._reckoned = moved(self._reckoned, ahead * passed, turn, left * passed)
 
     def ground_truth(self) -> GroundTruth:
         """Its true pose in the arena's frame."""
@@ -97,17 +103,15 @@ class _FloatingBody(abc.ABC):
             heave=velocity.heave,
         )
 
-    def _measured(
-        self, read: BlimpReadings | RovReadings, battery: LithiumBattery, surge: float
-    ) -> Sensors:
-        """The part that both measure; `surge` is what they know of their speed [m/s]."""
-        speed, pose = self._vehicle.commanded, self._reckoned
+    def _measured(self, read: BlimpReadings | RovReadings, battery: LithiumBattery) -> Sensors:
+        """The part that both measure."""
+        wanted, pose = self._vehicle.commanded, self._reckoned
         return Sensors(
             x=pose.x,
             y=pose.y,
             theta=pose.theta,
-            velocity=_twist(surge, speed.sway, read.climb, read.rates[2]),
-            commanded=_twist(speed.surge, speed.sway, speed.heave, speed.yaw),
+            velocity=_twist(*self.speed, read.climb, read.rates[2]),
+            commanded=_twist(wanted.surge, wanted.sway, wanted.heave, wanted.yaw),
             battery_voltage=battery.voltage,
             battery_fraction=battery.fraction,
             roll=read.roll,
@@ -140,10 +144,15 @@ class BlimpBody(_FloatingBody):
         """Of gyro and compass [rad]."""
         return self._blimp.readings.heading
 
+    @property
+    def speed(self) -> tuple[float, float]:
+        """Through the air; it measures none to the side [m/s]."""
+        return self._blimp.readings.airspeed, 0.0
+
     def sensors(self, stamp: float) -> Sensors:  # noqa: ARG002 - it has no range sensors
         """The present measurements."""
         read = self._blimp.readings
-        common = self._measured(read, self._blimp.battery, read.airspeed)
+        common = self._measured(read, self._blimp.battery)
         return replace(common, height=read.height, above_ground=read.altitude)
 
     def left_alone(self, action: LeftAlone | None) -> None:
@@ -181,10 +190,18 @@ class RovBody(_FloatingBody):
         """Of gyro and compass [rad]."""
         return self._rov.readings.heading
 
+    @property
+    def speed(self) -> tuple[float, float]:
+        """Over the ground; where its log has none, as commanded [m/s]."""
+        read, wanted = self._rov.readings, self._rov.commanded
+        if math.isnan(read.surge):
+            return wanted.surge, wanted.sway
+        return read.surge, read.sway
+
     def sensors(self, stamp: float) -> Sensors:  # noqa: ARG002 - it has no range sensors
         """The present measurements."""
         read = self._rov.readings
-        common = self._measured(read, self._rov.battery, self._rov.commanded.surge)
+        common = self._measured(read, self._rov.battery)
         return replace(common, depth=read.depth, above_ground=read.altitude)
 
     def left_alone(self, action: LeftAlone | None) -> None:

@@ -17,7 +17,7 @@ SHIPPED = "magellan", "tracked", "blimp", "rov"
 BODIES = (*SHIPPED, CARRIER)
 REST_S = {"magellan": 0.7, "tracked": 0.7, "carrier": 0.7, "rov": 1.5, "blimp": 4.0}
 """Longest time from a command to stop to rest [s], after docs/safety.md."""
-STILL = {"blimp": 0.1, "rov": 0.1}
+STILL = {"blimp": 0.1, "rov": 0.05}
 """Speed below which a body that drafts or currents carry is at rest; wheels stand [m/s]."""
 STANDING = 1e-3
 """Wheels that are slower stand [m/s, rad/s]."""

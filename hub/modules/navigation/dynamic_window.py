@@ -167,6 +167,8 @@ class DynamicWindow:
             return -back, turn
         fastest = math.hypot(body.linear_limit, body.sway_limit)
         goal = _limited(wanted[0], fastest), _limited(wanted[1], body.angular_limit)
+        if not len(points[0]):
+            return goal
         scene = self._scene(now, points, axis, aside)
         if goal[0] == 0.0:
             return 0.0, self._spin(goal[1], scene)
@@ -310,10 +312,13 @@ class DynamicWindow:
         return float(_SPINS[admissible].max(initial=0.0)) * rate
 
     def _reachable(self, now: float, goal: float) -> float:
-        """The largest velocity towards the goal within the window [m/s]."""
+        """The largest velocity towards the goal within the window [m/s].
+
+        It is enough to set off, also for a slow body that does not measure small velocities.
+        """
         gain = self.body.linear_braking / 2.0 * WINDOW_S
         start = abs(now) if now * goal > 0.0 else 0.0
-        return math.copysign(min(start + gain, abs(goal)), goal)
+        return math.copysign(min(max(start + gain, _SET_OFF), abs(goal)), goal)
 
     def _samples(self, fastest: float, turning: float, wanted: float) -> tuple[Floats, Floats]:
         """Velocities from 0 to the fastest, each with all turn rates; both shape (m,)."""

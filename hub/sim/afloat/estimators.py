@@ -47,20 +47,25 @@ class ClimbObserver:
         self.height += seconds * middle
         self.climb += seconds * force / self._mass
 
-    def correct(self, height: float, seconds: float, trust: float = 1.0) -> None:
+    def correct(
+        self, height: float, seconds: float, trust: float = 1.0, *, steady: bool = True
+    ) -> None:
         """Use a measured height [m].
 
         Args:
             height: As measured.
             seconds: Since the measurement before.
             trust: Share of the full correction, 0 to 1.
+            steady: Whether forces that the thrust does not explain are the trim. A body that
+                leans while it drives has others.
         """
         error = trust * (height - self.height) * seconds
         rate = self._rate
         self.height += 3.0 * rate * error
         self.climb += 3.0 * rate * rate * error
-        trim = self.trim + self._mass * rate**3 * error
-        self.trim = max(-self._most_trim, min(self._most_trim, trim))
+        if steady:
+            trim = self.trim + self._mass * rate**3 * error
+            self.trim = max(-self._most_trim, min(self._most_trim, trim))
 
     def rest_at(self, height: float) -> None:
         """Start again at rest at a height [m]; the trim stays."""

@@ -153,6 +153,54 @@ def speed_force(hull: HullSpec, gain: float, speed: float, wanted: float) -> flo
     return gain * (wanted - speed) + hull.drag(SURGE, wanted)
 
 
+class Brake:
+    """Ends a motion by reverse thrust, and then leaves the body to the fluid.
+
+    Without a measured speed it does not brake, so it pushes no body that stands.
+
+    | state | event | next |
+    | --- | --- | --- |
+    | any | a motion is commanded | READY |
+    | READY | no motion is commanded | it brakes |
+    | READY | no motion is commanded, and the measured speed is below `stopped` | OFF |
+    | READY | no motion is commanded, and no speed is measured | OFF |
+    | READY | it has braked for `LONGEST` | OFF |
+    """
+
+    LONGEST = 3.0
+    """A current does not let it come to rest; then it brakes no longer than this [s]."""
+
+    def __init__(self, hull: HullSpec, axis: int, *, gain: float, stopped: float) -> None:
+        """Start OFF.
+
+        Args:
+            hull: The body, for its drag.
+            axis: Number of the axis of the motion.
+            gain: Force for the measured speed [N s/m].
+            stopped: The speed below which the motion has ended [m/s].
+        """
+        self._hull = hull
+        self._axis = axis
+        self._gain = gain
+        self._stopped = stopped
+        self._left = 0.0
+
+    def force(self, measured: float, wanted: float, seconds: float, *, moving: bool) -> float:
+        """Force along the axis for a short time [N].
+
+        Args:
+            measured: Speed along the axis [m/s]; NaN: not known.
+            wanted: The commanded one [m/s].
+            seconds: The time.
+            moving: Whether any motion is commanded: a turn leaves a speed aside too.
+        """
+        if moving:
+            self._left = self.LONGEST
+            return self._hull.drag(self._axis, wanted)
+        self._left = self._left - seconds if abs(measured) >= self._stopped else 0.0
+        return -self._gain * measured if self._left > 0.0 else 0.0
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TiltGains:
     """How a body holds its roll and pitch.

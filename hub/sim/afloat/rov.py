@@ -5,7 +5,8 @@ Simulator: Control of a BlueROV2 Underwater Robot", J. Mar. Sci. Eng. 10(12). Th
 water: in fresh water it sinks. That the team has an underwater robot is of the report of 2005;
 sensors, holds and surfacing are our own design, after the modes of ArduSub.
 
-It holds its depth, its heading and its attitude. It cannot hold its place: a current carries it.
+When no motion is commanded, it brakes by reverse thrust to rest over the ground. Then it holds its
+depth, its heading and its attitude. It cannot hold its place: a current carries it.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from hub.sim.afloat.floating_body import HullSpec, Six
 from hub.sim.afloat.fluid import SEA_WATER_DENSITY, submerged, thrust_share
 from hub.sim.afloat.holds import (
     OFF,
+    Brake,
     ClimbGains,
     HeadingHold,
     HeightHold,
@@ -52,7 +54,9 @@ IDLE_POWER = 18.0
 _CLIMB = ClimbGains(climb_per_metre=0.9, fastest=0.45, force_per_climb=110.0, stopped=0.05)
 _TURN = TurnGains(moment_per_angle=12.0, moment_per_rate=5.0, stopped=0.1)
 _TILT = TiltGains(moment_per_angle=12.0, moment_per_rate=3.0, most=math.radians(30.0))
-_SLOW = 0.1
+_BRAKING = 60.0
+"""Reverse thrust for a measured speed [N s/m]."""
+_SLOW = 0.03
 """The robot is at rest below this speed [m/s]."""
 
 
@@ -134,11 +138,12 @@ class SimulatedRov(FloatingVehicle):
         self._depth_hold = HeightHold(spec, _CLIMB)
         self._heading_hold = HeadingHold(spec, _TURN)
         self._tilt_hold = TiltHold(_TILT)
+        self._brakes = [Brake(spec, axis, gain=_BRAKING, stopped=_SLOW) for axis in (0, 1)]
         self._place = RestingPlace(_SLOW)
         self._dive = Dive.DIVING
 
     def brake_and_hold(self) -> None:
-        """Stop all thrust for motion, level the body, hold depth and heading."""
+        """Brake, level the body, hold depth and heading."""
         self._commanded = NEUTRAL
         self._tilt_hold.level()
 
@@ -203,7 +208,8 @@ class SimulatedRov(FloatingVehicle):
 
     def _step(self) -> None:
         body = self._body
-        self._senses.advance(body, self._thrusters, leak=self.leaking)
+        moving = self._commanded != NEUTRAL
+        self._senses.advance(body, self._thrusters, leak=self.leaking, moving=moving)
         if self._senses.readings.leak and self._dive is Dive.DIVING:
             self.surface()
         powered = self._battery.fraction > 0.0
@@ -222,7 +228,7 @@ class SimulatedRov(FloatingVehicle):
 
     def _wanted(self) -> Six:
         """Forces and moments that commands and holds want [N, N m]."""
-        seen, wanted, spec = self._senses.readings, self._commanded, self._body.hull
+        seen, wanted = self._senses.readings, self._commanded
         if self._dive is Dive.SURFACING:
             if self._depth_hold.goal != -SURFACED:
                 self._depth_hold.hold(-SURFACED)
@@ -234,4 +240,8 @@ class SimulatedRov(FloatingVehicle):
         roll, pitch = self._tilt_hold.moments(seen.roll, seen.pitch, p, q)
         x, y, z = (lift * each for each in self._senses.up())
         yaw = self._heading_hold.moment(seen.heading, r, wanted.yaw)
-        return (x + spec.drag(0, wanted.surge), y + spec.drag(1, wanted.sway), z, roll, pitch, yaw)
+        ahead, left = self._brakes
+        moving = wanted != NEUTRAL
+        x += ahead.force(seen.surge, wanted.surge, STEP, moving=moving)
+        y += left.force(seen.sway, wanted.sway, STEP, moving=moving)
+        return x, y, z, roll, pitch, yaw

@@ -9,7 +9,14 @@ import numpy as np
 from hub.sim.afloat.attitude import Vector, roll_pitch_yaw
 from hub.sim.afloat.estimators import ClimbObserver, HeadingFilter
 from hub.sim.afloat.floating_body import FloatingBody
-from hub.sim.afloat.sensors import Compass, EchoSounder, Gyro, PressureSensor, TiltSensor
+from hub.sim.afloat.sensors import (
+    Compass,
+    DopplerLog,
+    EchoSounder,
+    Gyro,
+    PressureSensor,
+    TiltSensor,
+)
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import Tether
 from hub.sim.afloat.thrusters import EightThrusters
@@ -19,7 +26,9 @@ from hub.values import dataclass
 
 WORST_COMPASS = math.radians(5.0)
 STEPS_PER_PING = 5
-"""The echo sounder measures at 10 Hz, the others in each step."""
+"""The echo sounder measures at 10 Hz, the others but the log in each step."""
+STEPS_PER_LOG = 7
+"""The Doppler log measures at 7 Hz."""
 _OBSERVER_RATE = 4.0
 _MOST_TRIM = 30.0
 """[N]"""
@@ -33,6 +42,8 @@ class RovReadings:
         depth: By pressure [m].
         climb: Upward velocity, estimated [m/s].
         altitude: From the middle to the ground below [m]; NaN without an echo.
+        surge: Speed ahead over the ground [m/s]; NaN where the log has no ground.
+        sway: The same to the left [m/s].
         roll: [rad]
         pitch: [rad]
         heading: Of gyro and compass [rad].
@@ -45,6 +56,8 @@ class RovReadings:
     depth: float
     climb: float
     altitude: float
+    surge: float
+    sway: float
     roll: float
     pitch: float
     heading: float
@@ -79,7 +92,7 @@ class RovSenses:
             tether: Its turns are counted by the measured heading.
             seed: Of all noise.
         """
-        seeds = iter(seed.spawn(5))
+        seeds = iter(seed.spawn(6))
         self._surroundings = surroundings
         self._water = water
         self._tether = tether
@@ -88,6 +101,7 @@ class RovSenses:
         self._gyro = Gyro(next(seeds))
         self._tilt = TiltSensor(next(seeds))
         self._sounder = EchoSounder(next(seeds))
+        self._log = DopplerLog(next(seeds))
         x, y, z = body.position
         self.vertical = ClimbObserver(
             body.hull, height=z - water.surface, rate=_OBSERVER_RATE, most_trim=_MOST_TRIM
@@ -95,25 +109,31 @@ class RovSenses:
         angles = roll_pitch_yaw(body.attitude)
         self._headings = HeadingFilter(self._compass.measure(x, y, angles[2]))
         self._altitude = self._sounder.measure(surroundings, x, y, z)
+        self._speed = self._logged(body, angles)
         self._steps = 0
         self.readings = self._read(body, angles, leak=False)
 
-    def advance(self, body: FloatingBody, thrusters: EightThrusters, *, leak: bool) -> None:
+    def advance(
+        self, body: FloatingBody, thrusters: EightThrusters, *, leak: bool, moving: bool
+    ) -> None:
         """Measure for one step.
 
         Args:
             body: The true motion.
             thrusters: Their thrust is known to the estimates.
             leak: Whether water comes in.
+            moving: Whether a motion is commanded.
         """
         x, y, z = body.position
         angles = roll_pitch_yaw(body.attitude)
         self.vertical.predict(self._lift(thrusters), STEP)
         if self._steps % STEPS_PER_PING == 0:
             self._altitude = self._sounder.measure(self._surroundings, x, y, z)
+        if self._steps % STEPS_PER_LOG == 0:
+            self._speed = self._logged(body, angles)
         self._steps += 1
         self.readings = self._read(body, angles, leak=leak)
-        self.vertical.correct(-self.readings.depth, STEP)
+        self.vertical.correct(-self.readings.depth, STEP, steady=not moving)
         compass = self._compass.measure(x, y, angles[2])
         self._headings.advance(self.readings.rates[2], compass, STEP)
         self._tether.follow(self._headings.heading)
@@ -130,6 +150,12 @@ class RovSenses:
         up_x, up_y, up_z = self.up()
         return x * up_x + y * up_y + z * up_z
 
+    def _logged(self, body: FloatingBody, angles: Vector) -> tuple[float, float]:
+        x, y, z = body.position
+        below = self._surroundings.below(x, y, z - DopplerLog.BELOW, DopplerLog.HALF_BEAM)
+        tilt = math.hypot(angles[0], angles[1])
+        return self._log.measure(below.distance, tilt, body.velocity[0], body.velocity[1])
+
     def _read(self, body: FloatingBody, angles: Vector, *, leak: bool) -> RovReadings:
         roll, pitch = self._tilt.measure(angles[0], angles[1])
         _, _, _, p, q, r = body.velocity
@@ -137,6 +163,8 @@ class RovSenses:
             depth=self._pressure.measure(self._water.surface - body.position[2]),
             climb=self.vertical.climb,
             altitude=self._altitude,
+            surge=self._speed[0],
+            sway=self._speed[1],
             roll=roll,
             pitch=pitch,
             heading=self._headings.heading,

@@ -209,3 +209,45 @@ class EchoSounder:
         if not self.NEAREST <= distance <= self.FARTHEST:
             return math.nan
         return distance * self._scale * (1.0 + noise) + self.BELOW
+
+
+class DopplerLog:
+    """A sonar with four beams that measures the speed over the ground, after the DVL A50, 7 Hz.
+
+    Without the ground in reach of its beams it measures nothing.
+    """
+
+    BELOW = 0.1
+    """Transducers below the middle of the robot [m]."""
+    HALF_BEAM = math.radians(22.5)
+    """Of the four beams together [rad], data sheet."""
+    NEAREST = 0.05
+    """Least distance of the ground [m], data sheet."""
+    FARTHEST = 50.0
+    """Largest distance of the ground [m], data sheet."""
+    MOST_TILT = math.radians(25.0)
+    """Beyond this tilt a beam loses the ground [rad]."""
+    NOISE = 0.005
+    """Standard deviation [m/s]."""
+    SCALE_ERROR = 0.01
+    """Largest error as a share of the speed."""
+
+    def __init__(self, seed: np.random.SeedSequence) -> None:
+        self._random = np.random.default_rng(seed)
+        self._scale = 1.0 + self.SCALE_ERROR * float(self._random.uniform(-1.0, 1.0))
+
+    def measure(
+        self, distance: float, tilt: float, surge: float, sway: float
+    ) -> tuple[float, float]:
+        """Speed ahead and to the left [m/s]; NaN without the ground.
+
+        Args:
+            distance: To the ground below [m].
+            tilt: [rad]
+            surge: True speed ahead [m/s].
+            sway: True speed to the left [m/s].
+        """
+        a, b = self._random.standard_normal(2).tolist()
+        if not self.NEAREST <= distance <= self.FARTHEST or tilt > self.MOST_TILT:
+            return math.nan, math.nan
+        return self._scale * surge + self.NOISE * a, self._scale * sway + self.NOISE * b

@@ -41,6 +41,13 @@ def test_in_the_open_the_operator_gets_what_was_wanted() -> None:
         assert WINDOW.towards(wanted, wanted, points()) == wanted
 
 
+def test_a_slow_body_sets_off_and_in_the_open_nothing_holds_it_back() -> None:
+    slow = DynamicWindow(dataclasses.replace(BODY, linear_braking=0.2, angular_braking=0.5))
+    assert slow.towards((0.0, 0.0), FULL, points()) == FULL
+    assert slow.towards((0.0, 0.0), FULL, wall(1.5))[0] >= 0.06
+    assert slow.towards((0.0, 0.0), (-0.5, 0.0), wall(1.5))[0] <= -0.06
+
+
 def test_a_far_wall_takes_nothing_away() -> None:
     assert WINDOW.towards(FULL, FULL, wall(0.8)) == FULL
 

@@ -126,14 +126,59 @@ def test_it_moves_as_commanded_and_is_at_rest_1500_ms_after_it(axis: str, wanted
     robot.command()
     robot.advance(0.34)
     x, y, _, _, _, yaw = robot.thrust
-    if axis in {"surge", "sway"}:
-        assert math.hypot(x, y) < 4.0
+    assert x * robot.velocity.surge <= 0.01, "it brakes by reverse thrust"
+    assert y * robot.velocity.sway <= 0.01
     robot.advance(1.16)
-    assert speed(robot) < 0.1
+    assert speed(robot) < 0.05
     assert abs(robot.velocity.yaw) < 0.1
     assert abs(yaw) < 8.0
     dive(robot, 1.0)
+    assert speed(robot) < 0.05
     assert not robot.hold.braking
+
+
+@for_each(
+    "commands",
+    [
+        {"surge": 9.0, "yaw": 9.0},
+        {"surge": 9.0, "sway": -9.0},
+        {"surge": 0.7, "sway": -0.5, "heave": 0.5},
+        {"surge": -0.7, "heave": -0.5, "yaw": 1.0},
+    ],
+)
+def test_it_is_at_rest_1500_ms_after_several_motions(commands: dict[str, float]) -> None:
+    robot = rov(5.0, tether=LONG)
+    dive(robot, 2.0)
+    robot.command(**commands)
+    dive(robot, 4.0)
+    start = robot.pose
+    robot.command()
+    robot.advance(1.5)
+    assert speed(robot) < 0.05
+    assert math.dist((start.x, start.y, start.z), (robot.pose.x, robot.pose.y, robot.pose.z)) < 0.3
+
+
+def test_it_does_not_brake_away_from_a_wall_that_stopped_it() -> None:
+    robot = rov(5.0, around=Surroundings((WALL,)))
+    robot.command(surge=0.7)
+    dive(robot, 8.0)
+    assert robot.touching
+    x = robot.pose.x
+    robot.command()
+    assert min(pose.x for pose in dive(robot, 3.0)) > x - 0.05
+
+
+def test_where_its_log_has_no_ground_it_coasts() -> None:
+    start, water = SpatialPose(z=75.0), WaterSpec(surface=80.0)
+    robot = SimulatedRov(OPEN, start=start, water=water, tether=LONG)
+    robot.command(surge=0.7)
+    dive(robot, 3.0)
+    assert math.isnan(robot.readings.surge)
+    robot.command()
+    robot.advance(0.6)
+    assert robot.thrust[0] == pytest.approx(0.0, abs=1.0)
+    robot.advance(0.9)
+    assert speed(robot) < 0.1
 
 
 def test_all_motions_at_once_saturate_the_thrusters_and_it_stays_upright() -> None:

@@ -143,6 +143,12 @@ def test_it_tips_over_an_edge_and_then_lies_below_it(
     base.advance(2.0)
     assert base.pose.x == pytest.approx(after.x, abs=0.02)
     assert base.odometry != turned
+    base.command(0.0, 0.0)
+    base.advance(0.7)
+    assert (base.wheel_linear, base.wheel_angular) == (0.0, 0.0)
+    lies = base.pose
+    base.advance(5.0)
+    assert base.pose == lies
 
 
 def test_a_post_under_its_belly_holds_it_up() -> None:
