@@ -62,7 +62,7 @@ class _FloatingBody(abc.ABC):
     @property
     @abc.abstractmethod
     def speed(self) -> tuple[float, float]:
-        """The speeds ahead and to the left that it knows of [m/s]."""
+        """The speeds ahead and to the left that it measures or assumes [m/s]."""
 
     def command(self, twist: Twist) -> None:
         """Set the velocity; NaN counts as 0."""
