@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from benchmarks.figures import median_ms, report
 from hub.gcm import map_coding, navigation, rle, vision
+from hub.gcm.geometry import TwistStamped
 from hub.ipc import ros_schema
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
@@ -175,13 +176,13 @@ def coding(name: str, definition: MessageDefinition[Any], value: object, bar: fl
 
 
 def flat_coding() -> None:
-    """A command as one struct, the way a client packs it."""
-    twist, definition = navigation.Twist.planar(0.5, 0.2), navigation.VELOCITY_COMMAND
+    """A message of numbers only as one struct, the way a client packs it."""
+    command, definition = navigation.TurnCommand(angle=0.5), navigation.TURN_COMMAND
     packer = struct.Struct(f"<4x{definition.flat_letters}")
     take, make = definition.flat_values, definition.receive_flat
-    payload = packer.pack(*take(twist))
+    payload = packer.pack(*take(command))
     there, back = microseconds(
-        lambda: packer.pack(*take(twist)), lambda: make(packer.unpack(payload))
+        lambda: packer.pack(*take(command)), lambda: make(packer.unpack(payload))
     )
     note = f"encode {there:.2f}, decode {back:.2f}; {len(payload)} bytes"
     report("codec.flat_us", there + back, "us", note=note)
@@ -191,6 +192,8 @@ def main() -> None:
     coding("codec.state_us", navigation.ROBOT_STATE, robot_state(), bar=3)
     picture = natural_picture()
     coding("codec.image_us", vision.IMAGE, image(picture.reshape(-1)), bar=15)
+    command = TwistStamped.planar(0.5, 0.2)
+    coding("codec.command_us", navigation.VELOCITY_COMMAND, command, bar=6)
     flat_coding()
 
     for quality, which in ((60, ""), (100, "_exact")):

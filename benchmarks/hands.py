@@ -145,7 +145,9 @@ class Drive:
         hit = [0.0]
 
         def seen() -> bool:
-            hit[:1] = [t for t, twist in self.commands if (twist.linear.x != 0.0) == wanted][:1]
+            hit[:1] = [
+                t for t, command in self.commands if (command.twist.linear.x != 0.0) == wanted
+            ][:1]
             return bool(hit)
 
         until(seen, 5.0, "no command came", meanwhile=self.step)

@@ -21,6 +21,7 @@ import psutil
 from benchmarks.figures import report, say
 from hub.errors import HubError
 from hub.gcm import autonomy, mapping, navigation, supervision, vision
+from hub.gcm.geometry import TwistStamped
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from tests.support.waiting import until
@@ -82,7 +83,7 @@ class Console:
         """Drive a wide circle; from neutral wherever that is asked for, or with a held stick."""
         moving = (navigation.MotionState.MOVING, navigation.MotionState.STANDING)
         free = self.held or (self.state is not None and self.state.motion in moving)
-        twist = navigation.Twist.planar(0.3, 0.5) if free else navigation.Twist()
+        twist = TwistStamped.planar(0.3, 0.5) if free else TwistStamped()
         self.client.publish(navigation.VELOCITY_COMMAND, twist)
 
     def until(self, condition: Callable[[], object], timeout: float = 20.0) -> None:

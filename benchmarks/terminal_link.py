@@ -23,6 +23,7 @@ from pathlib import Path
 from benchmarks import terminal_far
 from benchmarks.figures import report, say
 from hub.gcm import navigation
+from hub.gcm.geometry import TwistStamped
 from rune_tui.layout.spec import RobotSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.tunnel import Tunnel
@@ -40,9 +41,9 @@ DRAW_S = 1.0 / 30.0
 COMMAND_S = 1.0 / 20.0
 SETTLE_S, SECONDS = 10.0, 30.0
 SIZE = (160, 96)
-NEUTRAL = navigation.Twist.planar(0.0, 0.0)
+NEUTRAL = TwistStamped.planar(0.0, 0.0)
 GOING = {navigation.MotionState.STANDING, navigation.MotionState.MOVING}
-TURN = navigation.Twist.planar(0.0, 0.4)
+TURN = TwistStamped.planar(0.0, 0.4)
 LAYOUT = """<rune>
   <robot name="magellan">
     <capability name="VIS_VID" interval_ms="60"/>

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import cast
 
-from hub.gcm.navigation import VELOCITY_COMMAND, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import VELOCITY_COMMAND
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.actions import Action
 from rune_tui.layout.names import JOYSTICK, MOUSE
@@ -333,7 +334,7 @@ class Dispatch:
         text = f"{name} failed; the log says why"
         effects: list[Effect] = [Notify.now(state, text, robot=robot, alarm=True)]
         if robot and VELOCITY_COMMAND.name in widget.rule.sends:
-            rest = Twist.planar(0.0, 0.0)
+            rest = TwistStamped()
             effects.append(SendEffect(robot=robot, definition=VELOCITY_COMMAND, value=rest))
         return effects
 

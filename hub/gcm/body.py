@@ -12,13 +12,11 @@ import math
 from typing import Annotated, TypeAlias
 
 from hub.gcm.fields import Count, Flag, Length, LengthIfKnown, Metres, Name, Radians
+from hub.gcm.standard import BASE_LINK
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.ranges import Most, Range
 from hub.ipc.formats.wire_types import FLOAT32, Counted
 from hub.values import dataclass
-
-BASE_LINK = "base_link"
-"""Name of the frame of the whole body, after REP 105."""
 
 Metres32: TypeAlias = Annotated[Metres, FLOAT32]
 MOST_CORNERS = 32
@@ -42,6 +40,8 @@ class Point32:
         y: To the left [m].
         z: Up [m].
     """
+
+    ros_type = "geometry_msgs/msg/Point32"
 
     x: Metres32
     y: Metres32

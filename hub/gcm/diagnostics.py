@@ -13,7 +13,7 @@ from hub.gcm.fields import Name, Sentence
 from hub.gcm.standard import Header
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.ranges import Most, Text
-from hub.ipc.formats.wire_types import Counted
+from hub.ipc.formats.wire_types import Sequence, Wire
 from hub.values import dataclass
 
 MOST_PROBLEMS: Final = 256
@@ -47,6 +47,8 @@ class KeyValue:
         value: The value as text.
     """
 
+    ros_type = "diagnostic_msgs/msg/KeyValue"
+
     key: Name
     value: Annotated[str, Text(200)]
 
@@ -64,11 +66,13 @@ class DiagnosticStatus:
         values: Further values, for tools.
     """
 
-    level: Severity
+    ros_type = "diagnostic_msgs/msg/DiagnosticStatus"
+
+    level: Annotated[Severity, Wire("char")]
     name: Name
     message: Sentence
     hardware_id: Name = ""
-    values: Annotated[tuple[KeyValue, ...], Counted("value_count"), Most(MOST_VALUES)] = ()
+    values: Annotated[tuple[KeyValue, ...], Sequence(), Most(MOST_VALUES)] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,8 +84,10 @@ class Diagnostics:
         status: The problems; none: all is well.
     """
 
+    ros_type = "diagnostic_msgs/msg/DiagnosticArray"
+
     header: Header = Header()
-    status: Annotated[tuple[DiagnosticStatus, ...], Counted(), Most(MOST_PROBLEMS)] = ()
+    status: Annotated[tuple[DiagnosticStatus, ...], Sequence(), Most(MOST_PROBLEMS)] = ()
 
 
 DIAGNOSTICS = MessageDefinition(name="GCM_Diagnostics", type=Diagnostics, rate_hz=1.0)

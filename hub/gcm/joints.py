@@ -14,7 +14,7 @@ from hub.gcm.fields import Name
 from hub.gcm.standard import Header
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.ranges import Most, Range, Text
-from hub.ipc.formats.wire_types import Counted
+from hub.ipc.formats.wire_types import Sequence
 from hub.values import dataclass
 
 
@@ -47,23 +47,25 @@ class JointStates:
         effort: Their moments [N m], shape (n,); NaN: not known.
     """
 
+    ros_type = "sensor_msgs/msg/JointState"
+
     header: Header = Header()
-    name: Annotated[tuple[str, ...], Counted("name_count"), Most(MOST_PARTS), Text(64)] = ()
+    name: Annotated[tuple[str, ...], Sequence(), Most(MOST_PARTS), Text(64)] = ()
     position: Annotated[
         npt.NDArray[np.float64],
-        Counted("position_count"),
+        Sequence(),
         Most(MOST_PARTS),
         Range(-100.0, 100.0, unit="rad", nan=True),
     ]
     velocity: Annotated[
         npt.NDArray[np.float64],
-        Counted("velocity_count"),
+        Sequence(),
         Most(MOST_PARTS),
         Range(-100.0, 100.0, unit="rad/s", nan=True),
     ]
     effort: Annotated[
         npt.NDArray[np.float64],
-        Counted("effort_count"),
+        Sequence(),
         Most(MOST_PARTS),
         Range(-1e6, 1e6, unit="N m", nan=True),
     ]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import enum
 import math
-from typing import Annotated, TypeAlias
+from typing import Annotated
 
 from hub.gcm.fields import (
     Count,
@@ -28,6 +28,7 @@ from hub.gcm.fields import (
     Stamp,
     TurnRate,
 )
+from hub.gcm.geometry import TwistStamped
 from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 - an export
 from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 - an export
 from hub.ipc.definition import Keep, MessageDefinition, Plane
@@ -38,66 +39,21 @@ from hub.values import dataclass
 MOST_POINTS = 1000
 """Most points of a path."""
 
-Axis: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="m/s or rad/s")]
-"""A velocity along or about one axis [m/s or rad/s]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Vector3:
-    """geometry_msgs/Vector3.
-
-    Attributes:
-        x: Along x [m/s or rad/s].
-        y: Along y [m/s or rad/s].
-        z: Along z [m/s or rad/s].
-    """
-
-    x: Axis = 0.0
-    y: Axis = 0.0
-    z: Axis = 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Twist:
-    """geometry_msgs/Twist: a velocity in `base_link`.
-
-    Attributes:
-        linear: Linear velocity [m/s]; a wheeled base follows x only.
-        angular: Angular velocity [rad/s]; a wheeled base follows z only.
-    """
-
-    linear: Vector3 = Vector3()
-    angular: Vector3 = Vector3()
-
-    @classmethod
-    def planar(cls, linear: float, angular: float) -> Twist:
-        """The velocity of a wheeled base: forward [m/s] and counter-clockwise [rad/s]."""
-        return cls(linear=Vector3(x=linear), angular=Vector3(z=angular))
-
-    @property
-    def neutral(self) -> bool:
-        """Whether all velocities are 0."""
-        parts = (self.linear, self.angular)
-        return all(part.x == part.y == part.z == 0.0 for part in parts)
-
-
 VELOCITY_COMMAND = MessageDefinition(
     name="GCM_Velocity_Command",
-    type=Twist,
+    type=TwistStamped,
     plane=Plane.COMMAND,
     rate_hz=20.0,
     lifespan_s=0.3,
-    ros_type="geometry_msgs/msg/Twist",
 )
 """The operator's velocity; navigation decides whether the robot follows it."""
 
 DRIVE_COMMAND = MessageDefinition(
     name="GCM_Drive_Command",
-    type=Twist,
+    type=TwistStamped,
     plane=Plane.COMMAND,
     rate_hz=20.0,
     lifespan_s=0.3,
-    ros_type="geometry_msgs/msg/Twist",
 )
 """Navigation's velocity for the driver; no other client sends it."""
 

@@ -12,7 +12,7 @@ from hub.gcm.fields import Ranges
 from hub.gcm.standard import Header, Time
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.ranges import Most, Range
-from hub.ipc.formats.wire_types import FLOAT32, Counted
+from hub.ipc.formats.wire_types import FLOAT32, Counted, Sequence
 from hub.values import dataclass
 
 _Angle: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="rad"), FLOAT32]
@@ -39,6 +39,8 @@ class LaserScan:
         intensities: Strength of each echo, shape (n,), in units of the device; none: not measured.
     """
 
+    ros_type = "sensor_msgs/msg/LaserScan"
+
     header: Header
     angle_min: _Angle = 0.0
     angle_max: _Angle = 0.0
@@ -47,8 +49,8 @@ class LaserScan:
     scan_time: _Duration = 0.0
     range_min: _Reach = 0.0
     range_max: _Reach
-    ranges: Annotated[Ranges, Counted("range_count"), Most(MOST_BEAMS)]
-    intensities: Annotated[npt.NDArray[np.float32], Counted("intensity_count"), Most(MOST_BEAMS)]
+    ranges: Annotated[Ranges, Sequence(), Most(MOST_BEAMS)]
+    intensities: Annotated[npt.NDArray[np.float32], Sequence(), Most(MOST_BEAMS)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

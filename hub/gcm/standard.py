@@ -10,6 +10,8 @@ from hub.ipc.formats.ranges import Range
 from hub.ipc.formats.wire_types import Uint32
 from hub.values import dataclass
 
+BASE_LINK = "base_link"
+"""Name of the frame of the whole body, after REP 105."""
 _NANOSECONDS = 1_000_000_000
 
 
@@ -21,6 +23,8 @@ class Time:
         sec: Whole seconds.
         nanosec: The rest [ns].
     """
+
+    ros_type = "builtin_interfaces/msg/Time"
 
     sec: Annotated[int, Range(0, 0x7FFF_FFFF, unit="s")] = 0
     nanosec: Annotated[Uint32, Range(0, _NANOSECONDS - 1, unit="ns")] = 0
@@ -42,6 +46,8 @@ class Header:
         stamp: Time of measurement.
         frame_id: Name of the frame that the values count from.
     """
+
+    ros_type = "std_msgs/msg/Header"
 
     stamp: Time = Time()
     frame_id: Name = ""

@@ -56,7 +56,6 @@ class MessageDefinition(Generic[T]):
         plane: Its broadcast sockets.
         rate_hz: Nominal rate of a stream [Hz]; 0: sent on demand.
         lifespan_s: Age beyond which a receiver drops it [s].
-        ros_type: ROS 2 type with the same layout, if there is one.
         unreadable: Value of an unreadable payload; None: the payload is dropped. A message
         with this value has no order: every frame counts, even with a wrong header.
     """
@@ -68,7 +67,6 @@ class MessageDefinition(Generic[T]):
     plane: Plane = Plane.STATE
     rate_hz: float = 0.0
     lifespan_s: float = math.inf
-    ros_type: str = ""
     unreadable: T | None = None
 
     def __post_init__(self) -> None:

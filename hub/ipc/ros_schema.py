@@ -1,11 +1,13 @@
 """The schema texts of a message: ros2msg, as recordings carry it, and OMG IDL.
 
 Both describe a payload by its format, with the names of the dataclass's fields. So tools of ROS 2
-read the bytes unchanged. Where ROS 2 has no counterpart the wire decides:
+read the bytes unchanged. A dataclass that is a type of ROS 2, field for field, has its name as the
+class attribute `ros_type`, such as "geometry_msgs/msg/Twist". Where ROS 2 has no counterpart the
+wire decides:
 
 | format | in the schema |
 | --- | --- |
-| `byte`, `char` | int8, uint8 |
+| `byte`, `ubyte`, `char` | int8, uint8, byte |
 | enum | int32 |
 | array of several dimensions, or of arrays | one array of all elements |
 | pointer | sequence of at most one |
@@ -29,12 +31,12 @@ from hub.ipc.formats.dataclass_codec import DataclassCodec
 from hub.values import dataclass
 
 PACKAGE = "rune_msgs"
-"""ROS package of every message that names no ROS 2 type of its own."""
+"""ROS package of each type that is none of ROS 2's own."""
 
 _ROS = {
     "byte": "int8",
     "ubyte": "uint8",
-    "char": "uint8",
+    "char": "byte",
     "short": "int16",
     "ushort": "uint16",
     "int": "int32",
@@ -46,7 +48,7 @@ _ROS = {
     "boolean": "bool",
     "string": "string",
 }
-_IDL = _ROS | {"float": "float", "double": "double", "boolean": "boolean"}
+_IDL = _ROS | {"char": "octet", "float": "float", "double": "double", "boolean": "boolean"}
 _FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9])*", re.ASCII)
 _ROS_TYPE = re.compile(r"([a-z]\w*)/msg/([A-Z][A-Za-z0-9]*)", re.ASCII)
 
@@ -70,8 +72,9 @@ class _Field:
 
 @dataclass(frozen=True, slots=True)
 class _Kind:
-    """A type of the schema."""
+    """A type of the schema, in a ROS package."""
 
+    package: str
     name: str
     fields: tuple[_Field, ...]
 
@@ -82,8 +85,8 @@ def ros_type(definition: MessageDefinition[Any]) -> str:
     Raises:
         MessageFormatError: The message has no ROS 2 type.
     """
-    schema = _Schema(definition)
-    return f"{schema.package}/msg/{schema.kinds[-1].name}"
+    kind = _Schema(definition).kinds[-1]
+    return f"{kind.package}/msg/{kind.name}"
 
 
 def ros2msg(definition: MessageDefinition[Any]) -> str:
@@ -99,8 +102,8 @@ def ros2msg(definition: MessageDefinition[Any]) -> str:
     lines: list[str] = []
     for kind in reversed(schema.kinds):
         if lines:
-            lines += ["=" * 80, f"MSG: {schema.package}/{kind.name}"]
-        lines += [_ros_field(each, schema.package) for each in kind.fields]
+            lines += ["=" * 80, f"MSG: {kind.package}/{kind.name}"]
+        lines += map(_ros_field, kind.fields)
     return "\n".join(lines) + "\n"
 
 
@@ -112,24 +115,28 @@ def omg_idl(definition: MessageDefinition[Any]) -> str:
     Raises:
         MessageFormatError: The message has no ROS 2 type.
     """
-    schema = _Schema(definition)
-    lines = [f"module {schema.package} {{", "  module msg {"]
-    for kind in schema.kinds:
-        lines.append(f"    struct {kind.name} {{")
-        lines += [f"      {_idl_field(each, schema.package)};" for each in kind.fields]
-        lines.append("    };")
-    return "\n".join([*lines, "  };", "};"]) + "\n"
+    lines: list[str] = []
+    for package, kinds in itertools.groupby(_Schema(definition).kinds, lambda kind: kind.package):
+        lines += [f"module {package} {{", "  module msg {"]
+        for kind in kinds:
+            lines.append(f"    struct {kind.name} {{")
+            lines += [f"      {_idl_field(each)};" for each in kind.fields]
+            lines.append("    };")
+        lines += ["  };", "};"]
+    return "\n".join(lines) + "\n"
 
 
-def _ros_field(each: _Field, package: str) -> str:
-    name = _ROS[each.kind] if isinstance(each.kind, str) else f"{package}/{each.kind.name}"
+def _ros_field(each: _Field) -> str:
+    kind = each.kind
+    name = _ROS[kind] if isinstance(kind, str) else f"{kind.package}/{kind.name}"
     if each.count is None:
         return f"{name} {each.name}"
     return f"{name}[{'<=' if each.bounded else ''}{each.count or ''}] {each.name}"
 
 
-def _idl_field(each: _Field, package: str) -> str:
-    name = _IDL[each.kind] if isinstance(each.kind, str) else f"{package}::msg::{each.kind.name}"
+def _idl_field(each: _Field) -> str:
+    kind = each.kind
+    name = _IDL[kind] if isinstance(kind, str) else f"{kind.package}::msg::{kind.name}"
     if each.bounded:
         return f"sequence<{name}, {each.count}> {each.name}"
     if each.count is None:
@@ -141,7 +148,6 @@ class _Schema:
     """The types of one message.
 
     Attributes:
-        package: ROS package of all of them.
         kinds: The types, each behind those that it uses; the message's own is the last.
     """
 
@@ -149,32 +155,36 @@ class _Schema:
         self.kinds: list[_Kind] = []
         self._known: dict[tuple[type[Any], formats.Format], _Kind] = {}
         self._format = definition.wire_format
-        self.package, self._root = PACKAGE, _type_name(definition.name)
-        if definition.ros_type:
-            match = _ROS_TYPE.fullmatch(definition.ros_type)
-            if match is None:
-                self._refuse(f"{definition.ros_type[:80]!r} is not written package/msg/Name")
-            self.package, self._root = match.groups()
         tree = definition.tree
+        own = self._standard(definition.type)
+        package, self._root = own or (PACKAGE, _type_name(definition.name))
         if tree.next_place is None:
-            self._add(self._root, self._fields(tree, definition.record, self._root))
+            self._add(package, self._root, self._fields(tree, definition.record, self._root))
         else:
             nodes = self._field("nodes", tree, definition.record, self._root)
-            self._add(self._root, (nodes,))
+            self._add(package, self._root, (nodes,))
+
+    def _standard(self, kind: type[Any]) -> tuple[str, str] | None:
+        """Package and name of the ROS 2 type that a dataclass is; None: it is none."""
+        name: str = getattr(kind, "ros_type", "")
+        match = _ROS_TYPE.fullmatch(name)
+        if name and match is None:
+            self._refuse(f"{name[:80]!r} is not written package/msg/Name")
+        return match and (match[1], match[2])
 
     def _refuse(self, reason: str) -> NoReturn:
         raise MessageFormatError(self._format, 0, f"no ROS 2 type: {reason}")
 
-    def _add(self, name: str, fields: tuple[_Field, ...]) -> _Kind:
+    def _add(self, package: str, name: str, fields: tuple[_Field, ...]) -> _Kind:
         if not fields:
             self._refuse(f"{name} is an empty struct")
-        kind = _Kind(name, fields)
+        kind = _Kind(package, name, fields)
         self.kinds.append(kind)
         return kind
 
     def _free(self, name: str) -> str:
         """The name, with a number if another type has it."""
-        taken = {self._root, *(kind.name for kind in self.kinds)}
+        taken = {self._root, *(kind.name for kind in self.kinds if kind.package == PACKAGE)}
         numbered = (f"{name}{number}" for number in itertools.count(2))
         return next(each for each in itertools.chain([name], numbered) if each not in taken)
 
@@ -228,16 +238,29 @@ class _Schema:
         kind, count, bounded = self._shape(node, record, owner)
         if count is None:
             return kind
-        return self._add(self._free(owner), (_Field("items", kind, count, bounded),))
+        return self._add(PACKAGE, self._free(owner), (_Field("items", kind, count, bounded),))
 
     def _struct(self, node: formats.Struct, known: DataclassCodec | None) -> _Kind:
         record = cast("DataclassCodec", known)
         key = (record.kind, node)
         if key not in self._known:
-            name = _type_name(record.kind.__name__)
+            standard = self._standard(record.kind)
+            package, name = standard or (PACKAGE, _type_name(record.kind.__name__))
             fields = self._fields(node, record, name)
-            self._known[key] = self._add(self._free(name), fields)
+            # Several dataclasses may be one type, each with ranges of its own.
+            same = self._find(package, name, fields) if standard else None
+            name = name if standard else self._free(name)
+            self._known[key] = same or self._add(package, name, fields)
         return self._known[key]
+
+    def _find(self, package: str, name: str, fields: tuple[_Field, ...]) -> _Kind | None:
+        """The type of this name in the schema; None: it has none yet."""
+        for kind in self.kinds:
+            if (kind.package, kind.name) == (package, name):
+                if kind.fields != fields:
+                    self._refuse(f"two types are {package}/msg/{name}, and they differ")
+                return kind
+        return None
 
 
 def _type_name(name: str) -> str:

@@ -13,7 +13,6 @@ from typing import TypeVar
 from hub import toml_reader as toml
 from hub.errors import CameraError
 from hub.gcm.body import (
-    BASE_LINK,
     MOST_BEAMS,
     MOST_PARTS,
     BodyFrame,
@@ -22,6 +21,7 @@ from hub.gcm.body import (
     RangeGroup,
     RangeKind,
 )
+from hub.gcm.standard import BASE_LINK
 from hub.nearest import did_you_mean
 from hub.robots.video_source import video_source
 from hub.toml_reader import choice, degrees, key, number, plain_name, text, truth, whole_number

@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.diagnostics import DiagnosticStatus
+from hub.gcm.geometry import Twist
 from hub.gcm.joints import JointState
-from hub.gcm.navigation import GroundTruth, Twist
+from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import LaserScan
 from hub.gcm.vehicle import VehicleState
 from hub.gcm.vision import CameraCommand, CameraState

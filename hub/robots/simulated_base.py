@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
-from hub.gcm.navigation import GroundTruth, Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import LaserScan, scan_of
 from hub.pose import Pose
 from hub.robots.interfaces import Sensors

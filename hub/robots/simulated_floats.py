@@ -9,7 +9,8 @@ from dataclasses import replace
 
 from hub.errors import ArenaError
 from hub.gcm.body import RobotBody
-from hub.gcm.navigation import GroundTruth, Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.navigation import GroundTruth
 from hub.pose import Pose, wrapped
 from hub.robots.interfaces import Sensors
 from hub.robots.left_alone import LeftAlone

@@ -8,7 +8,8 @@ import numpy as np
 
 from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
-from hub.gcm.navigation import GroundTruth, Twist
+from hub.gcm.geometry import Twist
+from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import LaserScan, scan_of
 from hub.pose import Pose, wrapped
 from hub.robots.interfaces import Sensors

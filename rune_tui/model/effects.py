@@ -8,8 +8,9 @@ from typing import Any, ClassVar
 
 from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.control import DRIVING, RESTRICTED, ControlAction
+from hub.gcm.geometry import TwistStamped
 from hub.gcm.mission import MissionAction
-from hub.gcm.navigation import GOAL_COMMAND, STOP, VELOCITY_COMMAND, Twist
+from hub.gcm.navigation import GOAL_COMMAND, STOP, VELOCITY_COMMAND
 from hub.ipc.definition import MessageDefinition
 from hub.values import dataclass
 from rune_tui.model.console_state import ConsoleState, Ghost, Notice, PictureWish
@@ -49,7 +50,7 @@ class SendEffect(RobotEffect):
     @property
     def controlled(self) -> str:
         """The robot, for messages that only its owner may send; any console may send zero speed."""
-        neutral = isinstance(self.value, Twist) and self.value.neutral
+        neutral = isinstance(self.value, TwistStamped) and self.value.neutral
         return self.robot if self.definition.name in RESTRICTED and not neutral else ""
 
     @property

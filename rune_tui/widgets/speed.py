@@ -23,7 +23,8 @@ from collections.abc import Iterable
 from typing import ClassVar, Final, Self
 
 from hub.gcm.body import Freedom, RobotBody
-from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist, Vector3
+from hub.gcm.geometry import Twist, TwistStamped, Vector3
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop
 from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import joystick_input
@@ -313,7 +314,8 @@ class SetSpeed:
         self._go_on(now - self._sent)
         self._sent = now
         self._due = now + self._period()
-        return (SendEffect(robot=self.robot, definition=VELOCITY_COMMAND, value=self.velocity()),)
+        command = TwistStamped.of(self.velocity())
+        return (SendEffect(robot=self.robot, definition=VELOCITY_COMMAND, value=command),)
 
 
 class StopRobot(PressWidget):

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self
 from textual.events import MouseScrollUp
 from textual.pilot import Pilot
 
+from hub.gcm.geometry import Twist
 from hub.gcm.mapping import (
     INTEREST_POINTS,
     POINT_COMMAND,
@@ -17,7 +18,7 @@ from hub.gcm.mapping import (
     PointAction,
     PointCommand,
 )
-from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop, Twist
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop
 from hub.ipc.client import Client
 from hub.missions.points import PointBook
 from rune_tui.app import Console
@@ -104,7 +105,7 @@ class Robot:
         self.speeds: list[float] = []
         self.stops: list[str] = []
         client.subscribe(POINT_COMMAND, lambda command, _: self._mark(command))
-        client.subscribe(VELOCITY_COMMAND, lambda twist, _: self._drive(twist))
+        client.subscribe(VELOCITY_COMMAND, lambda command, _: self._drive(command.twist))
         client.subscribe(STOP, lambda stop, _: self._stop(stop))
         client.wait_connected(5.0)
 

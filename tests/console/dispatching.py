@@ -71,7 +71,7 @@ def up(key: str) -> ControlEvent:
 
 def velocities(effects: Iterable[Effect], robot: str) -> list[tuple[float, float]]:
     return [
-        (effect.value.linear.x, effect.value.angular.z)
+        (effect.value.twist.linear.x, effect.value.twist.angular.z)
         for effect in effects
         if isinstance(effect, SendEffect)
         and effect.definition is VELOCITY_COMMAND

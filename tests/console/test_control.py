@@ -107,7 +107,7 @@ def hands(tmp_path: Path) -> Hands:
 
 def speeds(effects: Iterable[Effect]) -> list[tuple[float, float]]:
     return [
-        (effect.value.linear.x, effect.value.angular.z)
+        (effect.value.twist.linear.x, effect.value.twist.angular.z)
         for effect in effects
         if isinstance(effect, SendEffect) and effect.definition is VELOCITY_COMMAND
     ]

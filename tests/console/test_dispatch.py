@@ -11,7 +11,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
+from hub.gcm.geometry import Twist
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND
 from hub.gcm.vision import CAMERA_COMMAND
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold
@@ -156,7 +157,7 @@ class Hands:
 
     def velocities(self, since: float, until: float, robot: str = "robot") -> list[Twist]:
         return [
-            effect.value
+            effect.value.twist
             for moment, effect in self.sent
             if since <= moment < until
             and isinstance(effect, SendEffect)

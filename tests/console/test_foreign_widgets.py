@@ -9,7 +9,8 @@ from typing import Any, ClassVar, Self
 
 import pytest
 
-from hub.gcm.navigation import VELOCITY_COMMAND, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import VELOCITY_COMMAND
 from rune_tui.controls.events import ControlEvent, Hit
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.loader import load_layout
@@ -74,7 +75,7 @@ class Foreign:
             if isinstance(fault, Exception):
                 raise fault
             return fault
-        speed = Twist.planar(0.4 if self.driving else 0.0, 0.0)
+        speed = TwistStamped.planar(0.4 if self.driving else 0.0, 0.0)
         return (SendEffect(robot=self.robot, definition=VELOCITY_COMMAND, value=speed),)
 
 
@@ -104,7 +105,7 @@ def click(viewport: str, *, pressed: bool = True) -> ControlEvent:
 
 def speeds(effects: tuple[Effect, ...], robot: str = "magellan") -> list[float]:
     sent = [each for each in effects if isinstance(each, SendEffect) and each.robot == robot]
-    return [each.value.linear.x for each in sent]
+    return [each.value.twist.linear.x for each in sent]
 
 
 def told(effects: tuple[Effect, ...]) -> list[str]:

@@ -7,6 +7,7 @@ edges of what they declare, so that messages with a few wild fields get as far a
 from __future__ import annotations
 
 import dataclasses
+import enum
 import functools
 import math
 import typing
@@ -60,6 +61,12 @@ def fields_of(kind: type[Any]) -> tuple[tuple[str, Any], ...]:
     return tuple((field.name, hints[field.name]) for field in dataclasses.fields(kind))
 
 
+def is_enum(hint: Any) -> bool:
+    """Whether a field's type is an enum."""
+    kind = ranges.bare(hint)
+    return isinstance(kind, type) and issubclass(kind, enum.IntEnum)
+
+
 class _Maker:
     def __init__(self, random: Random, wildness: float) -> None:
         self.random = random
@@ -77,7 +84,8 @@ class _Maker:
             if place in sizes:
                 values.append(sizes[place])
             elif isinstance(node, formats.VariableArray):
-                count = math.prod(sizes[n - 1] for n in node.size_members)
+                chosen = [sizes[n - 1] for n in node.size_members]
+                count = math.prod(chosen) if chosen else self.size(depth)
                 values.append(self.array(node, member.hint, count, depth))
             else:
                 values.append(self.value(node, member.hint, depth))
@@ -90,6 +98,8 @@ class _Maker:
             return self.array(node, hint, node.count, depth)
         if isinstance(node, formats.Enum):
             return self.random.randint(0, node.largest)
+        if is_enum(hint):
+            return self.random.choice(list(ranges.bare(hint)))
         if isinstance(node, formats.Primitive):
             wild = self.random.random() < self.wildness
             return (

@@ -9,7 +9,8 @@ import numpy as np
 
 from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
-from hub.gcm.navigation import DriveState, Twist
+from hub.gcm.geometry import Twist
+from hub.gcm.navigation import DriveState
 from hub.gcm.ranges import LaserScan
 from hub.modules.driver.reports import drive_state
 from hub.robots.robot_file import find_robot_file, read_description

@@ -18,7 +18,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from hub.gcm import common, control, navigation, vision
-from hub.gcm.navigation import Stop, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import Stop
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.roles import Role
@@ -90,7 +91,7 @@ class AttackedHub:
         self.gateway = f"tcp://127.0.0.1:{port}"
         self._truth: navigation.GroundTruth | None = None
         self.seen = Seen()
-        self._wanted = Twist.planar(0.0, 0.0)
+        self._wanted = TwistStamped.planar(0.0, 0.0)
         self._asked: float | None = None
         self._watcher = Client("watcher", self.hub.endpoint)
         self._operator = Client("operator", self.gateway, keys=keys)
@@ -110,7 +111,7 @@ class AttackedHub:
             self._serve_for(_BETWEEN_STOPS_S / 2.0)
             sent = time.monotonic()
             self._operator.publish(navigation.STOP, Stop(reason="measured"))
-            self._wanted = Twist.planar(0.0, 0.0)
+            self._wanted = TwistStamped.planar(0.0, 0.0)
             with contextlib.suppress(AssertionError):
                 until(lambda: self._told == 0.0, 3.0, meanwhile=self._serve)
             seen.stops.append(time.monotonic() - sent)
@@ -191,9 +192,9 @@ class AttackedHub:
         """Drive, from neutral, until the wheels are told to; again where nobody listened yet."""
 
         def push() -> None:
-            self._wanted = Twist.planar(0.0, 0.0)
+            self._wanted = TwistStamped.planar(0.0, 0.0)
             self._serve_for(_NEUTRAL_S)
-            self._wanted = Twist.planar(0.0, TURN)
+            self._wanted = TwistStamped.planar(0.0, TURN)
             self._serve_for(_NEUTRAL_S)
 
         push()

@@ -17,7 +17,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from hub.gcm.navigation import GroundTruth, Twist
+from hub.gcm.geometry import Twist
+from hub.gcm.navigation import GroundTruth
 from hub.robots.description import Base, RobotDescription
 from hub.robots.interfaces import BodyLeftAlone, Sensors
 from hub.robots.left_alone import LeftAlone

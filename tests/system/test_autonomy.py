@@ -14,6 +14,7 @@ from ruamel.yaml import YAML
 from hub.gcm import mapping, navigation
 from hub.gcm.autonomy import Behaviour, DrivingMode, Phase
 from hub.gcm.common import COMMON_RESULT
+from hub.gcm.geometry import TwistStamped
 from hub.gcm.navigation import Task
 from tests.system.exploring_hub import Tour
 
@@ -35,13 +36,13 @@ def test_it_explores_and_the_operators_stick_takes_over_at_once(tour: Tour) -> N
     assert tour.state.frontier_m > 1.0
     tour.observer.wait(lambda: (tour.grid().cells >= 0).sum() > 1.1 * known, 30.0)
 
-    turn = navigation.Twist.planar(0.0, 0.3)
+    turn = TwistStamped.planar(0.0, 0.3)
 
     def push() -> bool:
         tour.observer.client.publish(navigation.VELOCITY_COMMAND, turn)
         return tour.state.behaviour is Behaviour.HOLD
 
-    tour.observer.client.publish(navigation.VELOCITY_COMMAND, navigation.Twist())
+    tour.observer.client.publish(navigation.VELOCITY_COMMAND, TwistStamped())
     tour.observer.wait(push, 10.0, "it does not yield")
     assert tour.state.why == "the operator took over"
     assert tour.state.pilot is DrivingMode.OPERATOR
@@ -49,7 +50,7 @@ def test_it_explores_and_the_operators_stick_takes_over_at_once(tour: Tour) -> N
     tour.observer.wait(lambda: push() and statuses[-1][1].task is Task.CANCELLED, 10.0)
 
     # The stick is let go: the robot stands, and nobody sends it on.
-    tour.observer.client.publish(navigation.VELOCITY_COMMAND, navigation.Twist())
+    tour.observer.client.publish(navigation.VELOCITY_COMMAND, TwistStamped())
     tour.observer.wait(lambda: tour.state.pilot is DrivingMode.NOBODY, 10.0)
     tour.observer.wait(lambda: tour.truth.commanded_linear == 0.0, 10.0)
     assert tour.state.behaviour is Behaviour.HOLD

@@ -23,6 +23,7 @@ from hub.gcm.control import (
     ControlRequest,
     ControlState,
 )
+from hub.gcm.geometry import TwistStamped
 from hub.gcm.navigation import GROUND_TRUTH, Task
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -159,7 +160,7 @@ class Somebody:
 def command_of(definition: MessageDefinition[Any]) -> Any:
     """A command that moves something."""
     if definition is navigation.VELOCITY_COMMAND:
-        return navigation.Twist.planar(0.3, 0.0)
+        return TwistStamped.planar(0.3, 0.0)
     if definition is navigation.LANDMARK_CORRECTION:
         return navigation.LandmarkCorrection(x=1.0, y=0.0, seen_x=1.0, seen_y=0.0)
     return definition.type()

@@ -12,6 +12,7 @@ import pytest
 
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.common import REQUEST_DATA, RequestData
+from hub.gcm.geometry import TwistStamped
 from hub.gcm.navigation import Assistance, MotionState, Task
 from hub.ipc.definition import MessageDefinition
 from hub.pose import Pose
@@ -54,8 +55,8 @@ class Scene:
     def push(self, linear: float, angular: float = 0.0) -> None:
         """One command of a stick that is held; the neutral one before it comes when it must."""
         if self.state.motion not in (MotionState.MOVING, MotionState.STANDING):
-            self.say(navigation.VELOCITY_COMMAND, navigation.Twist())
-        self.say(navigation.VELOCITY_COMMAND, navigation.Twist.planar(linear, angular))
+            self.say(navigation.VELOCITY_COMMAND, TwistStamped())
+        self.say(navigation.VELOCITY_COMMAND, TwistStamped.planar(linear, angular))
         self.client.listen(0.05)
 
     @property
@@ -113,7 +114,7 @@ def test_anybody_ends_a_goal(scene: Scene, how: str) -> None:
     elif how == "no points":
         scene.go()
     else:
-        scene.say(navigation.VELOCITY_COMMAND, navigation.Twist.planar(0.1, 0.0))
+        scene.say(navigation.VELOCITY_COMMAND, TwistStamped.planar(0.1, 0.0))
     scene.wait_for(Task.CANCELLED, 5.0)
     assert scene.status.why
     scene.observer.wait(lambda: scene.observer.truth.commanded_linear == 0.0, 5.0, "it goes on")
@@ -123,7 +124,7 @@ def test_neutral_commands_of_an_idle_console_do_not_end_a_goal(scene: Scene) -> 
     scene.go((1.0, 0.0))
     scene.wait_for(Task.GOING)
     while scene.status.task is Task.GOING:
-        scene.say(navigation.VELOCITY_COMMAND, navigation.Twist())
+        scene.say(navigation.VELOCITY_COMMAND, TwistStamped())
         scene.client.listen(0.1)
     assert scene.status.task is Task.REACHED
 

@@ -20,6 +20,7 @@ import pytest
 
 from hub.gcm import navigation, vision
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
+from hub.gcm.geometry import TwistStamped
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
@@ -121,10 +122,10 @@ def test_a_module_that_hangs_does_not_keep_the_robot_driving(
     hub: HubProcess, observer: Observer
 ) -> None:
     driver = Observer(hub.endpoint, navigation.ROBOT_STATE)
-    twist = navigation.Twist.planar(0.4, 0.0)
+    twist = TwistStamped.planar(0.4, 0.0)
     states = driver.seen[navigation.ROBOT_STATE.name]
 
-    def send(value: navigation.Twist) -> None:
+    def send(value: TwistStamped) -> None:
         driver.client.publish(navigation.VELOCITY_COMMAND, value)
         driver.client.listen(0.02)
 
@@ -134,7 +135,7 @@ def test_a_module_that_hangs_does_not_keep_the_robot_driving(
     until(
         lambda: states[-1][1].motion is navigation.MotionState.STANDING,
         10.0,
-        meanwhile=lambda: send(navigation.Twist()),
+        meanwhile=lambda: send(TwistStamped()),
     )
 
     until(lambda: observer.truth.linear > 0.3, 10.0, meanwhile=drive)

@@ -16,6 +16,7 @@ from PIL import Image
 from hub.errors import HandlerFailedError
 from hub.gcm import map_coding, mapping, navigation
 from hub.gcm.common import COMMON_RESULT, REQUEST_DATA, CommonResult, RequestData
+from hub.gcm.geometry import TwistStamped
 from tests.support.command_line import run
 from tests.system.harness import HubProcess, Observer, robot_file
 
@@ -97,12 +98,12 @@ def test_the_map_grows_where_the_robot_drives_and_comes_in_windows(watch: Observ
         truth: navigation.GroundTruth = watch.history[-1][1]
         # Neutral comes first, and again where commands of a busy machine fell silent.
         neutral = truth.commanded_linear == 0.0 and turns % 10 == 1
-        velocity = navigation.Twist.planar(0.0 if neutral else 0.3, 0.0)
+        velocity = TwistStamped.planar(0.0 if neutral else 0.3, 0.0)
         watch.client.publish(navigation.VELOCITY_COMMAND, velocity)
         return truth.y - start.y > 0.8
 
     watch.wait(drive, 30.0, "it does not drive")
-    watch.client.publish(navigation.VELOCITY_COMMAND, navigation.Twist())
+    watch.client.publish(navigation.VELOCITY_COMMAND, TwistStamped())
     watch.wait(lambda: known(watch) > (before >= 0).sum() + 500, 5.0, "the map does not grow")
     window = mapping.MapRequest(x=0.5, y=0.0, width=1.0, height=0.5)
     part, cells = map_of(watch, window)

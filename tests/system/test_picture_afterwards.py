@@ -224,7 +224,7 @@ def test_the_picture_is_right_and_no_command_late_after_tmux_was_left_and_attach
         ends[-1].pump(0.01)
         observer.client.listen(0.01)
         count, act = stages[0]
-        if sum(twist.angular.z != 0.0 for _, twist in [*commands][seen:]) < count:
+        if sum(command.twist.angular.z != 0.0 for _, command in [*commands][seen:]) < count:
             return False
         act()
         stages.popleft()

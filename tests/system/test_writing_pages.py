@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from hub.gcm import navigation
+from hub.gcm.geometry import TwistStamped
 from rune_tui.cli import main
 from tests.support.waiting import until
 from tests.system.harness import HubProcess
@@ -99,9 +100,9 @@ def test_robot_of_the_page_drives_and_stops(
                 # has stopped the robot, and wants a neutral command before it drives on.
                 silent = not states or states[-1].motion not in _READY
                 if silent or not going[0]:
-                    robot.client.publish(navigation.VELOCITY_COMMAND, navigation.Twist())
+                    robot.client.publish(navigation.VELOCITY_COMMAND, TwistStamped())
                 if going[0]:
-                    ahead = navigation.Twist.planar(0.9, 0.0)
+                    ahead = TwistStamped.planar(0.9, 0.0)
                     robot.client.publish(navigation.VELOCITY_COMMAND, ahead)
                 firmware.run()
 

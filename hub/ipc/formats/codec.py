@@ -12,7 +12,7 @@ header. Payloads in big-endian order (00 00 00 00) are read too; their arrays ar
 | enum | int, 0 to largest | int32 |
 | struct | sequence; decoded as tuple | its members |
 | fixed array of numbers | numpy array of its dimensions | the elements |
-| variable array of numbers | flat numpy array, or bytes | uint32 count, the elements |
+| sequence of numbers | flat numpy array, or bytes | uint32 count, the elements |
 | array of anything else | sequence, flat; decoded as list | as above |
 | pointer | None or a value | uint32 0, or uint32 1 and the value |
 | struct with a self pointer | struct; the next node or None | uint32 count, the nodes without it |

@@ -161,8 +161,10 @@ class _Reader(Generator):
         self.flush()
         sizes = [members[number - 1] for number in node.size_members]
         product = " * ".join(sizes)
-        self.emit(f"if {count} != {product}:")
-        self.emit(f"    refuse(f'{{{count}}} elements where the size members say {{{product}}}')")
+        if sizes:
+            self.emit(f"if {count} != {product}:")
+            text = f"f'{{{count}}} elements where the size members say {{{product}}}'"
+            self.emit(f"    refuse({text})")
         if len(sizes) > 1:
             self.emit(f"if min({', '.join(sizes)}) < 0:")
             self.emit("    refuse('a negative size')")

@@ -30,6 +30,7 @@ class _Writer(Generator):
     def body(self) -> None:
         self.names |= {
             "array": _array,
+            "row": _row,
             "ndarray": np.ndarray,
             "text": _text,
             "flag": _flag,
@@ -91,7 +92,9 @@ class _Writer(Generator):
 
     def write_members(self, node: formats.Struct, own: str) -> None:
         for index, member in enumerate(node.members):
-            if isinstance(member, formats.VariableArray):
+            if isinstance(member, formats.VariableArray) and not member.size_members:
+                self.write_sequence(member.element, f"{own}[{index}]")
+            elif isinstance(member, formats.VariableArray):
                 count = self.fresh("n")
                 sizes = [f"{own}[{number - 1}]" for number in member.size_members]
                 if len(sizes) == 1:
@@ -102,6 +105,16 @@ class _Writer(Generator):
                 self.write_elements(member.element, f"{own}[{index}]", count, None)
             elif not isinstance(member, formats.SelfPointer):
                 self.write(member, f"{own}[{index}]")
+
+    def write_sequence(self, element: formats.Format, value: str) -> None:
+        """Write elements whose number no other member has."""
+        items, count = self.fresh("v"), self.fresh("n")
+        if isinstance(element, formats.Primitive) and element.name != "string":
+            value = f"row({value}, {self.constant('dtype', DTYPES[element.name])})"
+        self.emit(f"{items} = {value}")
+        self.emit(f"{count} = len({items})")
+        self.run.append((packed("I"), count))
+        self.write_elements(element, items, count, None)
 
     def write_list(self, node: formats.Struct, value: str, fewest: int) -> None:
         nodes, item = self.fresh("v"), self.fresh("v")
@@ -197,8 +210,14 @@ class _Writer(Generator):
             self.flush()
 
 
+def _row(value: Any, dtype: np.dtype[Any]) -> npt.NDArray[Any]:
+    """`value` as a flat array of any length."""
+    len(value)  # refuses a single number: numpy would make an array of it
+    return _array(value, dtype, None, None)
+
+
 def _array(
-    value: Any, dtype: np.dtype[Any], count: int, dimensions: tuple[int, ...] | None
+    value: Any, dtype: np.dtype[Any], count: int | None, dimensions: tuple[int, ...] | None
 ) -> npt.NDArray[Any]:
     """`value` as a flat array; an array of several dimensions needs the given shape, if any."""
     if isinstance(value, (bytes, bytearray, memoryview)):
@@ -212,7 +231,7 @@ def _array(
         if array.ndim > 1 and dimensions not in (None, array.shape):
             text = f"an array of shape {array.shape} instead of {dimensions}"
             raise ValueError(text)
-    if array.size != count:
+    if count is not None and array.size != count:
         text = f"{array.size} elements instead of {count}"
         raise ValueError(text)
     return array.reshape(-1)

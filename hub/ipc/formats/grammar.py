@@ -4,8 +4,9 @@ format   := primitive | LENGTH | struct | enum | array | pointer
 struct   := '{' [member {',' member}] '}'        member := format | sequence | '*!'
 enum     := '{' 'enum' ':' LARGEST '}' | '{' 'enum' NAME {',' NAME} '}'
 array    := '[' format ':' N {',' N} ']' | '[' N ':' format ']'
-sequence := '<' format ':' I {',' I} '>'         I: 1-based number of an integer member before it;
-                                                 its length is the product of those members
+sequence := '<' format [':' I {',' I}] '>'       I: 1-based number of an integer member before it;
+                                                 its length is the product of those members, or
+                                                 any; only in Rune it may stand without them
 pointer  := '*' format                           null or a value
 
 '*!' makes its struct the node of a linked list: it is the next node, or null at the end.
@@ -90,13 +91,17 @@ class FixedArray:
 
 @dataclass(frozen=True, slots=True)
 class VariableArray:
-    """Elements, as many as the product of the struct's members numbered in `size_members`."""
+    """Elements, as many as the product of the struct's members numbered in `size_members`.
+
+    Without size members it has any number of elements: a sequence as ROS 2 has them.
+    """
 
     element: Format
     size_members: tuple[int, ...]
 
     def __str__(self) -> str:
-        return f"<{self.element}:{','.join(map(str, self.size_members))}>"
+        sizes = ",".join(map(str, self.size_members))
+        return f"<{self.element}:{sizes}>" if sizes else f"<{self.element}>"
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,6 +269,9 @@ class _Parser:
         start = self.start
         element = self.format(depth + 1)
         self.refuse_empty(element, start)
+        if self.token == ">":
+            self.advance()
+            return VariableArray(element, ())
         self.expect(":")
         sizes = [self.size_member(before)]
         while self.token == ",":

@@ -8,6 +8,7 @@
 | `X` or None | a pointer; to the dataclass itself: the self pointer of a list |
 | a numpy array, `tuple[X, ...]`, with `Fixed(n)` | an array of n |
 | the same with `Counted(name)` | an integer member `name`, and an array of that length |
+| the same with `Sequence()` | a sequence of any length, as ROS 2 has it |
 | any of them with `Wire(text)` | the text, such as `uint` for an `int` |
 
 The integer member before a `Counted` array is no field: the codec writes and checks it.
@@ -67,6 +68,11 @@ class Counted:
 
     name: str = "count"
     wire: str = "int"
+
+
+@dataclass(frozen=True, slots=True)
+class Sequence:
+    """An array of any length; no other member has its number of elements."""
 
 
 Uint8: TypeAlias = Annotated[int, Wire("ubyte")]
@@ -150,12 +156,12 @@ def _format(hint: Any, owner: Any, where: str, place: int) -> formats.Format:
     """The format of a field; `place` is the number of members before it."""
     bare = typing.get_args(hint)[0] if typing.get_origin(hint) is Annotated else hint
     fixed, counted = _annotation(hint, Fixed), _annotation(hint, Counted)
-    wire = _annotation(hint, Wire)
-    if fixed is not None or counted is not None:
+    wire, sequence = _annotation(hint, Wire), _annotation(hint, Sequence)
+    if fixed is not None or counted is not None or sequence is not None:
         element = formats.parse(wire.format) if wire else _element(bare, owner, where)
         if fixed is not None:
             return formats.FixedArray(element, fixed.dimensions)
-        return formats.VariableArray(element, (place,))
+        return formats.VariableArray(element, (place,) if counted is not None else ())
     if wire is not None:
         return formats.parse(wire.format)
     if bare in _BY_TYPE:
@@ -169,7 +175,7 @@ def _format(hint: Any, owner: Any, where: str, place: int) -> formats.Format:
         if kinds[0] is owner:
             return formats.SelfPointer()
         return formats.Pointer(_format(kinds[0], owner, where, place))
-    reason = f"{where}: its type says no format; arrays need Fixed or Counted, others a Wire"
+    reason = f"{where}: its type says no format; arrays need Fixed, Counted or Sequence"
     raise MessageFormatError(str(bare), 0, reason)
 
 

@@ -12,6 +12,7 @@ from hub.errors import CodecError, QueryError
 from hub.gcm import autonomy, mapping, navigation
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
+from hub.gcm.geometry import TwistStamped
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
@@ -77,9 +78,9 @@ class Autonomy:
             self._pilot.see_other(f"{state.operator} has control now", self._clock())
             self._act()
 
-    def _stick(self, twist: navigation.Twist, reception: MessageInfo) -> None:
+    def _stick(self, command: TwistStamped, reception: MessageInfo) -> None:
         sender = reception.publisher
-        if not twist.neutral and sender != self._client.number and self._gate.obeys(sender):
+        if not command.neutral and sender != self._client.number and self._gate.obeys(sender):
             self._pilot.see_stick(self._clock())
             self._act()
 

@@ -12,6 +12,7 @@ from hub.control_gate import follow_control
 from hub.gcm import flight, navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
+from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.standard import Time
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -62,7 +63,8 @@ class Driver:
         self._next_report = client.alarm(self._report)
         self._report_at = self._next_report.due = self._stepped + _PERIOD
 
-    def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
+    def _command(self, command: TwistStamped, reception: MessageInfo) -> None:
+        twist = command.twist
         now = time.monotonic()
         obeys = self._navigator.obeys(reception.publisher, now)
         if obeys and self._watchdog.allows(now - reception.age, now, neutral=twist.neutral):
@@ -84,7 +86,7 @@ class Driver:
             self._stop()
 
     def _stop(self) -> None:
-        self._body.command(navigation.Twist())
+        self._body.command(Twist())
 
     def _report(self) -> None:
         self._watch()

@@ -13,6 +13,7 @@ from hub.errors import CodecError, HubError
 from hub.gcm import flight, mapping, navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
+from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.navigation import Assistance, Cause, DriveState, MotionState, Task
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
@@ -65,7 +66,7 @@ class Navigation:
         self.pilot = PathFollower(body_of(robot), robot.body)
         self._mention_tilt = -math.inf
         self._frames = FrameMemory(for_pose(robot.name))
-        self._commanded = navigation.Twist()
+        self._commanded = Twist()
         self._newest: tuple[navigation.DriveState, float] | None = None
         self._published: tuple[object, ...] = ()
         self._driver: int | None = None
@@ -97,14 +98,14 @@ class Navigation:
         self._governor.stop()
         self._drive()
 
-    def _command(self, twist: navigation.Twist, reception: MessageInfo) -> None:
+    def _command(self, command: TwistStamped, reception: MessageInfo) -> None:
         sender = reception.publisher
         if not self._gate.obeys(sender):
-            if not twist.neutral:  # idle consoles send neutral all the time
+            if not command.neutral:  # idle consoles send neutral all the time
                 self._gate.admits(navigation.VELOCITY_COMMAND, reception)
             return
         now = self._clock()
-        self._governor.command(sender, twist, now - reception.age, now)
+        self._governor.command(sender, command.twist, now - reception.age, now)
         self._update()
 
     def _stop(self, message: navigation.Stop, _reception: MessageInfo) -> None:
@@ -224,7 +225,7 @@ class Navigation:
             given = self.pilot.assisted(given, now)
         elif not self.pilot.task.active:
             self.pilot.rest()
-        self._client.publish(navigation.DRIVE_COMMAND, given)
+        self._client.publish(navigation.DRIVE_COMMAND, TwistStamped.of(given))
 
     def _update(self) -> None:
         """Act on changes of state without waiting for the next cycle."""

@@ -13,16 +13,9 @@ import numpy as np
 from hub.gcm.beam_scans import ScanReader
 from hub.gcm.body import RobotBody
 from hub.gcm.flight import Attitude
+from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.mapping import MapRequest
-from hub.gcm.navigation import (
-    Assistance,
-    DriveState,
-    GoalCommand,
-    LandmarkCorrection,
-    TurnCommand,
-    Twist,
-    Vector3,
-)
+from hub.gcm.navigation import Assistance, DriveState, GoalCommand, LandmarkCorrection, TurnCommand
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.grids.planner import plan

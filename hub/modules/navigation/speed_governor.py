@@ -32,7 +32,8 @@ import math
 from collections.abc import Iterable
 
 from hub.gcm.body import Freedom, Motion
-from hub.gcm.navigation import Cause, MotionState, Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.navigation import Cause, MotionState
 from hub.own_pauses import OwnPauses
 
 SILENCE_S = 0.3

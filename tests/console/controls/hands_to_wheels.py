@@ -313,7 +313,7 @@ class World:
                 self.robot.arbiter.take(number, "", self.now)
             self.robot.tell(self.now)
         elif effect.definition is VELOCITY_COMMAND:
-            self.robot.command(number, effect.value, sent, self.now)
+            self.robot.command(number, effect.value.twist, sent, self.now)
         elif effect.definition is STOP:
             self.robot.stop(self.now)
 

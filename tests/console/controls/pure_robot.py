@@ -8,7 +8,8 @@ from typing import Any
 from hub.control_gate import ControlGate
 from hub.gcm.body import Freedom, Motion
 from hub.gcm.control import CONTROL_STATE, ControlState
-from hub.gcm.navigation import VELOCITY_COMMAND, Twist
+from hub.gcm.geometry import Twist
+from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.security.publish_rights import ROBOMON
 from hub.modules.driver.watchdog import CommandWatchdog

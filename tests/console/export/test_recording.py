@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 from mcap.exceptions import EndOfFile
 from mcap.reader import make_reader
-from mcap.records import Message
+from mcap.records import Message, Schema
 from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
 
-from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND
 from hub.gcm.ranges import RANGES
 from hub.gcm.vision import IMAGE, Image, ImageCoding
 from rune_tui.export.recording import Recording
@@ -27,13 +28,21 @@ from tests.support.full_disk import files_no_longer_than
 from tests.support.messages import camera_state, robot_state
 
 
+def _channels(path: Path) -> list[tuple[Schema, str]]:
+    """Each channel's schema and topic."""
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    return [(summary.schemas[each.schema_id], each.topic) for each in summary.channels.values()]
+
+
 def test_messages_are_read_back_by_tools_of_ros(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     recording = Recording(path, {"layout": "x.xml", "run": "7", "operator": "ada"})
     now = time.monotonic()
     for number in range(5):
         recording.add("left", ROBOT_STATE, robot_state(x=float(number)), now - 0.5)
-    recording.add("right", VELOCITY_COMMAND, Twist.planar(0.25, -0.5), now)
+    recording.add("right", VELOCITY_COMMAND, TwistStamped.planar(0.25, -0.5), now)
     pixels = np.arange(12, dtype=np.uint8)
     image = Image(
         camera=camera_state(),
@@ -56,9 +65,15 @@ def test_messages_are_read_back_by_tools_of_ros(tmp_path: Path) -> None:
     assert [decoded.x for _, _, decoded in states] == [0.0, 1.0, 2.0, 3.0, 4.0]
     assert all(4e8 < message.log_time - message.publish_time < 6e10 for _, message, _ in states)
     (command,) = [each[2] for each in found if each[0] == "/right/GCM_Velocity_Command"]
-    assert command.linear.x == 0.25
+    assert command.twist.linear.x == 0.25
     (picture,) = [each[2] for each in found if each[0] == "/left/GCM_Common_Image"]
     assert bytes(picture.data) == pixels.tobytes()
+    schemas = {topic: schema.name for schema, topic in _channels(path)}
+    assert schemas == {
+        "/left/GCM_RobotState": "rune_msgs/msg/GCMRobotState",
+        "/right/GCM_Velocity_Command": "geometry_msgs/msg/TwistStamped",
+        "/left/GCM_Common_Image": "rune_msgs/msg/GCMCommonImage",
+    }
     with path.open("rb") as file:
         (about,) = [data for data in make_reader(file).iter_metadata() if data.name == "rune"]
     assert about.metadata == {"layout": "x.xml", "run": "7", "operator": "ada"}

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from hub.gcm.navigation import STOP, TURN_COMMAND, VELOCITY_COMMAND, Stop, TurnCommand, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import STOP, TURN_COMMAND, VELOCITY_COMMAND, Stop, TurnCommand
 from rune_tui.compositor.blend import compose
 from rune_tui.files import user_files
 from rune_tui.model.effects import SendEffect
@@ -19,7 +20,7 @@ from tests.console.widgets.presses import marked, seeing
 NOW = datetime.datetime(2005, 3, 18, 1, 58, 31, tzinfo=datetime.UTC)
 STOPPING = SendEffect(robot="magellan", definition=STOP, value=Stop())
 TURNING = SendEffect(robot="magellan", definition=TURN_COMMAND, value=TurnCommand())
-DRIVING = SendEffect(robot="magellan", definition=VELOCITY_COMMAND, value=Twist())
+DRIVING = SendEffect(robot="magellan", definition=VELOCITY_COMMAND, value=TwistStamped())
 
 
 @pytest.fixture

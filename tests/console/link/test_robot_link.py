@@ -13,6 +13,7 @@ import pytest
 
 from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm import navigation
+from hub.gcm.geometry import TwistStamped
 from hub.gcm.supervision import CAPABILITY_WANTS, CapabilityWants
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
@@ -106,7 +107,7 @@ def test_an_observer_is_told_so_before_and_after_it_presses_keys(desk: Desk) -> 
         for definition in (navigation.STOP, navigation.VELOCITY_COMMAND):
             module.subscribe(definition, lambda value, _: came.append(value))
         module.wait_subscribed(10.0)
-        link.send(navigation.VELOCITY_COMMAND, navigation.Twist.planar(0.1, 0.0))
+        link.send(navigation.VELOCITY_COMMAND, TwistStamped.planar(0.1, 0.0))
         link.send(navigation.STOP, navigation.Stop(reason="the test"))
         until(lambda: came, 10.0, meanwhile=lambda: module.listen(0.01))
     assert came == [navigation.Stop(reason="the test")]

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, Motion, RobotBody
-from hub.gcm.navigation import Twist, Vector3
+from hub.gcm.geometry import Twist, TwistStamped, Vector3
 from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.spec import ControlKind, EventSpec
 from rune_tui.model.console_state import ConsoleState
@@ -43,8 +43,8 @@ def sent(effects: tuple[Effect, ...]) -> Twist:
     (effect,) = effects
     assert isinstance(effect, SendEffect)
     value = effect.value
-    assert isinstance(value, Twist)
-    return value
+    assert isinstance(value, TwistStamped)
+    return value.twist
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,7 @@ class Robot:
         for effect in effects:
             assert isinstance(effect, SendEffect)
             assert effect.definition is VELOCITY_COMMAND
-            twist = effect.value
+            twist = effect.value.twist
             self._sent.append((now + self._delay, twist.linear.x, twist.angular.z))
 
     def pass_time(self, now: float) -> None:

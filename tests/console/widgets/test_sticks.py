@@ -71,7 +71,7 @@ def speed(*events: EventSpec, **options: float) -> SetSpeed:
 def driven(effects: Iterable[Effect]) -> list[tuple[float, float]]:
     """The speeds that were sent."""
     return [
-        (effect.value.linear.x, effect.value.angular.z)
+        (effect.value.twist.linear.x, effect.value.twist.angular.z)
         for effect in effects
         if isinstance(effect, SendEffect) and effect.definition is VELOCITY_COMMAND
     ]

@@ -7,7 +7,8 @@ import math
 
 import pytest
 
-from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import STOP, VELOCITY_COMMAND
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
 from rune_tui.controls.events import ControlEvent
 from rune_tui.model.effects import AskEffect, QuitEffect, SendEffect, ShowGhost
@@ -39,7 +40,7 @@ def speed(**options: float) -> SetSpeed:
 
 
 def velocity(linear: float, angular: float) -> tuple[SendEffect]:
-    twist = Twist.planar(linear, angular)
+    twist = TwistStamped.planar(linear, angular)
     return (SendEffect(robot="magellan", definition=VELOCITY_COMMAND, value=twist),)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import enum
 import itertools
 import math
 import os
@@ -19,8 +18,9 @@ from hub.gcm import navigation, vision
 from hub.gcm.body import RangeGroup, RangeKind
 from hub.gcm.catalog import MESSAGES
 from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.geometry import TwistStamped
 from hub.gcm.mapping import MAP
-from hub.gcm.navigation import GOAL_COMMAND, ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop, Twist
+from hub.gcm.navigation import GOAL_COMMAND, ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop
 from hub.gcm.ranges import RANGES, RangeReadings, scan_of
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
@@ -49,9 +49,9 @@ def undeclared(tree: Any, kind: Any, where: str) -> list[str]:
                 inner = typing.get_args(ranges.bare(hint))[0]
                 found += undeclared(node.element, inner, name)
         elif isinstance(node, formats.Enum):
-            if not issubclass(ranges.bare(hint), enum.IntEnum):
+            if not extremes.is_enum(hint):
                 found.append(name)
-        elif not member.counts and not ranges.declared(hint):
+        elif not (member.counts or ranges.declared(hint) or extremes.is_enum(hint)):
             found.append(name)
     return found
 
@@ -161,7 +161,7 @@ def test_a_number_that_has_to_be_known_refuses_the_message(metres: float) -> Non
 @for_each("speed", [math.nan, math.inf, -math.inf, 1e308, 101.0])
 def test_a_command_that_no_robot_can_follow_is_refused_whole(speed: float) -> None:
     with pytest.raises(RangeError):
-        back(VELOCITY_COMMAND, Twist.planar(0.1, speed))
+        back(VELOCITY_COMMAND, TwistStamped.planar(0.1, speed))
     command = navigation.GoalCommand(linear_limit=speed)
     if math.isnan(speed):  # the robot's own limit
         back(GOAL_COMMAND, command)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import typing
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,21 +16,23 @@ import numpy as np
 
 from hub.gcm.catalog import BY_NAME, MESSAGES
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.formats import codec
+from hub.ipc.formats import codec, ranges, wire_types
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES
 from tests.support.cases import for_each
+from tests.support.extremes import is_enum
 
 _GOLDEN = Path(__file__).parents[2] / "golden" / "wire"
 
 
 def value_of(definition: MessageDefinition[Any]) -> Any:
     """A value with another number in each member: 1, 2, 3 and so on; enums and sizes small."""
-    return definition.build(_members(definition.tree, itertools.count(1)))
+    return definition.build(_members(definition.tree, definition.type, itertools.count(1)))
 
 
-def _members(node: formats.Format, numbers: Iterator[int]) -> list[Any]:
+def _members(node: formats.Format, kind: Any, numbers: Iterator[int]) -> list[Any]:
     assert isinstance(node, formats.Struct)
+    hints = [member.hint for member in wire_types.members(kind)]
     sizes = {
         number - 1
         for member in node.members
@@ -37,22 +40,25 @@ def _members(node: formats.Format, numbers: Iterator[int]) -> list[Any]:
         for number in member.size_members
     }
     return [
-        3 if place in sizes else _value(member, numbers)
-        for place, member in enumerate(node.members)
+        3 if place in sizes else _value(member, hint, numbers)
+        for place, (member, hint) in enumerate(zip(node.members, hints, strict=True))
     ]
 
 
-def _value(node: formats.Format, numbers: Iterator[int]) -> Any:
+def _value(node: formats.Format, hint: Any, numbers: Iterator[int]) -> Any:
+    hint = ranges.bare(hint)
     if isinstance(node, formats.Struct):
-        return _members(node, numbers)
+        return _members(node, hint, numbers)
+    if is_enum(hint):
+        return max(hint)
     if isinstance(node, formats.Enum):
         return node.largest
     if isinstance(node, formats.VariableArray):
-        return _elements(node.element, 3 ** len(node.size_members), numbers)
+        return _elements(node.element, hint, 3 ** max(1, len(node.size_members)), numbers)
     if isinstance(node, formats.FixedArray):
-        return _elements(node.element, node.count, numbers)
+        return _elements(node.element, hint, node.count, numbers)
     if isinstance(node, formats.Pointer):
-        return _value(node.target, numbers)
+        return _value(node.target, typing.get_args(hint)[0], numbers)
     if isinstance(node, formats.SelfPointer):
         return None
     if node.name == "string":
@@ -62,8 +68,9 @@ def _value(node: formats.Format, numbers: Iterator[int]) -> Any:
     return next(numbers) if node.name != "boolean" else True
 
 
-def _elements(element: formats.Format, count: int, numbers: Iterator[int]) -> Any:
-    items = [_value(element, numbers) for _ in range(count)]
+def _elements(element: formats.Format, hint: Any, count: int, numbers: Iterator[int]) -> Any:
+    entry = next(iter(typing.get_args(hint)), hint)
+    items = [_value(element, entry, numbers) for _ in range(count)]
     if isinstance(element, formats.Primitive) and element.name != "string":
         return np.array(items, DTYPES[element.name])
     return items
@@ -107,8 +114,9 @@ def test_every_golden_file_belongs_to_a_message() -> None:
         ),
         (
             "GCM_Velocity_Command",
-            "00010000 000000000000f43f 0000000000000240 0000000000000a40"
-            "0000000000001140 0000000000001540 0000000000001940",
+            "00010000 01000000 02000000 07000000 74657874 203300 00 00000000"
+            "0000000000001140 0000000000001540 0000000000001940"
+            "0000000000001d40 0000000000802040 0000000000802240",
         ),
     ],
 )

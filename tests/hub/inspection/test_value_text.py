@@ -15,6 +15,7 @@ from hub.errors import CodecError, RangeError
 from hub.gcm import mapping, navigation, vision
 from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.catalog import MESSAGES
+from hub.gcm.geometry import Twist
 from hub.gcm.ranges import RANGES
 from hub.inspection.value_text import demand_within_ranges, lines, plain, value_from_text
 from hub.ipc.definition import MessageDefinition
@@ -35,8 +36,9 @@ def test_fields_left_out_are_zero_for_every_message_of_the_vocabulary() -> None:
 
 
 def test_inner_fields_are_reached_with_dots() -> None:
-    twist = value_from_text(navigation.VELOCITY_COMMAND, ["linear.x=0.5", "angular.z=-1"])
-    assert twist == navigation.Twist.planar(0.5, -1.0)
+    given = ["twist.linear.x=0.5", "twist.angular.z=-1"]
+    command = value_from_text(navigation.VELOCITY_COMMAND, given)
+    assert command.twist == Twist.planar(0.5, -1.0)
 
 
 def test_enum_members_go_by_name_or_number() -> None:
@@ -58,11 +60,11 @@ def test_text_is_taken_as_it_is() -> None:
 @for_each(
     ("assignment", "said"),
     [
-        ("linear.x", "no FIELD=VALUE"),
-        ("linaer.x=1", "did you mean 'linear'"),
-        ("linear=1", "inner fields"),
-        ("linear.x.y=1", "no inner fields"),
-        ("linear.x=fast", "does not fit"),
+        ("twist.linear.x", "no FIELD=VALUE"),
+        ("twist.linaer.x=1", "did you mean 'linear'"),
+        ("twist.linear=1", "inner fields"),
+        ("twist.linear.x.y=1", "no inner fields"),
+        ("twist.linear.x=fast", "does not fit"),
     ],
 )
 def test_a_mistake_says_what_to_do(assignment: str, said: str) -> None:
@@ -86,16 +88,16 @@ def test_a_value_that_does_not_fit_says_which_would(assignment: str, said: str) 
 
 
 def test_a_value_that_receivers_would_refuse_is_not_sent() -> None:
-    fast = value_from_text(navigation.VELOCITY_COMMAND, ["linear.x=1e9"])
-    with pytest.raises(RangeError, match=r"linear\.x"):
+    fast = value_from_text(navigation.VELOCITY_COMMAND, ["twist.linear.x=1e9"])
+    with pytest.raises(RangeError, match=r"twist\.linear\.x"):
         demand_within_ranges(navigation.VELOCITY_COMMAND, fast)
     demand_within_ranges(navigation.STOP, value_from_text(navigation.STOP, []))
 
 
 def test_messages_without_a_dataclass_work_alike() -> None:
     unknown: MessageDefinition[object] = from_listing(to_listing(navigation.VELOCITY_COMMAND))
-    value = value_from_text(unknown, ["linear.x=0.5"])
-    assert plain(value)["linear"] == {"x": 0.5, "y": 0.0, "z": 0.0}
+    value = value_from_text(unknown, ["twist.linear.x=0.5"])
+    assert plain(value)["twist"]["linear"] == {"x": 0.5, "y": 0.0, "z": 0.0}
 
 
 def test_every_value_is_json() -> None:
@@ -107,7 +109,7 @@ def test_every_value_is_json() -> None:
 
 
 def test_lines_are_one_a_field_and_indent_inner_ones() -> None:
-    twist = navigation.Twist.planar(0.5, math.pi)
+    twist = Twist.planar(0.5, math.pi)
     assert list(lines(twist)) == [
         "linear:",
         "  x: 0.5",

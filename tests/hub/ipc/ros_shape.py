@@ -23,9 +23,8 @@ def definition_of(tree: formats.Struct, ros_type: str = "") -> MessageDefinition
         lifespan_s=1.0,
     )
     listed = definition_listing.from_listing(entry)
-    return MessageDefinition(
-        name=listed.name, format=listed.format, type=listed.type, ros_type=ros_type
-    )
+    kind = type(listed.type.__name__, (listed.type,), {"__slots__": (), "ros_type": ros_type})
+    return MessageDefinition(name=listed.name, format=listed.format, type=kind)
 
 
 def _fields(node: formats.Struct, depth: int) -> str:

@@ -286,10 +286,40 @@ def test_message_that_is_a_list_has_a_field_of_nodes() -> None:
     assert ros_schema.ros2msg(listed).startswith(f"rune_msgs/Step[] nodes\n{_RULE}\n")
 
 
-def test_definition_that_names_a_ros_type_has_its_name_and_package() -> None:
+def test_type_that_is_one_of_ros_has_its_name_and_package() -> None:
     twist = definition_of(formats.parse("{{double},{double}}"), "geometry_msgs/msg/Twist")
     assert ros_schema.ros_type(twist) == "geometry_msgs/msg/Twist"
-    assert "MSG: geometry_msgs/RandomMessageA0\n" in ros_schema.ros2msg(twist)
+    assert "MSG: rune_msgs/RandomMessageA0\n" in ros_schema.ros2msg(twist)
+
+
+@for_each("definition", MESSAGES)
+def test_standard_types_of_the_vocabulary_are_those_of_ros_field_for_field(
+    definition: MessageDefinition[Any],
+) -> None:
+    text, name = ros_schema.ros2msg(definition), ros_schema.ros_type(definition)
+    ours, theirs = get_types_from_msg(text, name), get_typestore(Stores.LATEST).fielddefs
+    for kind, (_, fields) in ours.items():
+        if not kind.startswith(f"{ros_schema.PACKAGE}/"):
+            assert fields == theirs[kind][1], kind
+
+
+def test_two_types_of_one_standard_name_have_to_be_equal() -> None:
+    names = {"__slots__": (), "ros_type": "geometry_msgs/msg/Vector3"}
+    velocity = make_dataclass("Velocity", [("x", float)], frozen=True, namespace=names)
+    place = make_dataclass("Place", [("x", float)], frozen=True, namespace=names)
+    other = make_dataclass("Other", [("y", float)], frozen=True, namespace=names)
+    pair = make_dataclass("Pair", [("one", velocity), ("two", place)], frozen=True)
+    equal: MessageDefinition[Any] = MessageDefinition(name="Pair", type=pair)
+    assert ros_schema.ros2msg(equal).splitlines() == [
+        "geometry_msgs/Vector3 one",
+        "geometry_msgs/Vector3 two",
+        _RULE,
+        "MSG: geometry_msgs/Vector3",
+        "float64 x",
+    ]
+    pair = make_dataclass("Pair", [("one", velocity), ("two", other)], frozen=True)
+    with pytest.raises(MessageFormatError, match="and they differ"):
+        ros_schema.ros2msg(MessageDefinition(name="Pair", type=pair))
 
 
 def test_types_of_one_name_are_told_apart() -> None:

@@ -7,7 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, GroundTruth, Twist
+from hub.gcm.geometry import Twist, TwistStamped
+from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, GroundTruth
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.watchdog import SILENCE_S
 from hub.robots.interfaces import Sensors
@@ -64,7 +65,7 @@ class Scene:
 
     def command(self, twist: Twist) -> None:
         """Navigation sends a command now."""
-        self.bus.send(DRIVE_COMMAND, twist, "navigation")
+        self.bus.send(DRIVE_COMMAND, TwistStamped.of(twist), "navigation")
 
     def reports(self, seconds: float) -> list[float]:
         """The times of the reports in the time that passes now [s]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from hub.gcm.navigation import Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
 from hub.modules.driver.reports import altitude, attitude, drive_state, stands
 from hub.robots.interfaces import Sensors
 

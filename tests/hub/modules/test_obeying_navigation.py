@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from hub.errors import NotAllowedError
-from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, GROUND_TRUTH, GroundTruth, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, GROUND_TRUTH, GroundTruth
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.transport.loop import Loop
@@ -19,7 +20,7 @@ from hub.modules.driver.navigator import LOG_INTERVAL_S, Navigator
 from hub.robots.robot_file import read_description
 from tests.support.waiting import until
 
-FORWARD, NEUTRAL = Twist.planar(0.4, 0.0), Twist.planar(0.0, 0.0)
+FORWARD, NEUTRAL = TwistStamped.planar(0.4, 0.0), TwistStamped.planar(0.0, 0.0)
 
 
 def test_only_the_number_that_central_told_counts() -> None:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from hub.gcm.navigation import Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
 from hub.robots.interfaces import Body, BodyLeftAlone
 from hub.robots.left_alone import LeftAlone
 from hub.robots.registry import kind_of

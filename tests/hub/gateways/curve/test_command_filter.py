@@ -13,7 +13,8 @@ from hub.errors import FrameError
 from hub.gateways.accounts import STOPS_AT_ONCE, STOPS_PER_S, Accounts
 from hub.gateways.curve.command_filter import CommandFilter
 from hub.gcm import common, control, navigation
-from hub.gcm.navigation import Stop, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import Stop
 from hub.ipc.broker.peers import Peer
 from hub.ipc.broker.quotas import QUOTAS
 from hub.ipc.node.subscription import ReceivedFrame, Subscription
@@ -86,8 +87,8 @@ def frame(definition: object, value: object, number: int, sequence: int = 1) -> 
     )
 
 
-VELOCITY = navigation.VELOCITY_COMMAND, Twist.planar(0.5, 0.0)
-DRIVE = navigation.DRIVE_COMMAND, Twist.planar(0.5, 0.0)
+VELOCITY = navigation.VELOCITY_COMMAND, TwistStamped.planar(0.5, 0.0)
+DRIVE = navigation.DRIVE_COMMAND, TwistStamped.planar(0.5, 0.0)
 STOP_ALL = common.COMMON_COMMAND, common.CommonCommand(command=common.CommonCommandKind.STOP)
 ALIVE = control.CONSOLE_HEARTBEAT, control.ConsoleHeartbeat(holds=1)
 STOP = navigation.STOP, Stop(reason="help")
@@ -220,12 +221,12 @@ def test_no_command_is_a_batch_or_lies_in_a_ring(kind: int) -> None:
 
 def test_flood_of_commands_is_cut_to_the_rate_of_its_key_and_stops_pass_beside_it() -> None:
     door = Door()
-    velocity = frame(navigation.VELOCITY_COMMAND, Twist.planar(0.1, 0.0), ALICE)
+    velocity = frame(navigation.VELOCITY_COMMAND, TwistStamped.planar(0.1, 0.0), ALICE)
     most = QUOTAS[Role.OPERATE].commands_per_s
     assert sum(door.admit(velocity, "alice") is not None for _ in range(2000)) == most
     stop = frame(navigation.STOP, Stop(reason="now"), ALICE)
     assert door.admit(stop, "alice") == stop
-    other = frame(navigation.VELOCITY_COMMAND, Twist.planar(0.1, 0.0), BOB)
+    other = frame(navigation.VELOCITY_COMMAND, TwistStamped.planar(0.1, 0.0), BOB)
     assert door.admit(other, "bob") == other
     door.now += 0.1
     assert sum(door.admit(velocity, "alice") is not None for _ in range(2000)) == most * 0.1

@@ -16,7 +16,8 @@ from hub.gateways.curve.curve_gateway import CurveGateway, curve_gateway
 from hub.gateways.curve.removed_keys import RemovedKeys
 from hub.gcm import navigation
 from hub.gcm.common import COMMON_COMMAND, CommonCommand, CommonCommandKind
-from hub.gcm.navigation import STOP, Stop, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import STOP, Stop
 from hub.ipc.broker.central import Central
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.roles import Role
@@ -225,7 +226,7 @@ def test_operator_neither_stops_modules_nor_drives_wheels(hub: Hub) -> None:
     stop_all = CommonCommand(module="", command=CommonCommandKind.STOP)
     for number in (own, hub.module.client.number):
         raw.send(frame(COMMON_COMMAND, stop_all, number, 10_000_000))
-        drive = frame(navigation.DRIVE_COMMAND, Twist.planar(0.5, 0.0), number, 10_000_000)
+        drive = frame(navigation.DRIVE_COMMAND, TwistStamped.planar(0.5, 0.0), number, 10_000_000)
         raw.send(drive)
     dropped(hub, 4)
     assert ends == drives == []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import struct
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -12,7 +13,16 @@ import pytest
 
 from hub.errors import CodecError, MessageFormatError
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.formats.wire_types import FLOAT32, Counted, Fixed, Uint8, Uint64, Wire, format_of
+from hub.ipc.formats.wire_types import (
+    FLOAT32,
+    Counted,
+    Fixed,
+    Sequence,
+    Uint8,
+    Uint64,
+    Wire,
+    format_of,
+)
 from tests.support.cases import for_each
 
 
@@ -57,6 +67,7 @@ class Way:
     places: Annotated[tuple[Place, ...], Counted()] = ()
 
 
+_FLOATS = struct.pack("<2f", 1.0, 2.0)
 WAY = MessageDefinition(name="Way", type=Way)
 _PLACES = (Place(x=1.0, y=2.0), Place(x=3.0, y=4.0))
 
@@ -85,6 +96,43 @@ def test_numbers_of_elements_are_written_and_are_no_fields() -> None:
     back = WAY.decode(payload)
     assert (back.data.tolist(), back.places) == ([0, 1, 2], _PLACES)
     assert not hasattr(back, "count")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    numbers: Annotated[npt.NDArray[np.float32], Sequence()]
+    places: Annotated[tuple[Place, ...], Sequence()]
+
+
+ROW = MessageDefinition(name="Row", type=Row)
+
+
+def test_sequence_has_its_length_and_no_other_member() -> None:
+    assert ROW.wire_format == "{<float>,<{double,float}>}"
+    assert ROW.fields == "numbers, places[]{x, y}"
+    payload = b"".join(ROW.encode(Row(numbers=np.float32([1, 2, 3]), places=_PLACES[:1])))
+    assert payload == struct.pack("<4B I 3f I 4x d f", 0, 1, 0, 0, 3, 1, 2, 3, 1, 1, 2)
+    back = ROW.decode(payload)
+    assert (back.numbers.tolist(), back.places) == ([1.0, 2.0, 3.0], _PLACES[:1])
+
+
+@pytest.mark.parametrize("numbers", [[1, 2], (1.0, 2.0), np.array([1, 2], np.int8), _FLOATS])
+def test_sequence_of_numbers_takes_what_arrays_take(numbers: Any) -> None:
+    payload = b"".join(ROW.encode(Row(numbers=numbers, places=())))
+    assert ROW.decode(payload).numbers.tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("wrong", [None, 3, "ab", ["a"]])
+def test_what_is_no_sequence_is_refused(wrong: Any) -> None:
+    with pytest.raises(CodecError):
+        ROW.encode(Row(numbers=wrong, places=()))
+    with pytest.raises(CodecError):
+        ROW.encode(Row(numbers=[], places=wrong))
+
+
+def test_sequence_longer_than_its_payload_is_refused() -> None:
+    with pytest.raises(CodecError, match="elements cannot be in it"):
+        ROW.decode(struct.pack("<4B I", 0, 1, 0, 0, 1 << 31))
 
 
 def test_mapping_may_give_the_number_of_elements_if_it_is_right() -> None:

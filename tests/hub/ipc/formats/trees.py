@@ -83,7 +83,7 @@ def _structs(draw: st.DrawFn, depth: int, fewest: int) -> formats.Struct:
             if isinstance(node, formats.Primitive) and node.name in formats.INTEGERS
         ]
         if sizes and draw(_BOOLEANS):
-            chosen = draw(st.lists(st.sampled_from(sizes), min_size=1, max_size=2))
+            chosen = draw(st.lists(st.sampled_from(sizes), max_size=2))
             members.append(formats.VariableArray(draw(_solid(depth - 1, fewest)), tuple(chosen)))
         else:
             members.append(draw(inner))
@@ -132,7 +132,8 @@ def _members(draw: st.DrawFn, node: formats.Struct) -> tuple[Any, ...]:
         if isinstance(member, formats.SelfPointer):
             values.append(None)
         elif isinstance(member, formats.VariableArray):
-            count = math.prod(values[number - 1] for number in member.size_members)
+            chosen = [values[number - 1] for number in member.size_members]
+            count = math.prod(chosen) if chosen else draw(_LENGTHS)
             values.append(_array(draw, member.element, count))
         elif index in sizes:
             values.append(draw(_up_to(3)))

@@ -12,7 +12,8 @@ import numpy.typing as npt
 from hub.gcm.beam_scans import ScanReader
 from hub.gcm.beams import beams_of
 from hub.gcm.body import RobotBody
-from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState, Twist
+from hub.gcm.geometry import Twist
+from hub.gcm.navigation import DriveState, GroundTruth, MotionState, RobotState
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.modules.mapping.grid import OccupancyGrid

@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from hub.gcm.body import USUAL_RADIUS
-from hub.gcm.navigation import GroundTruth, Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import RangeReadings
 from hub.modules.driver.reports import drive_state
 from hub.modules.navigation.dynamic_window import body_of

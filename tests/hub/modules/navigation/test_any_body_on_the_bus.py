@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from hub.gcm.flight import ATTITUDE, Attitude
-from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND, Twist, Vector3
+from hub.gcm.geometry import Twist, TwistStamped, Vector3
+from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND
 from hub.gcm.ranges import RANGES, RangeReadings, scan_of
 from hub.modules.navigation.__main__ import Navigation
 from hub.robots.description import RobotDescription
@@ -44,7 +45,7 @@ class Scene:
         self.bus = TimedBus(monkeypatch)
         Navigation(self.bus, self.robot)  # type: ignore[arg-type]
         self.bus.send(DRIVE_STATE, AT_ORIGIN, "driver")
-        self.bus.send(VELOCITY_COMMAND, Twist(), "console")
+        self.bus.send(VELOCITY_COMMAND, TwistStamped(), "console")
 
     def measure(self, left: float, sender: str = "driver") -> None:
         """The laser measures a range to the left [m], and nothing elsewhere."""
@@ -57,10 +58,9 @@ class Scene:
     def commanded(self) -> Twist:
         """What the driver gets for the stick."""
         self.bus.send(DRIVE_STATE, AT_ORIGIN, "driver")
-        self.bus.send(VELOCITY_COMMAND, SIDEWAYS, "console")
-        twist: Twist = [each for _, name, each in self.bus.published if name == DRIVE_COMMAND.name][
-            -1
-        ]
+        self.bus.send(VELOCITY_COMMAND, TwistStamped.of(SIDEWAYS), "console")
+        given = [each for _, name, each in self.bus.published if name == DRIVE_COMMAND.name]
+        twist: Twist = given[-1].twist
         return twist
 
 

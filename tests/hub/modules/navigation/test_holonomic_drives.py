@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from hub.gcm.navigation import GoalCommand, Point, Task, Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.navigation import GoalCommand, Point, Task
 from hub.pose import Pose
 from hub.robots.description import RobotDescription
 from hub.robots.robot_file import read_description

@@ -8,7 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand, Twist
+from hub.gcm.geometry import Twist
+from hub.gcm.navigation import Assistance, GoalCommand, Point, Task, TurnCommand
 from hub.gcm.outline import corners
 from hub.grids.grid import Grid
 from hub.modules.navigation.assistance import LAPSE_S

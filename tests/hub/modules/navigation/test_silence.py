@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND, Twist
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND
 from hub.modules.navigation.__main__ import Navigation
 from hub.modules.navigation.speed_governor import SILENCE_S
 from hub.robots.robot_file import find_robot_file, read_description
@@ -23,8 +24,8 @@ def test_it_commands_zero_at_once_and_not_with_the_next_cycle(
     Navigation(bus, robot)  # type: ignore[arg-type]
     bus.wait(0.013)
     bus.send(DRIVE_STATE, AT_ORIGIN, "driver")
-    bus.send(VELOCITY_COMMAND, Twist(), "console")
-    bus.send(VELOCITY_COMMAND, Twist.planar(0.4, 0.0), "console")
+    bus.send(VELOCITY_COMMAND, TwistStamped(), "console")
+    bus.send(VELOCITY_COMMAND, TwistStamped.planar(0.4, 0.0), "console")
     told = bus.now
     bus.wait(1.0)
     commands = [

@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.body import Freedom, Motion
-from hub.gcm.navigation import Cause, MotionState, Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.navigation import Cause, MotionState
 from hub.modules.navigation.speed_governor import (
     ARMED_S,
     DRIVER_SILENCE_S,
