@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Iterator
 
-from hub.gcm.body import BodyFrame, CameraBody, RobotBody
+from hub.gcm.body import BodyFrame, CameraBody, HoldKind, RobotBody
 from hub.inspection import value_text
 from hub.inspection.output import put, table
 from hub.robots.description import RobotDescription
@@ -45,6 +45,7 @@ def _rows(body: RobotBody) -> Iterator[tuple[str, str, str]]:
     for camera in body.cameras:
         words = f"{_degrees(camera.horizontal_fov)} from left to right, {_head(camera)}"
         yield "camera", camera.name, f"{words}, {_place(frames[camera.name])}"
+    yield from _vehicle_rows(body)
     yield "left alone", "", body.left_alone
 
 
@@ -58,6 +59,20 @@ def _head(camera: CameraBody) -> str:
     if camera.zoom > 1.0:
         parts.append(f"zooms {camera.zoom:g} times")
     return ", ".join(parts) or "fixed"
+
+
+def _vehicle_rows(body: RobotBody) -> Iterator[tuple[str, str, str]]:
+    for hold in body.holds:
+        heading = hold.kind is HoldKind.HEADING
+        off = _degrees(hold.tolerance) if heading else f"{hold.tolerance:g} m"
+        yield "hold", hold.kind.name.lower(), f"fails when more than {off} off"
+    for light in body.lights:
+        yield "light", light.name, f"of the camera {light.camera!r}" if light.camera else ""
+    for joint in body.joints:
+        limits = f"{_degrees(joint.lowest)} to {_degrees(joint.highest)}"
+        yield "joint", joint.name, f"{limits}, {_degrees(joint.speed)} per second"
+    if body.arms:
+        yield "motors", "", "can be disarmed"
 
 
 def _place(frame: BodyFrame) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 
 from hub import toml_reader as toml
 from hub.gcm.body import MOST_CORNERS, USUAL_RADIUS, BodyFrame, Freedom, Motion, Point32, RobotBody
+from hub.gcm.vehicle import Arming
 from hub.ipc.endpoints import DEFAULT_PORT, LARGEST_PORT
 from hub.robots.body_tables import (
     BumperTable,
@@ -16,6 +17,7 @@ from hub.robots.body_tables import (
     RangeTable,
 )
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
+from hub.robots.vehicle_tables import HoldTable, JointTable, LightTable, camera_lights
 from hub.toml_reader import choice, key, number, plain_name, text, whole_number
 from hub.values import dataclass
 
@@ -81,6 +83,9 @@ class RobotDescription:
         ranges: The tables of the range sensors.
         bumpers: The tables of the bumpers.
         cameras: The tables of the cameras, the main one first.
+        holds: The tables of the holds.
+        lights: The tables of the lights that belong to no camera.
+        joints: The tables of the joints.
         modules: The unchecked tables under [modules].
     """
 
@@ -168,6 +173,12 @@ class RobotDescription:
     margin: float = key(
         number(0.0, 1.0), 0.05, "how far navigation keeps from obstacles besides [m]", at="body."
     )
+    arming: Arming = key(
+        choice({each.name.lower(): each for each in Arming}),
+        Arming.NONE,
+        "whether its motors can be disarmed, and how they start: `armed` or `disarmed`",
+        at="body.",
+    )
     left_alone: LeftAlone = key(
         choice({each.value: each for each in LeftAlone}),
         LeftAlone.STAND,
@@ -249,6 +260,9 @@ class RobotDescription:
     ranges: tuple[RangeTable, ...] = ()
     bumpers: tuple[BumperTable, ...] = ()
     cameras: tuple[CameraTable, ...] = ()
+    holds: tuple[HoldTable, ...] = ()
+    lights: tuple[LightTable, ...] = ()
+    joints: tuple[JointTable, ...] = ()
     modules: dict[str, Any]
 
     @property
@@ -272,6 +286,10 @@ class RobotDescription:
             bumpers=tuple(bumper for table in self.bumpers for bumper in table.bumpers),
             cameras=tuple(table.camera for table in self.cameras),
             left_alone=self.left_alone.value,
+            holds=tuple(table.hold for table in self.holds),
+            lights=(*camera_lights(self.cameras), *(table.light for table in self.lights)),
+            joints=tuple(table.joint for table in self.joints),
+            arms=int(self.arming is not Arming.NONE),
         )
 
     def _motions(self) -> tuple[Motion, ...]:

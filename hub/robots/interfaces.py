@@ -8,6 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.body import HoldKind
 from hub.gcm.diagnostics import DiagnosticStatus
 from hub.gcm.geometry import Twist
 from hub.gcm.joints import JointState
@@ -101,6 +102,47 @@ class BodyLeftAlone(Protocol):
 
         The driver calls this at each change; it goes on setting velocities.
         """
+
+
+@runtime_checkable
+class BodyHolds(Protocol):
+    """A `Body` that keeps height, depth, heading or position by itself, see `[[hold]]`."""
+
+    def hold(self, kind: HoldKind, target: float) -> None:
+        """Switch a hold on: go to the target [m or rad] and keep it; NaN: where it is now.
+
+        While the freedom is commanded, the hold waits; then it keeps the new place.
+        """
+
+    def release(self, kind: HoldKind) -> None:
+        """Switch a hold off: without a command the body brakes, then drifts."""
+
+
+@runtime_checkable
+class BodyLights(Protocol):
+    """A `Body` with lights of its own, see `[[light]]`."""
+
+    def set_light(self, name: str, brightness: float) -> None:
+        """Set the brightness of a light, 0 (off) to 1."""
+
+
+@runtime_checkable
+class BodyJoints(Protocol):
+    """A `Body` with joints, see `[[joint]]`."""
+
+    def turn_joint(self, name: str, rate: float) -> None:
+        """Turn a joint at a rate [rad/s] within its limits; 0 stops it.
+
+        The driver sends 0 when orders end.
+        """
+
+
+@runtime_checkable
+class BodyArms(Protocol):
+    """A `Body` whose motors can be switched off, see `[body] arming`."""
+
+    def arm(self, armed: bool) -> None:  # noqa: FBT001 - its only argument
+        """Give the motors power, or switch them off; then commands and holds move nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

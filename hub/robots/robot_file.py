@@ -24,6 +24,7 @@ from hub.robots.body_tables import (
     read_each,
 )
 from hub.robots.description import RobotDescription
+from hub.robots.vehicle_tables import VEHICLE, read_vehicle
 
 SHIPPED = Path(__file__).parent / "files"
 DEFAULT_ROBOT = "magellan"
@@ -99,7 +100,7 @@ def read_description(
     ), problems
 
 
-_BODY = ("frame", "range", "bumper", "camera")
+_BODY = ("frame", "range", "bumper", "camera", *VEHICLE)
 """The tables of the body that may occur several times."""
 
 
@@ -150,6 +151,7 @@ def _read_body(
         "ranges": tuple(ranges.values()),
         "bumpers": tuple(bumpers.values()),
         "cameras": tuple(cameras.values()),
+        **read_vehicle(data, cameras.values(), problems),
     }
 
 

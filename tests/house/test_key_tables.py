@@ -16,6 +16,7 @@ from hub import toml_reader
 from hub.robomon.module_table import ModuleSpec
 from hub.robots.body_tables import BumperTable, CameraTable, FrameTable, RangeTable
 from hub.robots.description import RobotDescription
+from hub.robots.vehicle_tables import HoldTable, JointTable, LightTable
 from hub.sim import arena_specs, spec_values
 from hub.sim.ground import specs as ground_specs
 from hub.toml_reader import REQUIRED, Key, Within, keys_of, tables_of
@@ -45,6 +46,9 @@ _BODY = {
     "`[[range]]`": RangeTable,
     "`[[bumper]]`": BumperTable,
     "`[camera]`": CameraTable,
+    "`[[hold]]`": HoldTable,
+    "`[[light]]`": LightTable,
+    "`[[joint]]`": JointTable,
 }
 
 

@@ -8,8 +8,7 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from hub.control_gate import follow_control
-from hub.gcm import flight, navigation, ranges
+from hub.gcm import diagnostics, flight, joints, navigation, ranges, vehicle
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
@@ -20,8 +19,11 @@ from hub.ipc.message_info import MessageInfo
 from hub.modules.driver import reports
 from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
+from hub.modules.driver.pace import Pace
+from hub.modules.driver.vehicle_orders import VehicleOrders
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
+from hub.robots.interfaces import Sensors
 from hub.robots.registry import kind_of
 from hub.runtime import run_module
 
@@ -52,13 +54,21 @@ class Driver:
         self._odometry = secrets.randbelow(2**32 - 1) + 1
         client.directory.follow(self._navigator.name, self._navigator.connected)
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
-        follow_control(client, self._control_changed)
+        self._orders = VehicleOrders(
+            client, self._body, robot, stop=self._halt, changed=self._control_changed
+        )
+        self._vehicle_pace = Pace(vehicle.VEHICLE_STATE.rate_hz)
+        self._problems_pace = Pace(diagnostics.DIAGNOSTICS.rate_hz)
+        self._joints_pace = Pace(1.0, joints.JOINT_STATES.rate_hz)
         client.define(
             navigation.DRIVE_STATE,
             ranges.RANGES,
             flight.ATTITUDE,
             flight.ALTITUDE,
             navigation.GROUND_TRUTH,
+            vehicle.VEHICLE_STATE,
+            diagnostics.DIAGNOSTICS,
+            joints.JOINT_STATES,
         )
         self._next_report = client.alarm(self._report)
         self._report_at = self._next_report.due = self._stepped + _PERIOD
@@ -87,6 +97,11 @@ class Driver:
 
     def _stop(self) -> None:
         self._body.command(Twist())
+
+    def _halt(self) -> None:
+        """Stop the wheels, and wait for a neutral command."""
+        self._watchdog.expire()
+        self._stop()
 
     def _report(self) -> None:
         self._watch()
@@ -117,12 +132,26 @@ class Driver:
             self._client.publish(ranges.RANGES, readings, measured=now)
         self._publish_slowly(flight.ATTITUDE, reports.attitude(sensors, stamp), now)
         self._publish_slowly(flight.ALTITUDE, reports.altitude(sensors, stamp), now)
+        self._publish_vehicle(sensors, stamp, now)
         rests = reports.stands(sensors)
         truth = self._body.ground_truth()
         if truth is not None:
             self._client.publish(navigation.GROUND_TRUTH, truth, measured=now)
             rests = rests and not self._client.has_subscribers(navigation.GROUND_TRUTH)
         return rests
+
+    def _publish_vehicle(self, sensors: Sensors, stamp: float, now: float) -> None:
+        """Publish what the body does besides its motion, what is wrong, and its joints."""
+        state = reports.vehicle(sensors, stamp)
+        self._orders.seen(state)
+        if self._vehicle_pace.due(reports.change_of(state), now):
+            self._client.publish(vehicle.VEHICLE_STATE, state, measured=now)
+        found = reports.diagnostics(sensors, stamp)
+        if self._problems_pace.due([(each.name, each.level) for each in found.status], now):
+            self._client.publish(diagnostics.DIAGNOSTICS, found, measured=now)
+        if sensors.joints and self._joints_pace.due(sensors.joints, now):
+            states = reports.joints(sensors, stamp)
+            self._client.publish(joints.JOINT_STATES, states, measured=now)
 
     def _publish_slowly(
         self, definition: MessageDefinition[T], value: T | None, now: float
@@ -134,8 +163,9 @@ class Driver:
             self._client.publish(definition, value, measured=now)
 
     def finish(self) -> None:
-        """Stop the wheels."""
+        """Stop the wheels and the joints."""
         self._stop()
+        self._orders.stop_joints()
         self._publish()
 
 
@@ -146,8 +176,14 @@ def build(client: Client, robot: RobotDescription) -> Callable[[], None]:
 
 def abilities(robot: RobotDescription) -> Abilities:
     """The abilities of the driver on a robot."""
-    simulated = (Capability.SIM_TRUTH,) if robot.simulated else ()
-    return Abilities(provides=(Capability.DRV_BASE, *simulated))
+    has = {
+        Capability.SIM_TRUTH: robot.simulated,
+        Capability.DRV_HOLD: robot.holds,
+        Capability.DRV_LIGHT: robot.lights,
+        Capability.DRV_JOINT: robot.joints,
+        Capability.DRV_ARM: robot.body.arms,
+    }
+    return Abilities(provides=(Capability.DRV_BASE, *(each for each, part in has.items() if part)))
 
 
 def main() -> int:

@@ -10,7 +10,8 @@ from hub.gcm.flight import Altitude, Attitude
 from hub.gcm.joints import JointStates
 from hub.gcm.navigation import DriveState
 from hub.gcm.standard import Header, Time
-from hub.gcm.vehicle import VehicleState
+from hub.gcm.vehicle import Arming, VehicleState
+from hub.modules.driver.problems import problems
 from hub.robots.interfaces import Sensors
 
 
@@ -68,20 +69,27 @@ def altitude(sensors: Sensors, stamp: float) -> Altitude | None:
 
 def vehicle(sensors: Sensors, stamp: float) -> VehicleState:
     """What the body does besides its motion."""
-    activity = sensors.vehicle.activity or ("stands" if stands(sensors) else "drives")
-    return dataclasses.replace(sensors.vehicle, stamp=stamp, activity=activity)
+    state = sensors.vehicle
+    activity = state.activity or ("stands" if stands(sensors) else "drives")
+    if state.arming is Arming.DISARMED:
+        activity = "disarmed"
+    return dataclasses.replace(state, stamp=stamp, activity=activity)
 
 
-def joints(sensors: Sensors, stamp: float) -> JointStates | None:
-    """The joints; None: the body has none."""
-    if not sensors.joints:
-        return None
+def change_of(state: VehicleState) -> tuple[object, ...]:
+    """What counts as a change of this state; targets and errors always differ a little."""
+    phases = tuple(hold.phase for hold in state.holds)
+    return state.activity, state.arming, phases, state.lights
+
+
+def joints(sensors: Sensors, stamp: float) -> JointStates:
+    """The joints."""
     return JointStates.of(sensors.joints, Header(stamp=Time.of(stamp)))
 
 
 def diagnostics(sensors: Sensors, stamp: float) -> Diagnostics:
     """What is wrong with the body now."""
-    return Diagnostics(header=Header(stamp=Time.of(stamp)), status=sensors.diagnostics)
+    return Diagnostics(header=Header(stamp=Time.of(stamp)), status=tuple(problems(sensors)))
 
 
 def stands(sensors: Sensors) -> bool:

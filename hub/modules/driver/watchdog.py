@@ -7,6 +7,7 @@
 | ALIVE | fresh command | follow | ALIVE |
 | ALIVE | late command: older than 0.3 s | refuse | ALIVE |
 | ALIVE | no fresh command for 0.3 s | wheels stop | EXPIRED |
+| any | `expire()` | none | EXPIRED |
 
 It starts EXPIRED.
 """
@@ -24,9 +25,11 @@ class CommandWatchdog:
         deadline: The wheels must stand from this time on [s].
     """
 
+    deadline: float
+
     def __init__(self, silence_s: float = SILENCE_S) -> None:
         self._silence_s = silence_s
-        self.deadline = float("-inf")
+        self.expire()
 
     def allows(self, measured: float, now: float, *, neutral: bool) -> bool:
         """Whether the driver follows a command that was given at `measured`, at `now` [s]."""
@@ -35,6 +38,10 @@ class CommandWatchdog:
             return False
         self.deadline = measured + self._silence_s
         return True
+
+    def expire(self) -> None:
+        """Forget the commands so far: the next one must be neutral."""
+        self.deadline = float("-inf")
 
     def expired(self, now: float) -> bool:
         """Whether no command is fresh at `now` [s], so that the wheels must stand."""

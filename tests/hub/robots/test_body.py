@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from hub.gcm.body import Freedom, RangeKind
+from hub.gcm.body import Freedom, HoldKind, RangeKind
+from hub.gcm.vehicle import Arming
 from hub.robots.description import RobotDescription
 from hub.robots.robot_file import read_description
 
@@ -119,3 +120,45 @@ def test_a_body_that_cannot_be_is_refused(tmp_path: Path, body: str, problem: st
     _, problems = described(tmp_path, body)
     assert len(problems) == 1
     assert problem in problems[0]
+
+
+def test_holds_lights_and_joints_are_described(tmp_path: Path) -> None:
+    robot, problems = described(
+        tmp_path,
+        'arming = "disarmed"\n[[hold]]\nkind = "depth"\n[[hold]]\nkind = "heading"\n'
+        '[[light]]\nname = "beacon"\n[[joint]]\nname = "arm"\nlowest_deg = -90\nhighest_deg = 45\n',
+    )
+    assert not problems
+    body = robot.body
+    depth, heading = body.holds
+    assert (depth.kind, depth.tolerance) == (HoldKind.DEPTH, 0.3)
+    assert (heading.kind, math.degrees(heading.tolerance)) == (
+        HoldKind.HEADING,
+        pytest.approx(20.0),
+    )
+    assert [(each.name, each.camera) for each in body.lights] == [
+        ("headlight", "camera"),
+        ("beacon", ""),
+    ]
+    (joint,) = body.joints
+    assert (joint.name, math.degrees(joint.highest)) == ("arm", pytest.approx(45.0))
+    assert math.degrees(joint.speed) == pytest.approx(45.0)
+    assert body.arms
+    assert robot.arming is Arming.DISARMED
+
+
+def test_each_mistake_of_holds_lights_and_joints_has_its_line(tmp_path: Path) -> None:
+    _, problems = described(
+        tmp_path,
+        'arming = "yes"\n[[hold]]\nkind = "dept"\n[[hold]]\nkind = "depth"\n[[hold]]\n'
+        'kind = "depth"\n[[light]]\nname = "headlight"\n[[joint]]\nname = "arm"\n'
+        "lowest_deg = 9\nhighest_deg = 1\n",
+    )
+    assert problems == [
+        "line 4: [body], key 'arming': 'yes' is none of none, disarmed, armed",
+        "line 6: [[hold]] 1, key 'kind': 'dept' is none of height, depth, heading, position;"
+        " did you mean 'depth'?",
+        "line 10: [[hold]] 3, key 'kind': there is another hold 'depth'",
+        "line 12: [[light]] 1, key 'name': there is another light 'headlight'",
+        "line 15: [[joint]] 1, key 'lowest_deg': 9 is not less than 'highest_deg', 1",
+    ]
