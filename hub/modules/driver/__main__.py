@@ -19,7 +19,7 @@ from hub.ipc.message_info import MessageInfo
 from hub.modules.driver import reports
 from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
-from hub.modules.driver.pace import Pace
+from hub.modules.driver.publishing_rate import PublishingRate
 from hub.modules.driver.vehicle_orders import VehicleOrders
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
@@ -57,9 +57,9 @@ class Driver:
         self._orders = VehicleOrders(
             client, self._body, robot, stop=self._halt, changed=self._control_changed
         )
-        self._vehicle_pace = Pace(vehicle.VEHICLE_STATE.rate_hz)
-        self._problems_pace = Pace(diagnostics.DIAGNOSTICS.rate_hz)
-        self._joints_pace = Pace(1.0, joints.JOINT_STATES.rate_hz)
+        self._vehicle_rate = PublishingRate(vehicle.VEHICLE_STATE.rate_hz)
+        self._problems_rate = PublishingRate(diagnostics.DIAGNOSTICS.rate_hz)
+        self._joints_rate = PublishingRate(1.0, joints.JOINT_STATES.rate_hz)
         client.define(
             navigation.DRIVE_STATE,
             ranges.RANGES,
@@ -144,12 +144,12 @@ class Driver:
         """Publish what the body does besides its motion, what is wrong, and its joints."""
         state = reports.vehicle(sensors, stamp)
         self._orders.seen(state)
-        if self._vehicle_pace.due(reports.change_of(state), now):
+        if self._vehicle_rate.due(reports.change_of(state), now):
             self._client.publish(vehicle.VEHICLE_STATE, state, measured=now)
         found = reports.diagnostics(sensors, stamp)
-        if self._problems_pace.due([(each.name, each.level) for each in found.status], now):
+        if self._problems_rate.due([(each.name, each.level) for each in found.status], now):
             self._client.publish(diagnostics.DIAGNOSTICS, found, measured=now)
-        if sensors.joints and self._joints_pace.due(sensors.joints, now):
+        if sensors.joints and self._joints_rate.due(sensors.joints, now):
             states = reports.joints(sensors, stamp)
             self._client.publish(joints.JOINT_STATES, states, measured=now)
 

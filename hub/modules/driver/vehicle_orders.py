@@ -1,13 +1,13 @@
 """Carries out the orders that are no motion: holds, arming, lights, joints.
 
-| event | of whom | action |
+| event | from | action |
 | --- | --- | --- |
 | DISARM | any operator | motors off, joints stop |
 | ARM | the owner of control | motors on; they wait for a neutral command |
 | HOLD, RELEASE, LIGHT | the owner of control | the body does it |
 | JOINT | the owner of control | the joint turns, if `CommandWatchdog` allows it |
 | no fresh JOINT for 0.3 s | | the joint stops, and waits for a 0 |
-| `GCM_Stop` | anybody | the joints stop; holds that are on keep the place of now |
+| `GCM_Stop` | any client | the joints stop; holds that are on keep the place of now |
 | another owner of control | | the joints stop |
 | an order for a part that the body lacks | any | refuse; say so in the log |
 """

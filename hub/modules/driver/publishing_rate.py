@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 
-class Pace:
+class PublishingRate:
     """The times of one message."""
 
     def __init__(self, slow: float, fast: float = 10.0) -> None:
