@@ -14,8 +14,9 @@ from hub.errors import RobotFileError
 from hub.gcm.body import HoldKind
 from hub.gcm.control import CONTROL_REFUSAL, CONTROL_STATE, ControlState
 from hub.gcm.diagnostics import DIAGNOSTICS, DiagnosticStatus, Severity
+from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.joints import JOINT_STATES, JointState
-from hub.gcm.navigation import DRIVE_COMMAND, STOP, GroundTruth, Stop, Twist
+from hub.gcm.navigation import DRIVE_COMMAND, STOP, GroundTruth, Stop
 from hub.gcm.vehicle import (
     VEHICLE_COMMAND,
     VEHICLE_STATE,
@@ -48,7 +49,8 @@ lowest_deg = -60.0
 highest_deg = 90.0
 speed_deg = 57.29577951308232
 """
-FORWARD, NEUTRAL = Twist.planar(0.4, 0.0), Twist()
+FORWARD = TwistStamped(twist=Twist.planar(0.4, 0.0))
+NEUTRAL = TwistStamped(twist=Twist())
 HOLD = VehicleCommand(order=VehicleOrder.HOLD, hold=HoldKind.DEPTH, value=1.5)
 RELEASE = VehicleCommand(order=VehicleOrder.RELEASE, hold=HoldKind.DEPTH)
 ARM, DISARM = (VehicleCommand(order=each) for each in (VehicleOrder.ARM, VehicleOrder.DISARM))
