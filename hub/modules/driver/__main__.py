@@ -79,8 +79,10 @@ class Driver:
         obeys = self._navigator.obeys(reception.publisher, now)
         if obeys and self._watchdog.allows(now - reception.age, now, neutral=twist.neutral):
             self._silence.due = self._watchdog.deadline
-            self._advance(now)  # the time until now passes with the velocity before
-            self._body.command(twist)
+            try:
+                self._advance(now)  # the time until now passes with the velocity before
+            finally:
+                self._body.command(twist)
             if not twist.neutral:
                 self._loss.watch.moved(now)
                 self._report_by(now + _PERIOD)
@@ -91,9 +93,11 @@ class Driver:
     def _watch(self) -> None:
         """Stop the wheels if no command is fresh any more."""
         now = time.monotonic()
-        self._advance(now)
-        if self._watchdog.expired(now):
-            self._stop()
+        try:
+            self._advance(now)
+        finally:
+            if self._watchdog.expired(now):
+                self._stop()
 
     def _stop(self) -> None:
         self._body.command(Twist())
@@ -104,19 +108,22 @@ class Driver:
         self._stop()
 
     def _report(self) -> None:
-        self._watch()
-        self._loss.update(self._stepped)
-        rests = self._publish()
-        period = _RESTING_PERIOD if rests else _PERIOD
-        # After a pause the reports that were missed are left out.
-        self._next_report.due = self._report_at = max(self._report_at + period, self._stepped)
+        period = _RESTING_PERIOD
+        try:
+            self._watch()
+            self._loss.update(self._stepped)
+            if not self._publish():
+                period = _PERIOD
+        finally:  # also after a fault; after a pause the reports that were missed are left out
+            self._next_report.due = self._report_at = max(self._report_at + period, self._stepped)
 
     def _report_by(self, time: float) -> None:
         self._next_report.due = self._report_at = min(self._report_at, time)
 
     def _advance(self, now: float) -> None:
-        self._body.advance(min(now - self._stepped, _LONGEST_STEP))
+        seconds = min(now - self._stepped, _LONGEST_STEP)
         self._stepped = now
+        self._body.advance(seconds)
 
     def _publish(self) -> bool:
         """Publish each state that the hardware gives; returns whether it may rest."""

@@ -26,11 +26,13 @@ class Wheels:
     Attributes:
         orders: Each change of velocity with its time [s].
         truth: What it says of its true pose.
+        broken: Whether each reading of the hardware raises an error.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self.orders: list[tuple[float, float]] = []
         self.truth: GroundTruth | None = None
+        self.broken = False
         self._clock = clock
         self._linear = 0.0
 
@@ -42,6 +44,9 @@ class Wheels:
 
     def advance(self, seconds: float) -> None:
         assert seconds >= 0.0
+        if self.broken:
+            text = "could not convert string to float"
+            raise ValueError(text)
 
     def sensors(self, stamp: float) -> Sensors:
         del stamp
@@ -126,3 +131,29 @@ def test_a_simulated_robot_that_stands_reports_as_often_while_its_true_pose_is_s
     scene.bus.watched = True
     scene.bus.wait(0.1)
     assert scene.rate(2.0) == pytest.approx(50.0, abs=1.0)
+
+
+def test_the_wheels_stop_although_the_hardware_cannot_be_read(scene: Scene) -> None:
+    scene.command(NEUTRAL)
+    scene.command(FORWARD)
+    scene.wheels.broken = True
+    told = scene.bus.now
+    scene.bus.wait_with_faults(1.0)
+    assert scene.wheels.orders[-1] == (pytest.approx(told + SILENCE_S, abs=1e-9), 0.0)
+
+
+def test_a_command_reaches_the_wheels_although_the_hardware_cannot_be_read(scene: Scene) -> None:
+    scene.command(NEUTRAL)
+    scene.command(FORWARD)
+    scene.wheels.broken = True
+    with pytest.raises(ValueError, match="could not convert"):
+        scene.command(NEUTRAL)
+    assert scene.wheels.orders[-1] == (scene.bus.now, 0.0)
+
+
+def test_the_reports_go_on_after_a_reading_that_failed(scene: Scene) -> None:
+    scene.wheels.broken = True
+    faults = scene.bus.wait_with_faults(1.0)
+    assert 10 <= faults <= 50, "neither silent nor a flood of errors"
+    scene.wheels.broken = False
+    assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)

@@ -53,6 +53,16 @@ class TimedBus:
             self._timers.run(self.now)
         self.now = end
 
+    def wait_with_faults(self, seconds: float) -> int:
+        """Let time pass as `run_module` does: after a fault the loop goes on; returns how many."""
+        end, faults = self.now + seconds, 0
+        while self.now < end:
+            try:
+                self.wait(end - self.now)
+            except Exception:  # noqa: BLE001 - any, as in the module
+                faults += 1
+        return faults
+
     def define(self, *_: object) -> None: ...
 
     def every(self, period: float, work: Callable[[], None]) -> Timer:
