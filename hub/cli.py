@@ -292,7 +292,10 @@ def command_parser() -> CommandParser:
     name.add_argument("name", help="message name; `rune-hub list` shows all")
     fields = CommandParser(add_help=False, parents=[name])
     fields.add_argument(
-        "fields", nargs="*", metavar="FIELD=VALUE", help="linear.x=0.5; fields left out are zero"
+        "fields",
+        nargs="*",
+        metavar="FIELD=VALUE",
+        help="twist.linear.x=0.5; fields left out are zero",
     )
 
     halt = commands.add_parser(

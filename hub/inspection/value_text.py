@@ -32,7 +32,7 @@ def value_from_text(
 
     Args:
         definition: Which message.
-        assignments: "field=value"; inner fields with dots, "linear.x=0.5"; arrays as JSON lists.
+        assignments: "field=value"; inner fields with dots, "twist.linear.x=0.5"; arrays as JSON lists.
         warn: Gets a sentence on each assignment that is left out.
 
     Raises:
@@ -42,7 +42,7 @@ def value_from_text(
     for assignment in assignments:
         path, equals, text = assignment.partition("=")
         if not equals:
-            reason = f"{shorten(assignment)} is no FIELD=VALUE, such as linear.x=0.5"
+            reason = f"{shorten(assignment)} is no FIELD=VALUE, such as twist.linear.x=0.5"
             raise CodecError(reason)
         counted = _counted_by(definition.record, path.split("."))
         if counted:

@@ -72,7 +72,7 @@ class Operator:
         for effect in effects:
             if isinstance(effect, SendEffect):
                 if effect.definition is VELOCITY_COMMAND:
-                    self.speeds[effect.robot] = effect.value.linear.x
+                    self.speeds[effect.robot] = effect.value.twist.linear.x
                 elif effect.definition is STOP:
                     self.stopped.append(effect.robot)
             elif isinstance(effect, ReleaseFirst):
