@@ -32,7 +32,8 @@ def value_from_text(
 
     Args:
         definition: Which message.
-        assignments: "field=value"; inner fields with dots, "twist.linear.x=0.5"; arrays as JSON lists.
+        assignments: "field=value"; inner fields with dots, "twist.linear.x=0.5"; arrays
+            as JSON lists.
         warn: Gets a sentence on each assignment that is left out.
 
     Raises:
