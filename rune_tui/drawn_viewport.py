@@ -138,7 +138,7 @@ class DrawnViewport:
         title = self.spec.title.replace(_ROBOT, state.title(robot.name) if robot else "no robot")
         if self.spec.robot == CHOSEN and state.peeked:
             return f"{title} · PEEK: keys drive nothing", f"{title} · PEEK", "PEEK"
-        return (title,)
+        return title, title.split(" ")[0]
 
     def robot(self, state: ConsoleState) -> RobotState | None:
         """The robot that the viewport shows."""

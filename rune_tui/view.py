@@ -265,11 +265,11 @@ class View:
     def _uncovered_rows(self) -> int:
         """Number of rows at the upper edge that nothing may cover: heads and vital viewports."""
         lines = {
-            pane.place.y // 2
+            row
             for pane in self.panes
             if pane.place.width == self._columns
-            and pane.place.height == 2
             and (pane.visualizer.rule.heads or pane.visualizer.rule.vital)
+            for row in range(pane.place.y // 2, (pane.place.y + pane.place.height) // 2)
         }
         return next(row for row in range(len(lines) + 1) if row not in lines)
 

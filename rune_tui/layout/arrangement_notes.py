@@ -108,5 +108,17 @@ def _collisions(
         pair = f"{quoted(first.name)} and {quoted(second.name)}"
         if one.spec.zpos == other.spec.zpos and one.area.meets(other.area):
             yield f"{pair} overlap {where} and have the same zpos"
-        elif first.robot != second.robot and one.area.touches(other.area) and of_robots:
+        elif (
+            first.robot != second.robot
+            and one.area.touches(other.area)
+            and of_robots
+            and not _parted(one, other, known)
+        ):
             yield f"{pair} show different robots and touch; leave a gap"
+
+
+def _parted(one: Placed, other: Placed, known: dict[str, ViewportSpec]) -> bool:
+    """Whether the title of the lower one stands between them."""
+    upper, lower = sorted((one, other), key=lambda each: each.area.y)
+    below = upper.area.y + upper.area.height <= lower.area.y
+    return below and bool(known[lower.spec.viewport].title)

@@ -30,6 +30,7 @@ from rune_tui.visualizers.words.marks import Marks
 from rune_tui.visualizers.words.mission import VisualizeMission
 from rune_tui.visualizers.words.modules import Modules
 from rune_tui.visualizers.words.status import Status
+from rune_tui.visualizers.words.team import Team
 
 VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeCameraImage": CameraImage,
@@ -40,6 +41,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizePanData": PanData,
     "visualizeRangeData": RangeData,
     "visualizeStatus": Status,
+    "visualizeTeam": Team,
     "visualizeTiltData": TiltData,
     "visualizeAttitude": Attitude,
     "visualizeBattery": Battery,

@@ -5,6 +5,7 @@ After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest tests/cons
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from pathlib import Path
 
@@ -151,7 +152,8 @@ def test_layout_looks_as_it_did(layout: str, size: tuple[int, int], state: str) 
         each.name: renamed(shown, each.name) if several else shown.with_(name=each.name)
         for each in opened.robots
     }
-    cells = rendered(view, robots, ConsoleState(now=NOW, held=("w",)))
+    console = dataclasses.replace(ConsoleState.at_start(opened, NOW), held=("w",))
+    cells = rendered(view, robots, console)
     assert cells is not None
     assert (cells.columns, cells.rows) == size
     text = plain_text(cells)

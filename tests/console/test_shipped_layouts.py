@@ -16,7 +16,7 @@ from rune_tui.compositor.depth import ColourDepth
 from rune_tui.controls.events import ControlEvent
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.placing import Placed, arrangement_for, placed
-from rune_tui.layout.spec import LayoutSpec
+from rune_tui.layout.spec import CHOSEN, LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, StateEffect
 from rune_tui.model.state_changes import changed
@@ -144,26 +144,55 @@ COMMON = {
 }
 """The console's own keys for help, messages and the palette are in every layout anyway."""
 SLOWS = {"]", "[", "1", "2", "3", "4"}
+TEAM = {"land-sea-air"}
+"""Layouts with keys for the chosen robot: there digits choose robots, and n is the next alarm."""
 
 
 @each_layout
 def test_the_keys_that_an_operator_expects_are_in_every_layout(path: Path) -> None:
     layout = shipped(path.stem)
+    of_team = path.stem in TEAM
     bound = {(w.handler, event.name) for w in all_widgets(layout) for event in w.events}
-    assert COMMON.items() <= bound
+    assert (COMMON | ({"widgetToggleNightMode": "z"} if of_team else {})).items() <= bound
     assert not any(name in {"ctrl+e", "ctrl+p"} for _, name in bound)
+    slows = SLOWS - set("1234") if of_team else SLOWS
     for robot in layout.robots:
         own = {
             (widget.handler, event.name)
             for viewport in layout.view.viewports
-            if viewport.robot == robot.name
+            if viewport.robot == (CHOSEN if of_team else robot.name)
             for widget in viewport.widgets
             for event in widget.events
         }
         assert ("widgetStop", "space") in own
-        assert {key for handler, key in own if handler == "widgetSpeedLimit"} >= SLOWS
+        assert {key for handler, key in own if handler == "widgetSpeedLimit"} >= slows
         assert any(handler == "widgetTakeControl" for handler, _ in own)
         assert any(handler == "widgetSetSpeed" for handler, _ in own)
+
+
+@each_layout
+def test_a_team_has_a_key_that_chooses_and_one_that_stops_each_robot(path: Path) -> None:
+    layout = shipped(path.stem)
+    if path.stem not in TEAM:
+        return
+    digits = iter("12345678")
+    for robot in layout.robots:
+        own = [
+            (widget, event.name)
+            for viewport in layout.view.viewports
+            if viewport.robot == robot.name
+            for widget in viewport.widgets
+            for event in widget.events
+        ]
+        chosen = {
+            key: widget.options.word("robot")
+            for widget, key in own
+            if widget.handler == "widgetChooseRobot"
+        }
+        assert chosen[next(digits)] == robot.name
+        stops = {key for widget, key in own if widget.handler == "widgetStop"}
+        assert "0" in stops
+        assert len(stops) > 1
 
 
 @pytest.mark.parametrize("name", ["two-robots", "land-sea-air"])

@@ -72,7 +72,7 @@ def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         keys = ", ".join(answer_keys(robot, state))
         answers = f": {keys}" if keys else ""
         text = f"{control.asker_operator} ASKS FOR CONTROL, {left}{answers}{more}"
-        yield Part(text, 9, Severity.ALARM)
+        yield Part(text, 9, Severity.ALARM, cause="control")
     else:
         text = f"{control.asker_operator} asks {control.operator}: {left}{more}"
         yield Part(text, 3)

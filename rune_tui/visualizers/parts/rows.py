@@ -93,10 +93,12 @@ def flowing(words: Iterable[TextRow], columns: int) -> Iterator[tuple[TextRow, .
         yield tuple(line)
 
 
-def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int) -> tuple[str, ...]:
-    """Rows of cells in aligned columns.
+def kept_columns(
+    cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int
+) -> dict[int, int]:
+    """The width [cells] of each column of a table that has room, by its number.
 
-    With little room the columns of least weight are left out, and the last one is cut.
+    Empty columns are left out; with little room those of least weight too.
 
     Args:
         cells: The cells of each row.
@@ -112,9 +114,15 @@ def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int)
     kept = [index for index, width in enumerate(widths) if width]
     while len(kept) > 1 and sum(map(room, kept)) + GAP * (len(kept) - 1) > columns:
         kept.remove(min(kept, key=lambda index: weights[index]))
+    return {index: widths[index] for index in kept}
+
+
+def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int) -> tuple[str, ...]:
+    """Rows of cells in aligned columns, as `kept_columns` says; the last one is cut."""
+    kept = kept_columns(cells, weights, columns).items()
     return tuple(
         cut(
-            (" " * GAP).join(printable_text(row[i]).ljust(widths[i]) for i in kept).rstrip(),
+            (" " * GAP).join(printable_text(row[i]).ljust(width) for i, width in kept).rstrip(),
             columns,
         )
         for row in cells

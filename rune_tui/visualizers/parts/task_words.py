@@ -43,13 +43,16 @@ def task_parts(robot: RobotState, now: float) -> Iterator[Part]:
     severity = _SEVERITIES.get(task.phase, Severity.PLAIN)
     if task.under_way and now - task.measured > SILENT_S:
         silent = duration(now - task.measured)
-        yield Part(f"{head(task)}, NOT HEARD FOR {silent}", 7, Severity.WARNING)
+        text = f"{head(task)}, NOT HEARD FOR {silent}"
+        yield Part(text, 7, Severity.WARNING, cause="task")
     elif task.phase is Phase.WAITING:
-        yield Part(task.why.replace("waits", "WAITS", 1), 7, severity, short="WAITS")
+        text = task.why.replace("waits", "WAITS", 1)
+        yield Part(text, 7, severity, short="WAITS", cause="task")
     elif task.under_way:
         yield Part(head(task), 7, severity)
     elif task.age(now) < SHOWN_S.get(task.phase, OTHERS_S):
-        yield Part(f"{head(task)}: {task.reason}", _OUTCOME_WEIGHT, severity, short=head(task))
+        text = f"{head(task)}: {task.reason}"
+        yield Part(text, _OUTCOME_WEIGHT, severity, short=head(task), cause="task")
 
 
 def task_rows(robot: RobotState, now: float) -> Iterator[Part]:

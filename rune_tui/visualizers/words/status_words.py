@@ -97,10 +97,10 @@ def _link(robot: RobotState, now: float) -> Part:
     if robot.link.phase is LinkPhase.CONNECTED:
         return Part("linked", 2, Severity.GOOD, gauge=True)
     if robot.link.phase is LinkPhase.CONNECTING:
-        return Part(f"connecting {seconds}", 9, Severity.WARNING)
+        return Part(f"connecting {seconds}", 9, Severity.WARNING, cause="link")
     lost = f"LINK LOST {seconds}"
     why = f": {robot.link.detail}" if robot.link.detail else ""
-    return Part(lost + why, 9, Severity.ALARM, short=lost)
+    return Part(lost + why, 9, Severity.ALARM, short=lost, cause="link")
 
 
 def _permission(robot: RobotState) -> Iterator[Part]:
@@ -110,13 +110,13 @@ def _permission(robot: RobotState) -> Iterator[Part]:
 
 def _motion(robot: RobotState, now: float) -> Iterator[Part]:
     if robot.navigation is None:
-        yield Part("no robot state yet", 7, Severity.WARNING)
+        yield Part("no robot state yet", 7, Severity.WARNING, cause="state")
         return
     age = robot.navigation.age(now)
     navigation = robot.navigation.value
     old = staleness(age) is not Staleness.FRESH
     if old and robot.link.phase is LinkPhase.CONNECTED:
-        yield Part(f"STATE {age_text(age)} OLD", 9, Severity.ALARM)
+        yield Part(f"STATE {age_text(age)} OLD", 9, Severity.ALARM, cause="state")
     known = (*_moving(robot, navigation, now), *_battery(navigation))
     yield from map(_past, known) if staleness(age) is Staleness.STALE else known
     yield from _obstacles(robot, now, silent=old)
@@ -138,7 +138,7 @@ def _obstacles(robot: RobotState, now: float, *, silent: bool) -> Iterator[Part]
         return
     age = measured.age(now)
     if linked and not silent and staleness(age) is not Staleness.FRESH:
-        yield Part(f"RANGES {age_text(age)} OLD", 8, Severity.ALARM)
+        yield Part(f"RANGES {age_text(age)} OLD", 8, Severity.ALARM, cause="ranges")
     nearest = _nearest(robot, now)
     yield from map(_past, nearest) if staleness(age) is Staleness.STALE else nearest
 
@@ -160,7 +160,7 @@ def _moving(robot: RobotState, navigation: NavigationState, now: float) -> Itera
     by_itself = tuple(task_parts(robot, now))
     if motion is not MotionState.GOING or not by_itself:
         severity = Severity.ALARM if motion in _FAULTS else Severity.PLAIN
-        yield Part(text, 7, severity, short=_SHORT_MOTION.get(text, ""))
+        yield Part(text, 7, severity, short=_SHORT_MOTION.get(text, ""), cause="motion")
     yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
     speed = f"{signed(navigation.linear, 2)} m/s"
@@ -198,7 +198,7 @@ def _battery(navigation: NavigationState) -> Iterator[Part]:
         (Severity.ALARM if grave == "CRITICAL" else Severity.WARNING) if low else Severity.PLAIN
     )
     short = " ".join(text.split()[: 3 if low else 2])
-    yield Part(text, 6 if low else 4.5, severity, short, gauge=not low)
+    yield Part(text, 6 if low else 4.5, severity, short, gauge=not low, cause="battery")
 
 
 def _nearest(robot: RobotState, now: float) -> Iterator[Part]:
@@ -209,7 +209,8 @@ def _nearest(robot: RobotState, now: float) -> Iterator[Part]:
         return
     room = float(ranges.room[number])
     word, weight, severity = _NEAREST[nearness_of(room, avoids=avoids_obstacles(robot, now))]
-    yield Part(f"{word} {room:.2f} m {side_of(ranges.bearing(number))}", weight, severity)
+    text = f"{word} {room:.2f} m {side_of(ranges.bearing(number))}"
+    yield Part(text, weight, severity, cause="near" if severity is Severity.ALARM else "")
 
 
 _NEAREST = {
@@ -258,7 +259,8 @@ def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     prefix = f"{camera} " if camera else ""
     usual = usual_age(pictures[camera].value)
     if age > max(ALARM_AFTER_S, usual):
-        yield Part(f"{prefix.upper()}PICTURE {age_text(age)} OLD", 8, Severity.ALARM)
+        text = f"{prefix.upper()}PICTURE {age_text(age)} OLD"
+        yield Part(text, 8, Severity.ALARM, cause="picture")
     elif age > max(MENTION_AFTER_S, usual):
         yield Part(f"{prefix}picture {age_text(age)} old", 5)
 

@@ -78,16 +78,19 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         pressed = pressed_bumpers(robot.body, navigation.bumpers)
         sides = dict.fromkeys(side_of(bumper.direction) for bumper in pressed)
         if sides:
-            yield Part(f"BUMPER PRESSED {' and '.join(sides)}", 8, Severity.ALARM)
+            text = f"BUMPER PRESSED {' and '.join(sides)}"
+            yield Part(text, 8, Severity.ALARM, cause="bumper")
         if navigation.assistance is Assistance.OFF:
             yield Part("ASSISTANCE OFF: it drives into walls", 5, Severity.WARNING)
     mission = mission_of(robot)
     if mission is not None and mission.fault:
-        yield Part(f"NOT KEPT: {mission.fault}", 8, Severity.ALARM)
+        yield Part(f"NOT KEPT: {mission.fault}", 8, Severity.ALARM, cause="mission")
     if waiting := state.overdue_marks(robot.name):
         marks = "1 mark" if waiting == 1 else f"{waiting} marks"
-        yield Part(f"NOT CONFIRMED BY THE ROBOT: {marks}", 8, Severity.ALARM)
+        text = f"NOT CONFIRMED BY THE ROBOT: {marks}"
+        yield Part(text, 8, Severity.ALARM, cause="marks")
     starts = state.now - robot.link.since < START_S
     for name, lack in sorted(robot.link.lacking.items()):
         if lack.kind is LackKind.BROKEN or (lack.kind is LackKind.COMING and not starts):
-            yield Part(f"{name} MISSING: {lack.why}", 4, Severity.WARNING)
+            text = f"{name} MISSING: {lack.why}"
+            yield Part(text, 4, Severity.WARNING, cause=f"missing {name}")

@@ -179,6 +179,23 @@ def test_check_notes_pictures_of_two_robots_that_touch(tmp_path: Path) -> None:
     assert list(arrangement_notes(open_layout(path))) == []
 
 
+def test_a_title_parts_the_pictures_of_two_robots(tmp_path: Path) -> None:
+    path = tmp_path / "two.xml"
+    robots = "".join(
+        f'<robot name="{name}"><capability name="VIS_VID"/></robot>' for name in ("left", "right")
+    )
+    panes = "".join(
+        f'<viewport name="{name}" robot="{name}" {title} xpos="0" ypos="{y}" xsize="80" ysize="9">'
+        '<visualizer function="visualizeCameraImage"/></viewport>'
+        for name, title, y in (("left", "", 0), ("right", "{title}", 9))
+    )
+    text = f'<rune>{robots}<view xsize="80" ysize="18">{panes}</view></rune>'
+    path.write_text(text.replace("{title}", ""))
+    assert len(list(arrangement_notes(open_layout(path)))) == 1
+    path.write_text(text.replace("{title}", 'title="right"'))
+    assert list(arrangement_notes(open_layout(path))) == []
+
+
 def place(name: str, x: int, y: int, width: int, height: int, zpos: int = 0) -> PlaceSpec:
     return PlaceSpec(viewport=name, xpos=x, ypos=y, xsize=width, ysize=height, zpos=zpos)
 
