@@ -26,6 +26,23 @@ def poses_of(frames: tuple[BodyFrame, ...]) -> dict[str, tuple[Floats, Floats]]:
     return poses
 
 
+def in_base(frames: tuple[BodyFrame, ...], name: str) -> BodyFrame | None:
+    """A frame as a child of `base_link`; None: there is none of that name."""
+    found = poses_of(frames).get(name)
+    if found is None:
+        return None
+    turn, (x, y, z) = found[0].tolist(), found[1].tolist()
+    return BodyFrame(
+        name=name,
+        x=x,
+        y=y,
+        z=z,
+        roll=math.atan2(turn[2][1], turn[2][2]),
+        pitch=math.asin(min(1.0, max(-1.0, -turn[2][0]))),
+        yaw=math.atan2(turn[1][0], turn[0][0]),
+    )
+
+
 def rotation(roll: float, pitch: float, yaw: float) -> Floats:
     """The matrix that turns axes by yaw, then pitch, then roll, shape (3, 3)."""
     cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)

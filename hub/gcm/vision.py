@@ -99,6 +99,11 @@ class CameraState:
         name: Name of the camera, as in `GCM_RobotDescription`.
         mount_left: Camera to the left of the robot's centre [m].
         mount_yaw: Direction in which it looks at pan 0, from straight ahead [rad].
+        mount_pitch: Pitch of its mount [rad], positive down.
+        mount_roll: Roll of its mount [rad], positive right side down.
+        robot_roll: The robot's roll then [rad], as in `GCM_Attitude`; NaN: not measured.
+        robot_pitch: Its pitch then [rad]; NaN: not measured.
+        robot_above_ground: Its origin above the ground then [m]; 0: it stands; NaN: not known.
     """
 
     stamp: Stamp
@@ -120,6 +125,23 @@ class CameraState:
     name: Name = ""
     mount_left: Mount = 0.0
     mount_yaw: Radians = 0.0
+    mount_pitch: Radians = 0.0
+    mount_roll: Radians = 0.0
+    robot_roll: RadiansIfKnown = math.nan
+    robot_pitch: RadiansIfKnown = math.nan
+    robot_above_ground: MetresIfKnown = 0.0
+
+    @property
+    def stands(self) -> bool:
+        """Whether the robot stands on the ground."""
+        return self.robot_above_ground == 0.0
+
+    @property
+    def robot_tilt(self) -> tuple[float, float]:
+        """The robot's roll and pitch [rad]; level if it does not measure them."""
+        if math.isnan(self.robot_roll) or math.isnan(self.robot_pitch):
+            return 0.0, 0.0
+        return self.robot_roll, self.robot_pitch
 
 
 CAMERA_STATE = MessageDefinition(name="GCM_CameraState", type=CameraState, rate_hz=10.0)

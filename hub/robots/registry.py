@@ -56,11 +56,12 @@ def _simulated_body(robot: RobotDescription) -> Body:
 
 
 def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
+    from hub.gcm.frames import in_base
     from hub.robots.simulated_camera import SimulatedCamera
     from hub.sim.arena import load_arena
     from hub.sim.camera.mount import Mount
 
-    frame = table.frame
+    frame = in_base(robot.body.frames, table.name) or table.frame
     return SimulatedCamera(
         load_arena(robot.arena),
         body=table.camera,

@@ -1,18 +1,21 @@
 """Converts pixels of the camera's picture to angles and places on the ground, and back.
 
 The chain is the report's (Appendix B.11.50 to 53): pixel - angles in the image - angles at the
-camera's mount - point on the ground in the robot's frame - point in `map` (`pose.Pose`). The
-conventions:
+camera's mount - point on the ground in the robot's frame - point in `map` (`pose.Pose`).
+
+The ground is a plane. That of a robot that stands is the one under its wheels, also on a ramp. That
+of a robot that flies or dives is level, as far below as it measures. The conventions:
 
 | frame | axes |
 | --- | --- |
 | picture | x right, y down [px] from the upper left corner; pixel (0, 0) spans 0 to 1 |
 | image angles | from the picture's centre [rad], positive left and up |
-| mount angles | left of straight ahead, and up from the horizontal [rad] |
+| mount angles | left of straight ahead, and up from the ground's plane [rad] |
 | robot | x ahead, y left of its centre, on the ground [m] |
 
-The camera is a pinhole with square pixels and no roll, as in the simulator. The tangent of an image
-angle is proportional to the distance from the centre; pan and tilt turn rays in space.
+The camera is a pinhole with square pixels, as in the simulator. The tangent of an image
+angle is proportional to the distance from the centre; pan and tilt turn rays in space, and so do
+the mount and the tilt of a robot that flies or dives.
 
 The report adds pan and tilt to the image angles instead, which is exact only in the middle column.
 At 20 degrees down and the edges of the wide picture (48.8 degrees), its error is a tenth of the
@@ -30,6 +33,7 @@ from typing import Final, Self
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.frames import rotation
 from hub.gcm.vision import CameraState
 from hub.values import dataclass
 from rune_tui.model.sightings import Floats, GroundPoints, SeenPoints, Spread
@@ -38,6 +42,8 @@ _LEAST_DEPRESSION: Final = 1e-9
 """Least sine of the angle below the horizon at which a ray meets the ground."""
 _NARROWEST: Final = 1e-6
 """Least field of view of a camera [rad]."""
+_SAME_PLACE: Final = 1e-9
+"""Two ends of a horizon that are nearer are one point."""
 _LEAST_DEPTH: Final = 1e-9
 """Least distance ahead of the camera; nearer points count as behind it [m]."""
 
@@ -53,8 +59,8 @@ class PictureGeometry:
         height: Height of the picture [px].
         half_width: Tangent of half the field of view from left to right.
         half_height: Tangent of half the field of view from top to bottom.
-        pan: Angle from the robot's straight ahead [rad], positive left.
-        tilt: Angle from the horizontal [rad], positive up.
+        axes: Axes of the camera in the robot's frame, one after the other: along the optical axis,
+            to the left, up.
         mount_forward: Camera ahead of the robot's centre [m].
         mount_height: Camera above the ground [m].
         mount_left: Camera to the left of the robot's centre [m].
@@ -66,27 +72,38 @@ class PictureGeometry:
     height: float
     half_width: float
     half_height: float
-    pan: float
-    tilt: float
+    axes: tuple[float, ...]
     mount_forward: float
     mount_height: float
     mount_left: float = 0.0
 
     @classmethod
-    def of(cls, camera: CameraState, width_px: int, height_px: int) -> Self | None:
+    def of(
+        cls, camera: CameraState, width_px: int, height_px: int, *, level: bool = False
+    ) -> Self | None:
         """The geometry of a picture of this size; None: the camera's state has none.
+
+        It has none while the height of a robot that flies or dives is not known.
 
         Args:
             camera: The state with the picture. Its vertical field of view is that of a
                 4:3 picture. Pixels are square, so the horizontal one is enough.
             width_px: Width of the picture.
             height_px: Height of the picture.
+            level: Whether the ground is level also under a robot that stands tilted.
         """
-        pan = camera.pan + camera.mount_yaw
-        mount = (camera.mount_forward, camera.mount_left, camera.mount_height)
-        numbers = (pan, camera.tilt, *mount)
         usable = _NARROWEST < camera.horizontal_fov < math.pi and width_px > 0 < height_px
-        if not usable or not all(map(math.isfinite, numbers)) or camera.mount_height <= 0.0:
+        mounted = camera.mount_forward, camera.mount_left, camera.mount_height
+        turns = camera.pan, camera.tilt, camera.mount_yaw, camera.mount_pitch, camera.mount_roll
+        numbers = (*turns, *mounted, *camera.robot_tilt, camera.robot_above_ground)
+        if not usable or not all(map(math.isfinite, numbers)):
+            return None
+        tilted = level or not camera.stands
+        body = rotation(*(camera.robot_tilt if tilted else (0.0, 0.0)), 0.0)
+        head = rotation(camera.mount_roll, camera.mount_pitch, camera.mount_yaw)
+        axes = body @ head @ rotation(0.0, -camera.tilt, camera.pan)
+        forward, left, height = (body @ mounted + (0.0, 0.0, camera.robot_above_ground)).tolist()
+        if height <= 0.0:
             return None
         half_width = math.tan(camera.horizontal_fov / 2.0)
         return cls(
@@ -96,11 +113,10 @@ class PictureGeometry:
             height=height_px,
             half_width=half_width,
             half_height=half_width * height_px / width_px,
-            pan=pan,
-            tilt=camera.tilt,
-            mount_forward=camera.mount_forward,
-            mount_height=camera.mount_height,
-            mount_left=camera.mount_left,
+            axes=tuple(axes.T.ravel().tolist()),
+            mount_forward=forward,
+            mount_height=height,
+            mount_left=left,
         )
 
     def shown(self, left: float, top: float, width: float, height: float) -> Self:
@@ -113,31 +129,53 @@ class PictureGeometry:
         return self.mount_forward, self.mount_left
 
     @property
+    def pan(self) -> float:
+        """Direction from straight ahead [rad] of the picture's middle; of its top, looking down."""
+        ahead, up = self.axes[:3], self.axes[6:]
+        x, y = (ahead[each] - ahead[2] * up[each] for each in (0, 1))
+        return math.atan2(y, x)
+
+    @property
     def horizon(self) -> float:
-        """Row of the level horizon [px]; may be outside the picture, and inf."""
-        if abs(self.tilt) >= math.pi / 2.0:
-            return math.copysign(math.inf, self.tilt)
-        return self.top + self.height / 2.0 * (1.0 + math.tan(self.tilt) / self.half_height)
+        """Row of the horizon in the middle column [px]; may be outside the picture, and inf."""
+        ahead, up = self.axes[2], self.axes[8]
+        if up <= _LEAST_DEPRESSION:
+            return math.copysign(math.inf, ahead)
+        return self.top + self.height / 2.0 * (1.0 + ahead / up / self.half_height)
+
+    @property
+    def horizon_line(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
+        """The ends of the horizon in the picture [px]; None: it is not in the picture."""
+        # It is where rays have no component down: a + b left + c up = 0, with the tangents.
+        a, b, c = self.axes[2], self.axes[5], self.axes[8]
+        wide, high = self.half_width, self.half_height
+        found = [(side, -(a + b * side) / c) for side in (wide, -wide) if c]
+        found += [(-(a + c * side) / b, side) for side in (high, -high) if b]
+        inside = [(x, y) for x, y in found if abs(x) <= wide and abs(y) <= high]
+        if not inside:
+            return None
+        first = inside[0]
+        last = max(inside, key=lambda each: math.dist(first, each))
+        if math.dist(first, last) < _SAME_PLACE:
+            return None
+        (x0, y0), (x1, y1) = self._pixels(np.array((first, last))).tolist()
+        return (x0, y0), (x1, y1)
 
     def image_angles(self, pixels: npt.ArrayLike) -> Floats:
         """Angles from the picture's centre [rad], left and up, of pixels; shape (..., 2) both."""
         return np.arctan(self._tangents(pixels))
 
     def mount_angles(self, image_angles: npt.ArrayLike) -> Floats:
-        """Angles left of straight ahead and up from the horizontal [rad], shape (..., 2) both."""
+        """Angles left of straight ahead and up from the ground [rad], shape (..., 2) both."""
         ahead, left, up = self._level(np.tan(np.asarray(image_angles, np.float64)))
-        return np.stack(
-            (self.pan + np.arctan2(left, ahead), np.arctan2(up, np.hypot(ahead, left))), axis=-1
-        )
+        return np.stack((np.arctan2(left, ahead), np.arctan2(up, np.hypot(ahead, left))), axis=-1)
 
     def ground(self, pixels: npt.ArrayLike) -> GroundPoints:
         """Points of the ground at pixels of shape (..., 2)."""
         ahead, left, up = self._level(self._tangents(pixels))
         on_ground = up < -_LEAST_DEPRESSION * np.sqrt(ahead**2 + left**2 + up**2)
         reach = self.mount_height / np.where(on_ground, -up, np.nan)
-        cos, sin = math.cos(self.pan), math.sin(self.pan)
-        points = np.stack((ahead * cos - left * sin, ahead * sin + left * cos), axis=-1)
-        points *= reach[..., None]
+        points = np.stack((ahead, left), axis=-1) * reach[..., None]
         points += self.mount
         return GroundPoints(points=points, on_ground=on_ground)
 
@@ -167,19 +205,17 @@ class PictureGeometry:
         ahead, left, up = self._level(self._tangents(pixels))
         on_ground = up < -_LEAST_DEPRESSION * np.sqrt(ahead**2 + left**2 + up**2)
         down = np.where(on_ground, -up, np.nan)
-        # A step sideways turns the ray left only; a step down turns it ahead and down.
         aside = 2.0 * self.half_width / self.width
         below = 2.0 * self.half_height / self.height
-        side = np.stack((np.zeros_like(down), aside / down), axis=-1)
-        ahead_step, down_step = below * math.sin(self.tilt), below * math.cos(self.tilt)
-        near = np.stack((ahead_step * down - ahead * down_step, -left * down_step), axis=-1)
-        near /= down[..., None] ** 2
         away = np.arctan2(left, ahead)
         cos, sin = np.cos(away), np.sin(away)
-        covered = np.zeros_like(side)
-        for step in (side, near):
-            covered[..., 0] += np.abs(step[..., 0] * cos + step[..., 1] * sin)
-            covered[..., 1] += np.abs(step[..., 1] * cos - step[..., 0] * sin)
+        covered = np.zeros((*np.shape(down), 2))
+        # A step of one pixel turns the ray along an axis of the picture.
+        for (dx, dy, dz), size in ((self.axes[3:6], aside), (self.axes[6:], below)):
+            step_x = size * (dx * down + ahead * dz) / down**2
+            step_y = size * (dy * down + left * dz) / down**2
+            covered[..., 0] += np.abs(step_x * cos + step_y * sin)
+            covered[..., 1] += np.abs(step_y * cos - step_x * sin)
         return covered * self.mount_height
 
     def spread(self, x: float, y: float) -> Spread | None:
@@ -199,9 +235,9 @@ class PictureGeometry:
         """
         x, y = np.moveaxis(np.asarray(points, np.float64), -1, 0)
         x, y = x - self.mount_forward, y - self.mount_left
-        cos, sin = math.cos(self.pan), math.sin(self.pan)
         down = np.broadcast_to(np.asarray(heights, np.float64) - self.mount_height, np.shape(x))
-        return self._tilted(x * cos + y * sin, y * cos - x * sin, down)
+        rays: Floats = np.stack((x, y, down), axis=-1) @ self._turn.T
+        return rays
 
     def pixels_of_rays(self, rays: Floats) -> Floats:
         """Pixels, shape (..., 2), of rays as from `rays`, all of them ahead of the camera."""
@@ -228,13 +264,12 @@ class PictureGeometry:
             axis=-1,
         )
 
-    def _level(self, tangents: Floats) -> tuple[Floats, Floats, Floats]:
-        """Rays turned by the tilt: level ahead, left, and up from the ground."""
-        left, up = np.moveaxis(tangents, -1, 0)
-        cos, sin = math.cos(self.tilt), math.sin(self.tilt)
-        return cos - up * sin, left, sin + up * cos
+    @property
+    def _turn(self) -> Floats:
+        """Turns the robot's frame into the camera's, shape (3, 3)."""
+        return np.array(self.axes).reshape(3, 3)
 
-    def _tilted(self, ahead: Floats, left: Floats, up: Floats) -> Floats:
-        """The reverse of `_level`: along the optical axis, left and up, shape (..., 3)."""
-        cos, sin = math.cos(self.tilt), math.sin(self.tilt)
-        return np.stack((ahead * cos + up * sin, left, up * cos - ahead * sin), axis=-1)
+    def _level(self, tangents: Floats) -> tuple[Floats, Floats, Floats]:
+        """Rays in the robot's frame: ahead, left, and up from the ground."""
+        rays = np.concatenate((np.ones_like(tangents[..., :1]), tangents), axis=-1) @ self._turn
+        return rays[..., 0], rays[..., 1], rays[..., 2]

@@ -14,10 +14,14 @@ range sensors. The first row that applies decides:
 An obstacle behind the floor's place does not count. The line may pass over an obstacle, if it is
 there higher than the known height of obstacles. Then the floor behind is possible too, and the
 error is as large as the distance to it.
+
+The floor before a robot that stands tilted may be the plane under its wheels, or level. The error
+is as large as the distance between these two places.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Final
 
@@ -124,6 +128,19 @@ def place_of_pixel(
         distance=away,
         source=source,
     )
+
+
+def unsure(place: WorldPoint, level: WorldPoint | None) -> WorldPoint:
+    """A place on the floor before a tilted robot, as uncertain as where the floor goes on.
+
+    Args:
+        place: The place by the plane under the robot's wheels.
+        level: The place by level ground; None: the pixel shows none.
+    """
+    if place.source is not DistanceSource.FLOOR:
+        return place
+    off = math.hypot(place.x - level.x, place.y - level.y) if level else place.distance
+    return dataclasses.replace(place, uncertainty=max(place.uncertainty, off))
 
 
 def hidden(

@@ -10,14 +10,17 @@ from collections.abc import Callable
 
 from hub.control_gate import ControlGate
 from hub.errors import CameraError, HubError
-from hub.gcm import navigation, vision
+from hub.gcm import flight, navigation, vision
+from hub.gcm.body import Freedom
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.frames import in_base
 from hub.gcm.pose_history import PoseHistory
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
 from hub.modules.vision.camera_service import CameraService
 from hub.modules.vision.pose_feed import PoseFeed, PoseSource
+from hub.modules.vision.stances import Stances
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import RobotDescription
 from hub.robots.registry import camera_moves, open_camera
@@ -37,9 +40,16 @@ class Vision:
         self._client = client
         self._clock = time.monotonic
         self._poses = PoseHistory()
+        free = (motion.freedom for motion in robot.body.motions)
+        self._stances = Stances(stands=Freedom.HEAVE not in free)
         tables = _tables(robot)
         self._cameras = {
-            table.name: CameraService(table, open_camera(robot, table), self._poses)
+            table.name: CameraService(
+                in_base(robot.body.frames, table.name) or table.frame,
+                open_camera(robot, table),
+                self._poses,
+                self._stances,
+            )
             for table in tables
         }
         self._main = tables[0].name
@@ -47,7 +57,11 @@ class Vision:
             self._cameras[table.name].camera for table in tables if _simulated(robot, table)
         ]
         self._gate = ControlGate(client)
-        sources = [PoseSource(definition=navigation.ROBOT_STATE, handler=self._remember)]
+        sources = [
+            PoseSource(definition=navigation.ROBOT_STATE, handler=self._remember),
+            PoseSource(definition=flight.ATTITUDE, handler=self._tilted, awaited=False),
+            PoseSource(definition=flight.ALTITUDE, handler=self._rose, awaited=False),
+        ]
         if self._simulated:
             sources.append(PoseSource(definition=navigation.GROUND_TRUTH, handler=self._place))
         self._feed = PoseFeed(client, sources)
@@ -136,6 +150,12 @@ class Vision:
 
     def _remember(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         self._poses.add(state, reception.measured)
+
+    def _tilted(self, attitude: flight.Attitude, reception: MessageInfo) -> None:
+        self._stances.tilted(attitude, reception.measured)
+
+    def _rose(self, altitude: flight.Altitude, reception: MessageInfo) -> None:
+        self._stances.rose(altitude, reception.measured)
 
     def _place(self, truth: navigation.GroundTruth, reception: MessageInfo) -> None:
         for camera in self._simulated:

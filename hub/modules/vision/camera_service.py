@@ -7,11 +7,12 @@ import time
 from collections.abc import Callable
 
 from hub.gcm import vision
+from hub.gcm.body import BodyFrame
 from hub.gcm.pose_history import PoseHistory
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness, prepare
-from hub.robots.body_tables import CameraTable
+from hub.modules.vision.stances import Stances
 from hub.robots.cropping import vertical_fov
 from hub.robots.interfaces import Camera
 
@@ -21,21 +22,24 @@ class CameraService:
 
     def __init__(
         self,
-        table: CameraTable,
+        frame: BodyFrame,
         camera: Camera,
         poses: PoseHistory,
+        stances: Stances,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Take over an open camera.
 
         Args:
-            table: The camera in the robot file.
+            frame: Its name and its mount on the robot, in `base_link`.
             camera: The camera itself.
             poses: The robot's poses in the last seconds.
+            stances: Its tilts and heights in the last seconds.
             clock: Monotonic time [s].
         """
-        self._table = table
+        self._frame = frame
         self._poses = poses
+        self._stances = stances
         self._clock = clock
         self._night = NightMode()
         self._advanced = clock()
@@ -44,7 +48,7 @@ class CameraService:
     @property
     def name(self) -> str:
         """Its name in the robot file."""
-        return self._table.name
+        return self._frame.name
 
     def close(self) -> None:
         """Switch the headlight off and release the camera."""
@@ -84,17 +88,24 @@ class CameraService:
         return image, taken.measured
 
     def state(self, measured: float) -> vision.CameraState:
-        """Its state, with the robot's pose at `measured` [s]."""
-        place = self._poses.at(measured)
+        """Its state, with the robot's pose and stance at `measured` [s]."""
+        frame, place, stance = self._frame, self._poses.at(measured), self._stances.at(measured)
         stamp = time.time() - (self._clock() - measured)
         return dataclasses.replace(
             self.camera.camera_state(stamp),
-            name=self._table.name,
-            mount_left=self._table.left,
-            mount_yaw=self._table.yaw,
+            name=frame.name,
+            mount_forward=frame.x,
+            mount_left=frame.y,
+            mount_height=frame.z,
+            mount_yaw=frame.yaw,
+            mount_pitch=frame.pitch,
+            mount_roll=frame.roll,
             robot_x=place.x,
             robot_y=place.y,
             robot_theta=place.theta,
+            robot_roll=stance.roll,
+            robot_pitch=stance.pitch,
+            robot_above_ground=stance.above_ground,
             gain=self._night.gain,
         )
 

@@ -3,7 +3,7 @@
 | state | event | action | next state |
 | --- | --- | --- | --- |
 | ASLEEP | a need | subscribe | WAKING |
-| WAKING | a pose of each kind, or the end of 0.25 s | do the work that waits | AWAKE |
+| WAKING | a pose of each awaited kind, or the end of 0.25 s | do the work that waits | AWAKE |
 | AWAKE | a need | do its work | AWAKE |
 | AWAKE | no need for 5 s | unsubscribe | ASLEEP |
 
@@ -46,10 +46,12 @@ class PoseSource:
     Attributes:
         definition: The message.
         handler: Takes each of them.
+        awaited: Whether pictures wait for the first.
     """
 
     definition: MessageDefinition[Any]
     handler: Handler
+    awaited: bool = True
 
 
 class PoseFeed:
@@ -104,7 +106,7 @@ class PoseFeed:
     def _wake(self, now: float) -> None:
         self._asleep = False
         self._wake_by = now + WAKE_S
-        self._missing = {source.definition.name for source in self._sources}
+        self._missing = {each.definition.name for each in self._sources if each.awaited}
         for source in self._sources:
             self._client.subscribe(source.definition, self._handler(source))
 

@@ -23,7 +23,7 @@ from rune_tui.model.cameras import (
 )
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.geometry import PictureGeometry
-from rune_tui.model.line_of_sight import Surroundings, place_of_pixel
+from rune_tui.model.line_of_sight import Surroundings, place_of_pixel, unsure
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_ranges import ranges_of
 from rune_tui.model.robot_state import Picture, RobotState
@@ -192,7 +192,12 @@ class CameraImage:
         frame = self._frame(picture, size, state)
         # An enlarged picture has no more details than its own pixels.
         coarse = max(1.0, frame.width / columns, frame.height / rows)
-        return place_of_pixel(frame.shown(whole), pixel, coarse, _surroundings(robot, pose))
+        around = _surroundings(robot, pose)
+        place = place_of_pixel(frame.shown(whole), pixel, coarse, around)
+        level = PictureGeometry.of(picture.camera, columns, rows, level=True)
+        if place is None or level is None or level == whole:
+            return place
+        return unsure(place, place_of_pixel(frame.shown(level), pixel, coarse, around))
 
     def _draw_marks(
         self, canvas: Canvas, robot: RobotState, picture: Picture, state: ConsoleState

@@ -49,11 +49,15 @@ class _Ground:
 
     Attributes:
         geometry: The picture and its camera.
+        level: The same over level ground, for the horizon; None: not known.
+        stands: Whether the robot stands on the ground.
         pose: The robot's pose then; None: not known.
         received: The message with the camera's state.
     """
 
     geometry: PictureGeometry
+    level: PictureGeometry | None
+    stands: bool
     pose: Pose | None
     received: Received[Any]
 
@@ -74,12 +78,24 @@ class _Ground:
         geometry = PictureGeometry.of(camera, *size)
         if geometry is None:
             return None
-        return cls(geometry=geometry, pose=Pose.of(camera), received=received)
+        return cls(
+            geometry=geometry,
+            level=PictureGeometry.of(camera, *size, level=True),
+            stands=camera.stands,
+            pose=Pose.of(camera),
+            received=received,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroundPlane:
     """Lines at whole distances from the robot's centre, the horizon, and the path ahead.
+
+    | the robot | the lines lie |
+    | --- | --- |
+    | stands, also tilted on a ramp | in the plane under its wheels; the horizon is level |
+    | flies or dives | on level ground at the depth that it measures, without the path |
+    | flies or dives, and does not know its height | nowhere |
 
     The rest is clear; it covers a camera viewport of the same place, size and fit.
 
@@ -101,8 +117,8 @@ class GroundPlane:
 
     rule: ClassVar = VisualizerRule(
         meaning="lines on the ground at known distances, the horizon, and the ground that the "
-        "robot will pass over; to lie over a viewport of the camera's picture of the same place, "
-        "size and fit",
+        "robot will pass over, unless it flies or dives; to lie over a viewport of the camera's "
+        "picture of the same place, size and fit",
         message="GCM_CameraState",
         others=("GCM_RobotState", ROBOT_DESCRIPTION.name, RANGES.name),
         option=NumberOption(
@@ -168,7 +184,8 @@ class GroundPlane:
         stop: list[Floats] | None = None
         with drawing(canvas) as pen:
             _draw_lines(pen, visible_lines(geometry, uncovered(self._lines(), covers)), grid)
-            _draw_horizon(pen, geometry, grid)
+            if ground.level is not None:
+                _draw_horizon(pen, frame.shown(ground.level), grid)
             if course is not None and way is not None:
                 ink = state.theme.faint if course.old else state.theme.accent
                 stop = _draw_way(pen, geometry, way, covers, ink, state.theme.warning)
@@ -187,7 +204,8 @@ class GroundPlane:
             return state.theme.name
         look = age_look(ground.received, state.now)
         course = _course(robot, ground, state)
-        return ground.geometry, look, course, _covers(robot, state), state.theme.name
+        covers = _covers(robot, state)
+        return ground.geometry, ground.level, look, course, covers, state.theme.name
 
     def _distances(self) -> Floats:
         count = math.floor(self.farthest / self.spacing + 1e-9)
@@ -250,8 +268,11 @@ def _covers(robot: RobotState, state: ConsoleState) -> tuple[float, ...]:
 
 
 def _course(robot: RobotState, ground: _Ground, state: ConsoleState) -> Course | None:
-    """The robot's command, in its frame at the time of the picture."""
-    if robot.navigation is None:
+    """The robot's command, in its frame at the time of the picture.
+
+    None for a robot that flies or dives: it does not pass over the ground that would be marked.
+    """
+    if robot.navigation is None or not ground.stands:
         return None
     step, _ = age_look(robot.navigation, state.now)
     if step is Staleness.STALE:
@@ -270,10 +291,9 @@ def _draw_lines(pen: Pen, pieces: list[Floats], colour: Colour, width: float = 1
 
 
 def _draw_horizon(pen: Pen, geometry: PictureGeometry, colour: Colour) -> None:
-    row = geometry.horizon
-    if geometry.top <= row < geometry.top + geometry.height:
-        ends = [(geometry.left, row), (geometry.left + geometry.width, row)]
-        pen.dashes(ends, colour, dash=_DASH, gap=_GAP)
+    if (ends := geometry.horizon_line) is not None:
+        first, last = sorted(ends)
+        pen.dashes([first, last], colour, dash=_DASH, gap=_GAP)
 
 
 def _draw_way(

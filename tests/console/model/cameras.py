@@ -56,4 +56,18 @@ CAMERAS = st.builds(
     robot_y=numbers(-50.0, 50.0),
     robot_theta=numbers(-math.pi, math.pi),
 )
+FLYING = st.builds(
+    camera,
+    pan=numbers(-math.pi, math.pi),
+    tilt=numbers(-1.5, 1.5),
+    horizontal_fov=numbers(0.3, 2.0),
+    mount_forward=numbers(-0.5, 0.5),
+    mount_height=numbers(-0.3, 0.3),
+    mount_pitch=numbers(-0.5, 0.5),
+    mount_roll=numbers(-0.5, 0.5),
+    robot_roll=numbers(-0.6, 0.6),
+    robot_pitch=numbers(-0.6, 0.6),
+    robot_above_ground=numbers(1.0, 30.0),
+)
+"""Cameras of robots that fly, tilted."""
 SIZES = st.sampled_from([(160, 120), (320, 240), (160, 90), (90, 160), (1, 1)])

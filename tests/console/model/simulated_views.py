@@ -29,18 +29,39 @@ def camera(things: str) -> SimulatedCamera:
 
 
 def take(
-    things: str, robot: Pose, aim: tuple[float, float, float], size: tuple[int, int]
+    things: str,
+    robot: Pose,
+    aim: tuple[float, float, float],
+    size: tuple[int, int],
+    stance: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Picture:
-    """A picture and where it was taken, as the vision module would send them."""
+    """A picture and where it was taken, as the vision module would send them.
+
+    Args:
+        things: What stands in the hall.
+        robot: Where the robot is.
+        aim: Pan, tilt and zoom.
+        size: Of the picture [pixels].
+        stance: Its height [m], roll and pitch [rad].
+    """
     taker = camera(things)
     pan, tilt, zoom = aim
     taker.move(CameraCommand(motion=CameraMotion.ABSOLUTE, pan=pan, tilt=tilt, zoom=zoom))
     taker.advance(60.0)
-    taker.place(robot.x, robot.y, robot.theta)
+    above, roll, pitch = stance
+    taker.place(robot.x, robot.y, robot.theta, z=above, roll=roll, pitch=pitch)
     picture = taker.take(*size, 0.0)
     state = dataclasses.replace(taker.camera_state(0.0), horizontal_fov=picture.horizontal_fov)
     assert (state.pan, state.tilt) == pytest.approx((pan, tilt)), "beyond the head's limits"
-    state = dataclasses.replace(state, robot_x=robot.x, robot_y=robot.y, robot_theta=robot.theta)
+    state = dataclasses.replace(
+        state,
+        robot_x=robot.x,
+        robot_y=robot.y,
+        robot_theta=robot.theta,
+        robot_roll=roll,
+        robot_pitch=pitch,
+        robot_above_ground=above,
+    )
     return Picture(pixels=picture.pixels, camera=state)
 
 

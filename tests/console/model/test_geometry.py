@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hub.gcm.vision import CameraState
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.pose import Pose
-from tests.console.model.cameras import CAMERAS, SIZES, WIDE, camera, geometry, numbers
+from tests.console.model.cameras import CAMERAS, FLYING, SIZES, WIDE, camera, geometry, numbers
 from tests.support.cases import for_each
 
 
@@ -31,7 +31,7 @@ def built(state: CameraState, size: tuple[int, int]) -> tuple[PictureGeometry, P
     return found, place
 
 
-@given(state=CAMERAS, size=SIZES)
+@given(state=st.one_of(CAMERAS, FLYING), size=SIZES)
 def test_pixel_to_map_to_pixel_is_the_identity_for_every_pixel_on_the_ground(
     state: CameraState, size: tuple[int, int]
 ) -> None:
@@ -219,3 +219,38 @@ def test_no_pixel_whatever_its_numbers_gives_half_a_place(
     with np.errstate(all="ignore"):
         found = view.ground_point(x, y)
     assert found is None or all(map(math.isfinite, found))
+
+
+@given(state=FLYING, x=numbers(1.0, 159.0), y=numbers(1.0, 119.0))
+def test_the_spread_of_a_pixel_of_a_tilted_robot_is_what_its_sides_differ_by(
+    state: CameraState, x: float, y: float
+) -> None:
+    view, _ = built(state, (160, 120))
+    spread, place = view.spread(x, y), view.ground_point(x, y)
+    small = 1e-4
+    sides = [view.ground_point(x + small, y), view.ground_point(x, y + small)]
+    if spread is None or place is None or None in sides or spread.along > 1.0:
+        return
+    steps = [(side[0] - place[0], side[1] - place[1]) for side in sides if side]
+    away = math.atan2(place[1] - view.mount_left, place[0] - view.mount_forward)
+    cos, sin = math.cos(away), math.sin(away)
+    along = sum(abs(dx * cos + dy * sin) for dx, dy in steps) / small
+    across = sum(abs(dy * cos - dx * sin) for dx, dy in steps) / small
+    assert (spread.along, spread.across) == pytest.approx((along, across), rel=1e-2, abs=1e-4)
+
+
+def test_a_robot_that_flies_has_a_geometry_only_while_it_knows_its_height() -> None:
+    low = camera(mount_height=0.0, robot_above_ground=0.4)
+    assert PictureGeometry.of(low, 160, 120) is not None
+    unknown = camera(robot_above_ground=math.nan)
+    assert PictureGeometry.of(unknown, 160, 120) is None
+
+
+def test_the_ground_of_a_robot_that_stands_tilted_is_the_plane_under_its_wheels() -> None:
+    tilted = {"robot_roll": 0.1, "robot_pitch": -0.2}
+    assert geometry(**tilted) == geometry()
+    level = PictureGeometry.of(camera(**tilted), 160, 120, level=True)
+    assert level is not None
+    assert level.horizon == pytest.approx(
+        60.0 * (1.0 + math.tan(0.2) / level.half_height), rel=0.01
+    )

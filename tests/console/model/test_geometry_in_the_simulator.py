@@ -24,10 +24,14 @@ from tests.support.cases import for_each
 
 
 def looked(
-    things: str, robot: Pose, aim: tuple[float, float, float], size: tuple[int, int]
+    things: str,
+    robot: Pose,
+    aim: tuple[float, float, float],
+    size: tuple[int, int],
+    stance: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[npt.NDArray[np.uint8], PictureGeometry]:
     """A picture and its geometry."""
-    picture = take(things, robot, aim, size)
+    picture = take(things, robot, aim, size, stance)
     rows, columns = picture.pixels.shape[:2]
     view = PictureGeometry.of(picture.camera, columns, rows)
     assert view is not None
@@ -35,11 +39,15 @@ def looked(
 
 
 def foot_of(
-    thing: str, robot: Pose, aim: tuple[float, float, float], size: tuple[int, int]
+    thing: str,
+    robot: Pose,
+    aim: tuple[float, float, float],
+    size: tuple[int, int],
+    stance: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[float, float, float]:
     """Where the lowest pixel that a thing covers is on the ground: map x, y [m], and its range."""
-    pixels, view = looked(thing, robot, aim, size)
-    empty, _ = looked("", robot, aim, size)
+    pixels, view = looked(thing, robot, aim, size, stance)
+    empty, _ = looked("", robot, aim, size, stance)
     rows, columns = np.nonzero((pixels != empty).any(axis=2))
     lowest = rows.max()
     assert 0 < lowest < size[1] - 1, "its foot is not in the picture"
@@ -106,3 +114,38 @@ def test_the_horizon_is_where_no_ray_of_the_simulator_falls_any_more(
     ground = view.ground(np.stack(np.indices((120, 160))[::-1] + 0.5, axis=-1)).on_ground
     ceiling = pixels.astype(int)[..., 2] - pixels.astype(int)[..., 0]
     assert ceiling[~ground].min() > ceiling[ground].max()
+
+
+@for_each(
+    ("above", "roll", "pitch", "tilt"),
+    [
+        (1.2, 0.0, 0.0, -0.4),
+        (1.2, 0.25, 0.0, -0.4),
+        (1.2, 0.0, 0.2, -0.3),
+        (2.0, -0.3, 0.15, -0.4),
+        (0.8, 0.15, 0.3, 0.0),
+    ],
+)
+def test_a_robot_that_flies_tilted_finds_the_foot_of_a_post_within_3_percent(
+    above: float, roll: float, pitch: float, tilt: float
+) -> None:
+    robot = Pose(x=POST[0] - 3.0, y=POST[1] - 0.2, theta=0.0)
+    x, y, away = foot_of(LANDMARK, robot, (0.0, tilt, 0.0), (320, 240), (above, roll, pitch))
+    assert abs(math.dist((x, y), POST) - POST_RADIUS) < 0.03 * away
+
+
+@for_each(("roll", "pitch", "pan"), [(0.3, 0.0, 0.4), (-0.2, 0.1, -0.8), (0.5, -0.1, 0.0)])
+def test_the_horizon_of_a_tilted_robot_is_a_line_across_the_picture(
+    roll: float, pitch: float, pan: float
+) -> None:
+    robot = Pose(x=0.0, y=0.0, theta=0.3)
+    pixels, view = looked("", robot, (pan, 0.0, 0.0), (160, 120), (1.0, roll, pitch))
+    ground = view.ground(np.stack(np.indices((120, 160))[::-1] + 0.5, axis=-1)).on_ground
+    ceiling = pixels.astype(int)[..., 2] - pixels.astype(int)[..., 0]
+    assert ceiling[~ground].min() > ceiling[ground].max()
+    ends = view.horizon_line
+    assert ends is not None
+    for x, y in ends:
+        assert min(x, 160.0 - x, y, 120.0 - y) == pytest.approx(0.0, abs=1e-6)
+        assert view.ground_point(x, y + 1.0) is not None
+        assert view.ground_point(x, y - 1.0) is None

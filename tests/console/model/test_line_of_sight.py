@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.model.geometry import PictureGeometry
-from rune_tui.model.line_of_sight import SURE_HEIGHT_M, Surroundings, hidden, place_of_pixel
+from rune_tui.model.line_of_sight import SURE_HEIGHT_M, Surroundings, hidden, place_of_pixel, unsure
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_ranges import RobotRanges
 from rune_tui.model.world import DistanceSource, WorldPoint
@@ -179,3 +180,14 @@ def test_a_mark_behind_a_wall_of_the_map_is_hidden_and_one_at_it_is_not() -> Non
 
     assert [is_hidden(x) for x in (1.0, WALL_M + 0.1, 3.0)] == [False, False, True]
     assert not hidden(WorldPoint(x=9.0, y=0.0, uncertainty=0.1), HERE, (0.0, 0.0), None)
+
+
+def test_a_place_on_the_floor_before_a_tilted_robot_may_be_on_the_ramp_or_on_level_ground() -> None:
+    floor, wall_ = clicked(row_of_floor(0.8)), clicked(geometry().horizon - 20.0, grid=wall())
+    assert floor is not None
+    assert wall_ is not None
+    level = dataclasses.replace(floor, x=floor.x + 0.5)
+    assert unsure(floor, level).uncertainty == pytest.approx(0.5)
+    assert unsure(floor, None).uncertainty == floor.distance
+    assert unsure(floor, floor) == floor
+    assert unsure(wall_, level) == wall_

@@ -262,3 +262,43 @@ def test_the_token_changes_only_with_what_is_drawn(made) -> None:
 def test_any_canvas_will_do(made, draw, size, fit) -> None:
     for motion in ({"commanded_linear": 0.5}, {"commanded_angular": 1.0}, {}):
         draw(NAME, robot_at(made, age=9.0, **motion), size, fit=fit, option=0.1, farthest=20.0)
+
+
+def flown(made, **stance):
+    """A robot that drives ahead, tilted or in the air, as its picture says."""
+    camera = made.camera(**LOW | {"tilt": 0.0} | stance)
+    picture = Picture(pixels=np.zeros((120, 160, 3), np.uint8), camera=camera)
+    moves = made.navigation(linear=0.3, commanded_linear=0.3)
+    return made.robot(picture=made.received(picture), navigation=made.received(moves))
+
+
+def test_the_lines_below_a_robot_that_flies_lie_on_the_ground_without_a_path(made, draw) -> None:
+    stance = {"robot_above_ground": 1.5, "robot_roll": 0.2, "robot_pitch": 0.4}
+    canvas = draw(NAME, flown(made, **stance), SIZE)
+    view = geometry(made, tilt=0.0, **stance)
+    for ahead, left in ((3.0, 0.4), (4.0, -0.5)):
+        assert has(canvas, DARK.ink, view.pixels((ahead, left)).pixels)
+    assert not painted(canvas, DARK.accent)
+    assert "stop" not in text(canvas)
+    assert painted(draw(NAME, flown(made), SIZE), DARK.accent)
+
+
+def test_without_a_height_a_robot_that_flies_has_no_lines(made, draw) -> None:
+    canvas = draw(NAME, flown(made, robot_above_ground=math.nan), SIZE)
+    assert not canvas.pixels.any()
+
+
+def test_the_horizon_of_a_robot_on_a_ramp_is_level_and_its_lines_are_those_of_the_ramp(
+    made, draw
+) -> None:
+    ramp = draw(NAME, flown(made, robot_pitch=-0.2, robot_roll=0.0), SIZE)
+    view = geometry(made, tilt=0.0)
+    assert has(ramp, DARK.ink, view.pixels((2.0, 0.15)).pixels)
+    level = PictureGeometry.of(
+        made.camera(**LOW | {"tilt": 0.0, "robot_pitch": -0.2, "robot_roll": 0.0}),
+        *SIZE,
+        level=True,
+    )
+    assert level is not None
+    row = ramp.pixels[int(level.horizon), 20:, 3] > 0
+    assert 0.4 < row.mean() < 0.8
