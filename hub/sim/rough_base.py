@@ -315,13 +315,8 @@ class RoughBase:
             lifted = max(values[0], pose.z + _FASTEST_LIFT * STEP)
             values[0], rates[0] = min(here.lowest_z, lifted), max(rates[0], 0.0)
         self.climb = (values[0] - pose.z) / STEP
-        moves = (*rates, self.climb, self.linear, self.wheel_linear, self.angular)
-        self._is_at_rest = (
-            max(map(abs, (*moves, self.wheel_angular, self.slide_speed))) < _AT_REST
-            and self._angles == self._wanted_angles
-            and self._commanded == (0.0, 0.0)
-        )
         self._rates = (rates[0], rates[1], rates[2])
+        self._rest(rates[1], rates[2])
         self.pose = SpatialPose(
             x=pose.x, y=pose.y, z=values[0], roll=values[1], pitch=values[2], yaw=pose.yaw
         )
@@ -333,9 +328,21 @@ class RoughBase:
         after = self._walls.move(pose, Pose(x=pose.x + x, y=pose.y + y, theta=pose.yaw))
         ground = self._field.height(after.x, after.y, below=pose.z + _ROUNDING)
         self.pose, self.climb = fallen(pose, after, self._rates[0], ground, reach, STEP)
+        turns = (self.pose.roll - pose.roll) / STEP, (self.pose.pitch - pose.pitch) / STEP
         self._rates = (self.climb, 0.0, 0.0)
         self._stance = None
         self.linear = self.angular = 0.0
         self.stuck, self.high_centred, self.slip, self.slide_speed = linear != 0.0, False, 1.0, 0.0
         self.wheel_linear, self.wheel_angular = linear, angular
         self._odometry.moved(linear * STEP, angular * STEP, STEP)
+        self._rest(*turns)
+
+    def _rest(self, roll_rate: float, pitch_rate: float) -> None:
+        """Stand until the next command, if nothing moves; the rates are in rad/s."""
+        speeds = (self.linear, self.climb, self._rates[0], self.wheel_linear, self.slide_speed)
+        turns = (self.angular, self.wheel_angular, roll_rate, pitch_rate)
+        self._is_at_rest = (
+            max(map(abs, (*speeds, *turns))) < _AT_REST
+            and self._angles == self._wanted_angles
+            and self._commanded == (0.0, 0.0)
+        )

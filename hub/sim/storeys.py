@@ -35,12 +35,14 @@ class Storeys:
         decks = set(field.deck_boxes)
         self._boxes = tuple(box for box in arena.boxes if box not in decks)
         self._cylinders = arena.cylinders
+        self._names = tuple(map(str, range(len(self._boxes) + len(self._cylinders))))
         self._field = field
         self._chassis = chassis
         self._contacts_before = 0
         self._floor: int | None = None
         self._bumpers = bumpers
-        self._body = ContactBody(arena.footprints, chassis.reach, bumpers)
+        self._among = arena.footprints
+        self._body = ContactBody(self._among, chassis.reach, bumpers)
         around = np.arange(_RIM_POINTS) * (math.tau / _RIM_POINTS)
         self._rim = np.cos(around) * chassis.reach, np.sin(around) * chassis.reach
 
@@ -64,15 +66,19 @@ class Storeys:
         if floor != self._floor:
             self._floor = floor
             self._contacts_before += self._body.contacts
-            origins = ("",) * (len(self._boxes) + len(self._cylinders))
-            footprints = footprints_of(
+            touched = {self._among.origin[number] for number in self._body.touched}
+            self._among = footprints = footprints_of(
                 self._boxes,
                 self._cylinders,
-                origins,
+                self._names,
                 ground=floor * STOREY,
                 height=self._chassis.height,
             )
             self._body = ContactBody(footprints, self._chassis.reach, self._bumpers)
+            # What it touched before is no new contact.
+            self._body.touched = frozenset(
+                number for number, name in enumerate(footprints.origin) if name in touched
+            )
         start = Pose(x=before.x, y=before.y, theta=before.yaw)
         if self._below_a_deck(before, wanted) and not self._below_a_deck(before, start):
             wanted = Pose(x=before.x, y=before.y, theta=wanted.theta)

@@ -240,6 +240,15 @@ def test_what_stands_below_the_deck_does_not_stop_it_above_and_walls_do() -> Non
     assert (base.linear, base.stuck) == (pytest.approx(0.0, abs=1e-3), False)
 
 
+def test_a_wall_that_it_touches_all_the_way_up_a_ramp_is_one_contact() -> None:
+    wall = "[[wall]]\nfrom = [0.0, 1.95]\nto = [9.0, 1.95]\nheight = 3.0\n"
+    base = RoughBase(ground_arena(ramp(15) + wall, (0.6, 1.53), heading_deg=8.0), TRACKED)
+    drive(base, 4.0)
+    assert base.pose.z > 0.5
+    assert base.touches
+    assert base.contacts == 1
+
+
 @settings(max_examples=repetitions(4, 40))
 @given(
     seed=st.integers(0, 2**32),
