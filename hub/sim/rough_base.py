@@ -211,11 +211,8 @@ class RoughBase:
         if speed == 0.0:
             return self._footing.stance(pose), 0.0
         seconds = self.chassis.bridge / speed + STEP
-        there = moved(Pose(x=pose.x, y=pose.y, theta=pose.yaw), linear * seconds, angular * seconds)
-        other = SpatialPose(
-            x=there.x, y=there.y, z=pose.z, roll=pose.roll, pitch=pose.pitch, yaw=there.theta
-        )
-        here = self._footing.stance(pose, other)
+        there = moved(pose.plan, linear * seconds, angular * seconds)
+        here = self._footing.stance(pose, pose.at(there))
         return here, 0.0 if here is None else here.rise / (speed * seconds)
 
     def _need(self, here: Stance, grade: float) -> float:
@@ -258,12 +255,10 @@ class RoughBase:
 
     def _move(self, linear: float, angular: float, speed: float, turn: float, here: Stance) -> None:
         before = self.pose
-        wanted = moved(Pose(x=before.x, y=before.y, theta=before.yaw), speed * STEP, turn * STEP)
+        wanted = moved(before.plan, speed * STEP, turn * STEP)
         self.slide_speed = self._slide(here)
         if self.slide_speed > 0.0:
-            way = self.slide_speed * STEP
-            x, y = wanted.x + here.downhill[0] * way, wanted.y + here.downhill[1] * way
-            wanted = Pose(x=x, y=y, theta=wanted.theta)
+            wanted = _shifted(wanted, here.downhill, self.slide_speed * STEP)
         after = self._walls.move(before, wanted)
         heading = before.yaw + turn * STEP / 2
         forward = (after.x - before.x) * math.cos(heading) + (after.y - before.y) * math.sin(
@@ -277,25 +272,15 @@ class RoughBase:
                 linear *= self.linear / speed
         self.wheel_linear, self.wheel_angular = linear, angular
         self._odometry.moved(linear * STEP, angular * STEP, STEP)
-        self.pose = SpatialPose(
-            x=after.x, y=after.y, z=before.z, roll=before.roll, pitch=before.pitch, yaw=after.theta
-        )
+        self.pose = before.at(after)
 
     def _slide(self, here: Stance) -> float:
         """Speed down a slope that is steeper than brakes hold [m/s]."""
         hold = self.chassis.grip * here.hold
         if here.steepness <= hold and self.slide_speed == 0.0:
             return 0.0
-        pose = self.pose
-        probe = SpatialPose(
-            x=pose.x + here.downhill[0] * _PROBE,
-            y=pose.y + here.downhill[1] * _PROBE,
-            z=pose.z,
-            roll=pose.roll,
-            pitch=pose.pitch,
-            yaw=pose.yaw,
-        )
-        below = self._footing.stance(pose, probe)
+        probe = _shifted(self.pose.plan, here.downhill, _PROBE)
+        below = self._footing.stance(self.pose, self.pose.at(probe))
         fall = 0.0 if below is None else -below.rise / _PROBE
         faster = self.slide_speed + GRAVITY * (fall - hold) * STEP
         return max(0.0, min(_FASTEST_SLIDE, faster))
@@ -324,8 +309,7 @@ class RoughBase:
     def _lie(self, linear: float, angular: float) -> None:
         """Fall to the side that is lower, and lie there; the wheels turn in the air."""
         pose, reach = self.pose, self.chassis.reach
-        x, y = way_of_fall(pose, reach, STEP)
-        after = self._walls.move(pose, Pose(x=pose.x + x, y=pose.y + y, theta=pose.yaw))
+        after = self._walls.move(pose, _shifted(pose.plan, way_of_fall(pose, reach, STEP), 1.0))
         ground = self._field.height(after.x, after.y, below=pose.z + _ROUNDING)
         self.pose, self.climb = fallen(pose, after, self._rates[0], ground, reach, STEP)
         turns = (self.pose.roll - pose.roll) / STEP, (self.pose.pitch - pose.pitch) / STEP
@@ -346,3 +330,8 @@ class RoughBase:
             and self._angles == self._wanted_angles
             and self._commanded == (0.0, 0.0)
         )
+
+
+def _shifted(pose: Pose, direction: tuple[float, float], way: float) -> Pose:
+    """The pose after a way along a direction in the plane [m]; the heading stays."""
+    return Pose(x=pose.x + direction[0] * way, y=pose.y + direction[1] * way, theta=pose.theta)

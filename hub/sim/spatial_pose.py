@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from hub.pose import Pose
 from hub.values import dataclass
 
 
@@ -29,6 +30,17 @@ class SpatialPose:
     roll: float = 0.0
     pitch: float = 0.0
     yaw: float = 0.0
+
+    @property
+    def plan(self) -> Pose:
+        """Place and heading, seen from above."""
+        return Pose(x=self.x, y=self.y, theta=self.yaw)
+
+    def at(self, plan: Pose) -> SpatialPose:
+        """The same height and lean at another place and heading."""
+        return SpatialPose(
+            x=plan.x, y=plan.y, z=self.z, roll=self.roll, pitch=self.pitch, yaw=plan.theta
+        )
 
     def rotation(self) -> npt.NDArray[np.float64]:
         """The body's axes in the arena's frame as columns, shape (3, 3)."""

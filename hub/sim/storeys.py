@@ -58,7 +58,7 @@ class Storeys:
 
     def bumpers(self, pose: SpatialPose) -> int:
         """Bit i is set when something touches bumper i."""
-        return self._body.bumpers(Pose(x=pose.x, y=pose.y, theta=pose.yaw))
+        return self._body.bumpers(pose.plan)
 
     def move(self, before: SpatialPose, wanted: Pose) -> Pose:
         """The end of a short motion to a wanted pose in the plane, as `ContactBody.move` has it."""
@@ -79,7 +79,7 @@ class Storeys:
             self._body.touched = frozenset(
                 number for number, name in enumerate(footprints.origin) if name in touched
             )
-        start = Pose(x=before.x, y=before.y, theta=before.yaw)
+        start = before.plan
         if self._below_a_deck(before, wanted) and not self._below_a_deck(before, start):
             wanted = Pose(x=before.x, y=before.y, theta=wanted.theta)
         return self._body.move(start, wanted)

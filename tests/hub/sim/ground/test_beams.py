@@ -113,8 +113,7 @@ def ahead(arena: Arena, pose: SpatialPose) -> float:
     """What the middle beam of the tracked robot's laser measures, 0.15 m ahead and 0.35 m up."""
     beams = beams_of(read_description(find_robot_file("tracked"))[0].body)
     sensors = RangeSensors(arena.footprints, beams, np.random.SeedSequence(1), arena.ground)
-    seen = Pose(x=pose.x, y=pose.y, theta=pose.yaw)
-    return float(sensors.measure("scan", seen, pose)[135])
+    return float(sensors.measure("scan", pose.plan, pose)[135])
 
 
 def test_range_sensors_lean_with_the_robot_and_meet_the_ground() -> None:
