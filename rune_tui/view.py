@@ -19,6 +19,7 @@ from rune_tui.drawn_viewport import DrawnViewport, is_shown
 from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
+from rune_tui.model.attention import AttentionEntry, AttentionQueue
 from rune_tui.model.cameras import PictureNeed, unknown_camera
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, Theme
@@ -28,7 +29,7 @@ from rune_tui.overlays.page_layer import PageLayer
 from rune_tui.raster.urgency import Urgencies
 from rune_tui.visualizers.visualizer import Picturing, Visualizer
 from rune_tui.visualizers.words.title import with_title
-from rune_tui.visualizers.words.troubles import banner_of
+from rune_tui.visualizers.words.troubles import banner_of, problems, troubles_of_all
 
 _logger = logging.getLogger(__name__)
 
@@ -45,6 +46,7 @@ class View:
 
     Attributes:
         places: Viewports that have a place at this size, and whether each is shown at first.
+        attention: The queue of problems in the newest picture.
     """
 
     def __init__(
@@ -85,6 +87,8 @@ class View:
         self._page_rows = 0
         self._needs: Mapping[str, Mapping[str, PictureNeed]] = {}
         self._banner = BannerLayer()
+        self._queue = AttentionQueue()
+        self.attention: tuple[AttentionEntry, ...] = ()
         self._notices = NoticeLayer()
         self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self._pictures: tuple[SeenPicture, ...] = ()
@@ -180,7 +184,9 @@ class View:
 
     def _rendered(self, state: ConsoleState) -> Cells | None:
         self._arrange(state)
-        state = dataclasses.replace(state, banner=banner_of(state))
+        found = troubles_of_all(state)
+        self.attention = self._queue.look(problems(found), state.seen, state.now)
+        state = dataclasses.replace(state, banner=banner_of(state, found), attention=self.attention)
         # Refreshes every pane: `any` over a generator would end at the first change.
         changed = [pane.refresh(state) for pane in self.panes]
         changed.append(self._banner.refresh(self._columns, self._uncovered_rows, self._rows, state))

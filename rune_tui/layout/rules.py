@@ -43,6 +43,7 @@ class Purpose(enum.Enum):
         DENY_CONTROL: Keeps control though another console asks for it.
         MISSION: Begins, names or ends a mission.
         CHOOSE_ROBOT: Chooses the robot of the option `robot`.
+        NEXT_ALARM: Chooses the robot that needs the operator next.
     """
 
     DRIVE = enum.auto()
@@ -54,6 +55,7 @@ class Purpose(enum.Enum):
     DENY_CONTROL = enum.auto()
     MISSION = enum.auto()
     CHOOSE_ROBOT = enum.auto()
+    NEXT_ALARM = enum.auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

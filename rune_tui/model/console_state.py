@@ -14,6 +14,7 @@ from hub.values import dataclass
 from rune_tui.layout.actions import inputs_of
 from rune_tui.layout.rules import Purpose
 from rune_tui.layout.spec import CHOSEN, LayoutSpec
+from rune_tui.model.attention import AttentionEntry
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.joystick_state import JoystickState
 from rune_tui.model.page import Page
@@ -141,6 +142,7 @@ class ConsoleState:
         unconfirmed: Number of marks that were sent and not confirmed, by widget and robot.
         overdue: Number of those that are late, in the same form.
         banner: The alarm that is drawn over the view; panes do not repeat it.
+        attention: The problems of all robots, in the order in which they need the operator.
         ghosts: Marks that the operator has not confirmed yet, by robot.
         sent_off: Time of the last order to go somewhere from this console [s], by robot.
     """
@@ -181,6 +183,7 @@ class ConsoleState:
     unconfirmed: Mapping[tuple[int, str], int] = field(default_factory=dict)
     overdue: Mapping[tuple[int, str], int] = field(default_factory=dict)
     banner: Banner | None = None
+    attention: tuple[AttentionEntry, ...] = ()
     ghosts: Mapping[str, Ghost] = field(default_factory=dict)
     sent_off: Mapping[str, float] = field(default_factory=dict)
 

@@ -47,6 +47,7 @@ class LiveState:
             self._current.console,
             now=time.monotonic(),
             places=view.places,
+            attention=view.attention,
             rows=view.rows,
             clock=time.strftime("%H:%M:%S"),
             held=keyboard.held,

@@ -18,6 +18,7 @@ from rune_tui.visualizers.video.ground_plane import GroundPlane
 from rune_tui.visualizers.video.night_mode import NightMode
 from rune_tui.visualizers.visualizer import Visualizer
 from rune_tui.visualizers.words.alarms import Alarms
+from rune_tui.visualizers.words.attention import Attention
 from rune_tui.visualizers.words.autonomy import VisualizeAutonomy
 from rune_tui.visualizers.words.button import Button
 from rune_tui.visualizers.words.capabilities import Capabilities
@@ -50,6 +51,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeHeading": Heading,
     "visualizeSpeed": Speed,
     "visualizeAlarms": Alarms,
+    "visualizeAttention": Attention,
     "visualizeAutonomy": VisualizeAutonomy,
     "visualizeCapabilities": Capabilities,
     "visualizeControl": Control,

@@ -28,7 +28,7 @@ from rune_tui.widgets.showing import (
 )
 from rune_tui.widgets.speed import SetSpeed, StopRobot
 from rune_tui.widgets.speed_limit import SpeedLimit
-from rune_tui.widgets.team import ChooseRobotWidget, PeekWidget
+from rune_tui.widgets.team import ChooseRobotWidget, NextAlarm, PeekWidget
 from rune_tui.widgets.widget import Widget
 
 WIDGETS: Mapping[str, type[Widget]] = {
@@ -64,6 +64,7 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetFullScreen": FullScreen,
     "widgetZoomMap": ZoomMap,
     "widgetChooseRobot": ChooseRobotWidget,
+    "widgetNextAlarm": NextAlarm,
     "widgetPeek": PeekWidget,
     "widgetNextLayout": NextLayout,
     "widgetTheme": ThemeWidget,

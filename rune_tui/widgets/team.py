@@ -1,4 +1,4 @@
-"""Widgets for an operator with several robots: choose one, peek at one."""
+"""Widgets for an operator with several robots: choose one, go to the next alarm, peek at one."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.names import MOUSE
 from rune_tui.layout.rules import HandlerRule, Purpose, Section, TextOption
 from rune_tui.layout.spec import EventSpec, WidgetSpec
+from rune_tui.model.attention import next_robot
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ChooseRobot, Effect, Notify, Peek
-from rune_tui.widgets.widget import EffectWidget
+from rune_tui.widgets.widget import EffectWidget, PressWidget
 
 PEEK_S = 3.0
 """Duration of a peek whose end is not reported [s]."""
@@ -39,6 +40,33 @@ class ChooseRobotWidget(EffectWidget):
         return ChooseRobot(robot=self.spec.options.word("robot"))
 
 
+class NextAlarm(PressWidget):
+    """Chooses the robot of the next alarm."""
+
+    rule: ClassVar = HandlerRule(
+        purpose=Purpose.NEXT_ALARM,
+        section=Section.ROBOT,
+        says={"": "Go to the robot of the next alarm"},
+        meaning=(
+            "Chooses the robot that needs you next: the one of the first alarm that you did not "
+            "look at, else the next one with an alarm. What is held is let go first. The console "
+            "never chooses a robot by itself."
+        ),
+        needs_robot=False,
+    )
+
+    def press(
+        self, _event: ControlEvent, _event_spec: EventSpec, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """The choice, if another robot has an alarm."""
+        robot = next_robot(state.attention, state.chosen)
+        if robot:
+            return (ChooseRobot(robot=robot),)
+        here = any(entry.robot == state.chosen for entry in state.attention)
+        text = "only this robot has alarms" if here else "no robot has an alarm"
+        return (Notify.now(state, text),)
+
+
 class PeekWidget:
     """Shows another robot in place of the chosen one, and drives neither.
 
@@ -60,7 +88,9 @@ class PeekWidget:
         ),
         options={
             "robot": TextOption(
-                names="robot", meaning="which one; empty: the one not looked at for longest"
+                names="robot",
+                meaning="which one; empty: the one of the first alarm that you did not look at, "
+                "else the one not looked at for longest",
             )
         },
         needs_robot=False,
@@ -71,7 +101,7 @@ class PeekWidget:
 
         Args:
             robot: The robot of its viewport; empty: none.
-            wanted: The robot to look at; empty: the one not looked at for longest.
+            wanted: The robot to look at; empty: the one that needs it most.
         """
         self.robot = robot
         self._wanted = wanted
@@ -92,7 +122,7 @@ class PeekWidget:
             return ()
         if event.pressed == event_spec.released:
             return self.release(state) if self._until == math.inf else ()
-        robot = self._wanted or _longest_unseen(state)
+        robot = self._wanted or _next_look(state)
         if robot not in state.robots or robot == state.chosen:
             return (Notify.now(state, "there is no other robot to look at"),)
         # A lost release of the mouse would keep it.
@@ -114,7 +144,13 @@ class PeekWidget:
         return (Peek(),)
 
 
-def _longest_unseen(state: ConsoleState) -> str:
-    """The robot that was not looked at for longest, apart from the chosen one; empty: none."""
+def _next_look(state: ConsoleState) -> str:
+    """The robot to look at next, apart from the chosen one; empty: none.
+
+    That is the one of the first alarm without an answer, else the one not looked at for longest.
+    """
     others = [name for name in state.robots if name != state.chosen]
-    return max(others, key=state.unseen_s, default="")
+    raised = (entry.robot for entry in state.attention if not entry.answered and not entry.over)
+    return next(
+        (name for name in raised if name in others), max(others, key=state.unseen_s, default="")
+    )

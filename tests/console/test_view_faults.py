@@ -118,7 +118,8 @@ def test_a_drawing_that_waits_for_a_busy_processor_does_not_make_its_viewport_re
 
 def test_status_alarms_and_control_are_vital() -> None:
     vital = {name for name, kind in VISUALIZERS.items() if kind.rule.vital}
-    assert vital == {"visualizeStatus", "visualizeAlarms", "visualizeControl"}
+    of_one = {"visualizeStatus", "visualizeAlarms", "visualizeControl"}
+    assert vital == of_one | {"visualizeTeam", "visualizeAttention"}
 
 
 def test_a_viewport_that_is_hidden_and_shown_again_is_not_kept_waiting_by_its_rest(
@@ -147,7 +148,7 @@ def test_a_picture_that_cannot_be_made_says_so_and_is_made_again_when_it_can(
 ) -> None:
     assert "drawing 1" in words(view.render(SHOWN))
     with monkeypatch.context() as patch:
-        patch.setattr("rune_tui.view.banner_of", lambda _: 1 / 0)
+        patch.setattr("rune_tui.view.banner_of", lambda *_: 1 / 0)
         assert "this cannot be drawn" in words(view.render(SHOWN))
         assert view.render(SHOWN) is None
     assert len(caplog.records) == 1

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 from hub.gcm.navigation import Assistance
+from rune_tui.model.attention import Problem
 from rune_tui.model.body import pressed_bumpers
 from rune_tui.model.console_state import Banner, ConsoleState
 from rune_tui.model.mission import mission_of
@@ -36,12 +37,26 @@ def troubles(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     )
 
 
-def banner_of(state: ConsoleState) -> Banner | None:
+def troubles_of_all(state: ConsoleState) -> Mapping[str, tuple[Part, ...]]:
+    """The troubles of each robot, by its name."""
+    return {robot.name: troubles(robot, state) for robot in state.robots.values()}
+
+
+def problems(all_troubles: Mapping[str, tuple[Part, ...]]) -> Iterator[Problem]:
+    """The troubles with a cause, for the attention queue."""
+    for robot, parts in all_troubles.items():
+        for part in parts:
+            if part.cause:
+                alarm = part.severity is Severity.ALARM
+                yield Problem(robot=robot, cause=part.cause, text=part.text, alarm=alarm)
+
+
+def banner_of(state: ConsoleState, all_troubles: Mapping[str, tuple[Part, ...]]) -> Banner | None:
     """The most severe alarm of all robots, else a robot's own task, else None."""
     found: list[tuple[float, str, str]] = []
-    for robot in state.robots.values():
-        alarms = [part for part in troubles(robot, state) if part.severity is Severity.ALARM]
-        found += [(part.weight, robot.name, part.text) for part in alarms]
+    for robot, parts in all_troubles.items():
+        alarms = [part for part in parts if part.severity is Severity.ALARM]
+        found += [(part.weight, robot, part.text) for part in alarms]
     newest = state.notices[-1] if state.notices else None
     worst = max(found, key=lambda each: each[0], default=None)
     # An event is not shown beside its result, such as a lost link.

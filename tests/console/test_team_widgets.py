@@ -1,4 +1,4 @@
-"""Peeking: the operator looks at another robot, and no input commands one, but a stop."""
+"""Choosing, peeking and the next alarm: no robot moves by hands that meant another one."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.keyboard import KeyboardHold
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.attention import AttentionEntry
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify, ReleaseFirst, SendEffect, StateEffect
 from rune_tui.model.state_changes import changed
@@ -33,6 +34,7 @@ TEAM = f"""\
       <option name="robot" value="blimp"/><event key="2"/>
     </widget>
     <widget handler="widgetPeek"><event key="'"/></widget>
+    <widget handler="widgetNextAlarm"><event key="n"/></widget>
     <widget handler="widgetHelp"><event key="f1"/></widget>
     <viewport name="chosen" robot="*" xpos="0" ypos="0" xsize="160" ysize="96">
       <widget handler="widgetSetSpeed">
@@ -224,3 +226,49 @@ def test_a_stick_held_over_a_choice_drives_the_new_robot_only_from_neutral(
 
 def test_a_robot_that_was_never_looked_at_says_so(team: LayoutSpec) -> None:
     assert Operator(team).state.unseen_s("rov") == math.inf
+
+
+def raised(robot: str, *, answered: bool = False) -> AttentionEntry:
+    return AttentionEntry(
+        robot=robot,
+        cause="leak",
+        text="leak",
+        alarm=True,
+        since=0.0,
+        raised=0.0,
+        times=1,
+        answered=answered,
+        over=False,
+    )
+
+
+def test_the_next_alarm_is_chosen_with_empty_hands(team: LayoutSpec) -> None:
+    operator = Operator(team)
+    operator.state = dataclasses.replace(operator.state, attention=(raised("rov"),))
+    operator.press("w")
+    operator.wait(0.2)
+    assert operator.speeds["rover"] > 0.0
+    operator.press("n")
+    operator.press("w", repeat=True)
+    operator.wait(0.4)
+    assert operator.state.chosen == "rov"
+    assert set(operator.speeds.values()) == {0.0}
+    operator.lift("n")
+    operator.press("n")
+    assert operator.state.chosen == "rov"
+    assert operator.notices == ["only this robot has alarms"]
+
+
+def test_alarms_alone_never_choose_a_robot(team: LayoutSpec) -> None:
+    operator = Operator(team)
+    operator.state = dataclasses.replace(operator.state, attention=(raised("rov"),))
+    operator.wait(30.0)
+    assert operator.state.chosen == operator.state.seen == "rover"
+
+
+def test_a_peek_goes_to_the_first_alarm_that_was_not_answered(team: LayoutSpec) -> None:
+    operator = Operator(team)
+    queue = (raised("blimp", answered=True), raised("rov"))
+    operator.state = dataclasses.replace(operator.state, attention=queue)
+    operator.press("'")
+    assert operator.state.peeked == "rov"

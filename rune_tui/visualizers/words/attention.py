@@ -1,0 +1,95 @@
+"""visualizeAttention: the alarms of all robots, in the order in which they need the operator."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from typing import ClassVar, Final
+
+from rune_tui.layout.rules import Purpose, VisualizerRule
+from rune_tui.model.attention import AttentionEntry, next_robot
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.rows import TextRow, tabled
+from rune_tui.visualizers.parts.severity import Severity, ink_of
+from rune_tui.visualizers.parts.task_words import duration
+from rune_tui.visualizers.visualizer import PlainVisualizer
+from rune_tui.visualizers.words.alarms import Alarms
+
+_WEIGHTS: Final = (5, 8, 10, 3, 11)
+"""Importance of mark, sign, robot, age and words."""
+
+
+class Attention(PlainVisualizer):
+    """A row for each alarm: mark, sign, robot, age, words; alarms first, then the oldest.
+
+    "»" marks an entry whose robot the operator did not look at since it was raised, "»»" one that
+    was raised again. The key of the next alarm is before the mark of the entry where it leads.
+    """
+
+    rule: ClassVar = VisualizerRule(
+        meaning="the alarms and warnings of all robots in one queue: alarms first, then the "
+        "oldest; » marks those that you did not look at",
+        message=Alarms.rule.message,
+        others=Alarms.rule.others,
+        vital=True,
+    )
+    urgency: ClassVar[Urgency] = Urgency.ALARM
+
+    def draw(self, canvas: Canvas, _robot: RobotState, state: ConsoleState) -> None:
+        """Write the entries that fit, and the number of the others."""
+        theme = state.theme
+        canvas.fill(theme.panel)
+        rows = _rows(state, canvas.width)
+        for number, (row, waits) in enumerate(rows[: canvas.rows]):
+            ink = ink_of(row.severity, theme)
+            if waits and row.severity is Severity.ALARM:
+                ink = theme.on_alarm
+                with drawing(canvas) as pen:
+                    pen.rectangle(0, 2 * number, canvas.width, 2 * number + 2, theme.alarm)
+            canvas.text(0, number, row.text, ink)
+        if len(rows) > canvas.rows:
+            more = f" +{len(rows) - canvas.rows}"
+            canvas.text(canvas.width - len(more), canvas.rows - 1, more, theme.ink)
+        if not rows:
+            several = len(state.robots) > 1
+            words = f"no alarms: all {len(state.robots)} robots are well"
+            canvas.text(0, 0, (words if several else "no alarms")[: canvas.width], theme.faint)
+
+    def source(self, _robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word."""
+        return tuple(_rows(state, 1000)), len(state.robots), state.theme.name
+
+
+def _rows(state: ConsoleState, columns: int) -> list[tuple[TextRow, bool]]:
+    """Each entry in words, and whether it waits for the operator."""
+    lines = tabled(list(_cells(state)), _WEIGHTS, columns)
+    return [
+        (TextRow(line, _severity(entry)), not (entry.answered or entry.over))
+        for entry, line in zip(state.attention, lines, strict=True)
+    ]
+
+
+def _cells(state: ConsoleState) -> Iterator[tuple[str, ...]]:
+    key = state.inputs.get((Purpose.NEXT_ALARM, ""), "")
+    target = next_robot(state.attention, state.chosen)
+    for entry in state.attention:
+        leads = entry.robot == target and not entry.over
+        target = "" if leads else target
+        waits = not (entry.answered or entry.over)
+        mark = ("»»" if entry.times > 1 else "»") if waits else ""
+        yield (
+            f"{key if leads else ' ' * len(key)}{mark}".rstrip(),
+            "" if entry.over else "!!" if entry.alarm else "!",
+            state.title(entry.robot),
+            duration(state.now - entry.since),
+            f"over: {entry.text}" if entry.over else entry.text,
+        )
+
+
+def _severity(entry: AttentionEntry) -> Severity:
+    if entry.over:
+        return Severity.FAINT
+    return Severity.ALARM if entry.alarm else Severity.WARNING
