@@ -11,7 +11,7 @@ from hub import toml_reader as toml
 from hub.errors import ArenaError, RobotFileError, UnknownKindError
 from hub.gcm.capability import Capability
 from hub.nearest import did_you_mean
-from hub.robots.description import Base, RobotDescription
+from hub.robots.description import RobotDescription
 from hub.robots.registry import kind_of
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.toml_reader import choice, key, number, several, text, variables, whole_number
@@ -154,17 +154,19 @@ def load_robot_table(name_or_path: str, settings: Sequence[str] = ()) -> RobotTa
 
 
 def _check_arena(robot: RobotDescription, problems: toml.Problems) -> None:
+    from hub.robots.simulation_faults import simulation_faults
     from hub.sim.arena import load_arena
 
     if not robot.simulated:
         return
     try:
         arena = load_arena(robot.arena)
-        if robot.base is Base.ROV and arena.water is None:
-            raise ArenaError(robot.arena, ["it has no water to dive in; give it a table [water]"])
     except ArenaError as error:
         for problem in str(error).splitlines():
             problems.add("[simulation]", f"[simulation], key 'arena': {problem}", "arena")
+        return
+    for place, which, fault in simulation_faults(robot, arena):
+        problems.add(place, f"{place}, key '{which}': {fault}", which)
 
 
 def _module(name: str, values: Any, problems: toml.Problems) -> ModuleSpec:  # noqa: ANN401 - TOML

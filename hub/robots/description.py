@@ -249,6 +249,13 @@ class RobotDescription:
     seed: int = key(
         whole_number(0, 2**63 - 1), 1, "the same seed gives the same run", at="simulation."
     )
+    leaks_after_s: float = key(
+        number(0.0, 1e6),
+        math.inf,
+        "time after which a simulated underwater robot has a leak [s]",
+        at="simulation.",
+        without="never",
+    )
     light: float | None = key(
         number(0.0, 1.0),
         None,

@@ -141,7 +141,7 @@ class BodyJoints(Protocol):
 class BodyArms(Protocol):
     """A `Body` whose motors can be switched off, see `[body] arming`."""
 
-    def arm(self, armed: bool) -> None:  # noqa: FBT001 - its only argument
+    def arm(self, *, armed: bool) -> None:
         """Give the motors power, or switch them off; then commands and holds move nothing."""
 
 

@@ -45,7 +45,7 @@ def _simulated_body(robot: RobotDescription) -> Body:
         case Base.ROV:
             from hub.robots.simulated_floats import RovBody
 
-            return RovBody(arena, robot.body, seed=robot.seed)
+            return RovBody(arena, robot.body, seed=robot.seed, leaks_at=robot.leaks_after_s)
         case Base.WHEELS if arena.ground is None:
             return SimulatedBase(arena, robot.body, seed=robot.seed)
     from hub.robots.simulated_rough_base import RoughBody

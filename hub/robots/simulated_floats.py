@@ -8,17 +8,18 @@ import zlib
 from dataclasses import replace
 
 from hub.errors import ArenaError
-from hub.gcm.body import RobotBody
+from hub.gcm.body import HoldKind, RobotBody
+from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import GroundTruth
+from hub.gcm.vehicle import Arming, HoldPhase, VehicleState
 from hub.pose import Pose, wrapped
 from hub.robots.interfaces import Sensors
 from hub.robots.left_alone import LeftAlone
-from hub.sim.afloat.blimp import SimulatedBlimp
-from hub.sim.afloat.blimp_senses import BlimpReadings
-from hub.sim.afloat.lithium_battery import LithiumBattery
-from hub.sim.afloat.rov import SimulatedRov
-from hub.sim.afloat.rov_senses import RovReadings
+from hub.robots.simulation_faults import NO_WATER
+from hub.sim.afloat.blimp import Flight, SimulatedBlimp
+from hub.sim.afloat.motion import NEUTRAL
+from hub.sim.afloat.rov import Dive, SimulatedRov
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.vehicle import FloatingVehicle
 from hub.sim.arena import Arena
@@ -27,13 +28,16 @@ from hub.sim.spatial_pose import SpatialPose
 
 FLIES_AT = 1.2
 """Height of a blimp's start where the arena has no berth for it [m]."""
-NO_WATER = "it has no water to dive in; give it a table [water]"
+LEAK = DiagnosticStatus(
+    level=Severity.ERROR, name="leak", message="water in the hull: the robot surfaces"
+)
+_FLIGHTS = {Flight.LANDING: "lands", Flight.LANDED: "stands"}
 DIVES_AT = 0.5
 """Depth of an underwater robot's start where the arena has no berth for it [m]."""
 
 
 class _FloatingBody(abc.ABC):
-    """What both have in common; implements `Body` and `BodyLeftAlone`.
+    """What both have in common; implements `Body`, `BodyLeftAlone`, `BodyHolds` and `BodyArms`.
 
     It has no encoders: its dead reckoning adds up the speed that it measures, and the commanded
     one where it measures none.
@@ -44,21 +48,18 @@ class _FloatingBody(abc.ABC):
 
         Args:
             vehicle: The simulated vehicle.
-            body: Its described velocities, which limit the commands too.
+            body: Its described velocities, which limit the commands too, and holds.
             origin: Number of its start.
         """
         self._vehicle = vehicle
         self._limits = [0.0] * 6
         for motion in body.motions:
             self._limits[motion.freedom] = motion.limit
+        self._holds = body.holds
+        self._arms = bool(body.arms)
         self._origin = origin
         self._reckoned = Pose()
-        self._heading = self.heading
-
-    @property
-    @abc.abstractmethod
-    def heading(self) -> float:
-        """The heading that it measures [rad]."""
+        self._heading = vehicle.readings.heading
 
     @property
     @abc.abstractmethod
@@ -71,13 +72,25 @@ class _FloatingBody(abc.ABC):
         wanted = (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
         self._vehicle.command(*map(limited, wanted, self._limits))
 
+    def hold(self, kind: HoldKind, target: float) -> None:
+        """Hold a height, a depth or a heading; NaN: the present one."""
+        self._vehicle.start_hold(kind, target)
+
+    def release(self, kind: HoldKind) -> None:
+        """Hold it no longer."""
+        self._vehicle.end_hold(kind)
+
+    def arm(self, *, armed: bool) -> None:
+        """Give the motors power, or switch them off."""
+        self._vehicle.arm(armed=armed)
+
     def advance(self, seconds: float) -> None:
         """Advance the simulated time."""
         before = self._vehicle.time
         self._vehicle.advance(seconds)
         passed = self._vehicle.time - before
         ahead, left = self.speed
-        heading = self.heading
+        heading = self._vehicle.readings.heading
         turn = wrapped(heading - self._heading)
         self._heading = heading
         self._reckoned = moved(self._reckoned, ahead * passed, turn, left * passed)
@@ -104,8 +117,9 @@ class _FloatingBody(abc.ABC):
             heave=velocity.heave,
         )
 
-    def _measured(self, read: BlimpReadings | RovReadings, battery: LithiumBattery) -> Sensors:
+    def _measured(self) -> Sensors:
         """The part that both measure."""
+        read, battery = self._vehicle.readings, self._vehicle.battery
         wanted, pose = self._vehicle.commanded, self._reckoned
         return Sensors(
             x=pose.x,
@@ -117,9 +131,25 @@ class _FloatingBody(abc.ABC):
             battery_fraction=battery.fraction,
             roll=read.roll,
             pitch=read.pitch,
-            heading=self.heading,
+            heading=read.heading,
             climb=read.climb,
             origin=self._origin,
+            vehicle=self._state(),
+        )
+
+    def _state(self) -> VehicleState:
+        """Holds, arming, and what it does."""
+        holds = tuple(self._vehicle.hold_state(each.kind, each.tolerance) for each in self._holds)
+        armed = Arming.ARMED if self._vehicle.armed else Arming.DISARMED
+        phases = {hold.phase for hold in holds}
+        if self._vehicle.commanded != NEUTRAL:
+            activity = "drives"
+        elif not phases.isdisjoint((HoldPhase.HOLDING, HoldPhase.FAILING)):
+            activity = "holds"
+        else:
+            activity = "brakes" if HoldPhase.READY in phases else "drifts"
+        return VehicleState(
+            activity=activity, arming=armed if self._arms else Arming.NONE, holds=holds
         )
 
 
@@ -141,11 +171,6 @@ class BlimpBody(_FloatingBody):
         super().__init__(self._blimp, body, origin_of(arena, start))
 
     @property
-    def heading(self) -> float:
-        """Of gyro and compass [rad]."""
-        return self._blimp.readings.heading
-
-    @property
     def speed(self) -> tuple[float, float]:
         """Through the air; it measures none to the side [m/s]."""
         return self._blimp.readings.airspeed, 0.0
@@ -153,8 +178,14 @@ class BlimpBody(_FloatingBody):
     def sensors(self, stamp: float) -> Sensors:  # noqa: ARG002 - it has no range sensors
         """The present measurements."""
         read = self._blimp.readings
-        common = self._measured(read, self._blimp.battery)
-        return replace(common, height=read.height, above_ground=read.altitude)
+        common = self._measured()
+        activity = _FLIGHTS.get(self._blimp.flight, common.vehicle.activity)
+        return replace(
+            common,
+            height=read.height,
+            above_ground=read.altitude,
+            vehicle=replace(common.vehicle, activity=activity),
+        )
 
     def left_alone(self, action: LeftAlone | None) -> None:
         """Brake and hold, with any action; it lands after ten minutes or at a low battery."""
@@ -167,13 +198,16 @@ class BlimpBody(_FloatingBody):
 class RovBody(_FloatingBody):
     """The underwater robot."""
 
-    def __init__(self, arena: Arena, body: RobotBody, *, seed: int = 0) -> None:
+    def __init__(
+        self, arena: Arena, body: RobotBody, *, seed: int = 0, leaks_at: float = math.inf
+    ) -> None:
         """Dive at its berth, else below the surface over the start.
 
         Args:
             arena: Its arena.
             body: Its described velocities.
             seed: Of all noise.
+            leaks_at: Simulated time from which it has a leak [s].
 
         Raises:
             ArenaError: There is no water.
@@ -182,14 +216,13 @@ class RovBody(_FloatingBody):
             raise ArenaError(arena.name, [NO_WATER])
         start = start_of(arena, "rov", arena.water.surface - DIVES_AT)
         self._rov = SimulatedRov(
-            Surroundings.under_water(arena), start=start, water=arena.water, seed=seed
+            Surroundings.under_water(arena),
+            start=start,
+            water=arena.water,
+            leaks_at=leaks_at,
+            seed=seed,
         )
         super().__init__(self._rov, body, origin_of(arena, start))
-
-    @property
-    def heading(self) -> float:
-        """Of gyro and compass [rad]."""
-        return self._rov.readings.heading
 
     @property
     def speed(self) -> tuple[float, float]:
@@ -202,8 +235,22 @@ class RovBody(_FloatingBody):
     def sensors(self, stamp: float) -> Sensors:  # noqa: ARG002 - it has no range sensors
         """The present measurements."""
         read = self._rov.readings
-        common = self._measured(read, self._rov.battery)
-        return replace(common, depth=read.depth, above_ground=read.altitude)
+        common = self._measured()
+        vehicle = replace(
+            common.vehicle,
+            tether_paid=self._rov.tether.paid_out,
+            tether_length=self._rov.tether.length,
+            tether_turns=read.tether_turns,
+        )
+        if self._rov.dive is Dive.SURFACING:
+            vehicle = replace(vehicle, activity="surfaces")
+        return replace(
+            common,
+            depth=read.depth,
+            above_ground=read.altitude,
+            diagnostics=(LEAK,) if read.leak else (),
+            vehicle=vehicle,
+        )
 
     def left_alone(self, action: LeftAlone | None) -> None:
         """Hold depth and heading, or surface."""

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist
+from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import LaserScan, scan_of
 from hub.pose import Pose, wrapped
@@ -21,9 +24,14 @@ from hub.sim.ground.chassis import Chassis
 from hub.sim.range_sensors import RangeSensors
 from hub.sim.rough_base import STEP, RoughBase
 
+_SLIDES = 0.05
+"""A slide that the operator should know of [m/s]."""
+_SLIPS = 0.1
+"""A slip that the operator should know of."""
+
 
 class RoughBody:
-    """A base that climbs, slips and tips; implements `Body`.
+    """A base that climbs, slips and tips; implements `Body` and `BodyJoints`.
 
     Its range sensors lean with it and meet the ground. For walls they look along the level.
     """
@@ -33,7 +41,8 @@ class RoughBody:
 
         Args:
             arena: Its arena.
-            body: Its described velocities, range sensors and bumpers.
+            body: Its described velocities, range sensors, bumpers and pairs of flippers, the
+                front pair first.
             chassis: What touches the ground.
             seed: Of all noise.
         """
@@ -47,6 +56,8 @@ class RoughBody:
             bumpers=body.bumpers,
         )
         _, sensor_seed = np.random.SeedSequence(seed).spawn(2)
+        self._joints = body.joints
+        self._rates = {joint.name: 0.0 for joint in body.joints}
         self._groups = body.ranges
         self._sensors = RangeSensors(arena.footprints, beams_of(body), sensor_seed, arena.ground)
         self._battery = Battery()
@@ -58,13 +69,52 @@ class RoughBody:
         """Set the velocity; NaN counts as 0."""
         self._base.command(twist.linear.x, twist.angular.z)
 
+    def turn_joint(self, name: str, rate: float) -> None:
+        """Turn a pair of flippers at a rate [rad/s]; 0 stops it."""
+        if name in self._rates:
+            self._rates[name] = rate
+
     def advance(self, seconds: float) -> None:
         """Advance the simulated time."""
         before = self._base.steps
+        self._turn_flippers(seconds)
         self._base.advance(seconds)
         passed = (self._base.steps - before) * STEP
         wheels = self._base.wheel_linear, self._base.wheel_angular
         self._battery = self._battery.after(passed, *wheels)
+
+    def _turn_flippers(self, seconds: float) -> None:
+        """Set the angles that the flippers reach in a time [s]; NaN leaves a pair alone."""
+        if not any(self._rates.values()):
+            return
+        angles = [math.nan] * len(self._base.flippers)
+        for place, (joint, angle) in enumerate(
+            zip(self._joints, self._base.flippers, strict=False)
+        ):
+            if rate := self._rates[joint.name]:
+                turned = angle + rate * seconds
+                angles[place] = max(joint.lowest, min(joint.highest, turned))
+        self._base.command_flippers(*angles)
+
+    def _flippers(self) -> tuple[JointState, ...]:
+        return tuple(
+            JointState(name=joint.name, position=angle, velocity=self._rates[joint.name])
+            for joint, angle in zip(self._joints, self._base.flippers, strict=False)
+        )
+
+    def _problems(self) -> Iterator[DiagnosticStatus]:
+        """What a perfect sensor of slip finds."""
+        base = self._base
+        if base.tipped:
+            return  # the tilt says it
+        if base.high_centred:
+            yield _warning("stuck", "stuck: it hangs on its belly")
+        elif base.stuck:
+            yield _warning("stuck", "stuck: its wheels or tracks spin on the spot")
+        elif base.slide_speed > _SLIDES:
+            yield _warning("slip", f"slides down the slope at {base.slide_speed:.1f} m/s")
+        elif base.slip > _SLIPS:
+            yield _warning("slip", f"wheels slip: {base.slip:.0%} of the way is lost")
 
     def sensors(self, stamp: float) -> Sensors:
         """The present measurements; the tilt is that of a perfect sensor."""
@@ -90,6 +140,8 @@ class RoughBody:
             roll=math.remainder(base.pose.roll, math.tau),
             pitch=max(-math.pi / 2, min(math.pi / 2, base.pose.pitch)),
             origin=self._origin,
+            diagnostics=tuple(self._problems()),
+            joints=self._flippers(),
         )
 
     def ground_truth(self) -> GroundTruth:
@@ -111,3 +163,7 @@ class RoughBody:
             pitch=base.pose.pitch,
             heave=base.climb,
         )
+
+
+def _warning(name: str, message: str) -> DiagnosticStatus:
+    return DiagnosticStatus(level=Severity.WARN, name=name, message=message)

@@ -17,6 +17,7 @@ from PIL import Image as PillowImage
 from hub.errors import HandlerFailedError
 from hub.gcm import navigation, rle, vision
 from hub.gcm.supervision import MODULE_INFO
+from hub.gcm.vehicle import VEHICLE_COMMAND, VehicleCommand, VehicleOrder
 from hub.sim.arena import SHIPPED
 from tests.hub.robots.videos import make_video
 from tests.support.waiting import until
@@ -74,6 +75,22 @@ def test_at_night_gain_and_headlight_bring_back_the_picture(
     observer.wait(lambda: brightness(on=0) < 12, 10.0)
     state = observer.seen[vision.CAMERA_STATE.name]
     observer.wait(lambda: state[-1][1].headlight == 0.0 and state[-1][1].gain == 1.0, 10.0)
+
+
+def test_the_light_of_a_camera_is_switched_like_any_light(
+    hub: HubProcess, stack: ExitStack
+) -> None:
+    observer = stack.enter_context(closing(Observer(hub.endpoint, vision.CAMERA_STATE)))
+    states = observer.seen[vision.CAMERA_STATE.name]
+
+    def lit(brightness: float) -> bool:
+        command = VehicleCommand(order=VehicleOrder.LIGHT, name="headlight", value=brightness)
+        observer.client.publish(VEHICLE_COMMAND, command)
+        return bool(states) and states[-1][1].headlight == pytest.approx(brightness)
+
+    observer.wait(lambda: lit(0.7), 10.0)
+    assert states[-1][1].gain == 1.0, "night mode stays off"
+    observer.wait(lambda: lit(0.0), 10.0)
 
 
 def test_pictures_come_from_the_video_file_that_a_robot_names(

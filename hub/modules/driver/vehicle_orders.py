@@ -76,7 +76,7 @@ class VehicleOrders:
         self._joints = {each.name: (each, CommandWatchdog()) for each in robot.body.joints}
         self._arms = body if isinstance(body, BodyArms) and robot.body.arms else None
         if self._arms is not None:
-            self._arms.arm(robot.arming is Arming.ARMED)
+            self._arms.arm(armed=robot.arming is Arming.ARMED)
         self._seen = VehicleState()
         self._silence = client.alarm(self._watch)
         self._gate = ControlGate(client, self._on_owner_change)
@@ -115,7 +115,7 @@ class VehicleOrders:
         _logger.warning("the motors are %s", "armed" if armed else "disarmed")
         self.stop_joints()
         self._stop()
-        self._arms.arm(armed)
+        self._arms.arm(armed=armed)
 
     def _hold(self, kind: HoldKind, *, on: bool, target: float) -> None:
         if kind not in self._holds or not isinstance(self._body, BodyHolds):

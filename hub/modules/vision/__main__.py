@@ -15,6 +15,7 @@ from hub.gcm.body import Freedom
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.frames import in_base
 from hub.gcm.pose_history import PoseHistory
+from hub.gcm.vehicle import VEHICLE_COMMAND, VehicleCommand, VehicleOrder
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
@@ -68,6 +69,8 @@ class Vision:
         client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._requested)
         client.subscribe(vision.CAMERA_COMMAND, self._move)
         client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
+        self._lights = {each.name: each.camera for each in robot.body.lights if each.camera}
+        client.subscribe(VEHICLE_COMMAND, self._light)
         client.define(vision.CAMERA_STATE)
         publish_on_request(client, vision.CAMERA_STATE, self._publish_state)
         self._feed_due = client.alarm(self._look)
@@ -139,6 +142,15 @@ class Vision:
             each.switch_night(command)
         self._publish_state()
 
+    def _light(self, command: VehicleCommand, reception: MessageInfo) -> None:
+        """Set the light of a camera; all other orders are the driver's."""
+        name = self._lights.get(command.name)
+        if command.order is not VehicleOrder.LIGHT or name is None or math.isnan(command.value):
+            return
+        if self._gate.admits(VEHICLE_COMMAND, reception):
+            self._cameras[name].light(command.value)
+            self._publish_state()
+
     def _chosen(self, name: str) -> list[CameraService]:
         """The camera of a name, all without a name, none for an unknown one."""
         if not name:
@@ -185,7 +197,9 @@ def abilities(robot: RobotDescription) -> Abilities:
     head = (Capability.VIS_PTZ,) if camera_moves(robot) else ()
     simulated = any(_simulated(robot, table) for table in _tables(robot))
     needs = (Capability.SIM_TRUTH,) if simulated else ()
-    return Abilities(provides=(Capability.VIS_VID, *head, Capability.VIS_NIGHT), needs=needs)
+    light = (Capability.DRV_LIGHT,) if any(each.camera for each in robot.body.lights) else ()
+    provides = (Capability.VIS_VID, *head, Capability.VIS_NIGHT, *light)
+    return Abilities(provides=provides, needs=needs)
 
 
 def main() -> int:

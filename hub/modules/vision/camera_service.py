@@ -118,3 +118,8 @@ class CameraService:
         """Switch night mode, and the headlight with it."""
         self._night.command(command)
         self.camera.set_headlight(self._night.headlight)
+
+    def light(self, brightness: float) -> None:
+        """Set the headlight, 0 (off) to 1; night mode stays as it is."""
+        self._night.light(brightness)
+        self.camera.set_headlight(self._night.headlight)

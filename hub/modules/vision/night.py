@@ -25,24 +25,32 @@ class NightMode:
 
     def __init__(self) -> None:
         self._on = False
-        self._headlight = 1.0
+        self._wanted = 1.0
+        self._lit = 0.0
         self._seen = -math.inf
         self.gain = 1.0
 
     @property
     def headlight(self) -> float:
         """Brightness of the headlight now, 0 (off) to 1."""
-        return self._headlight if self._on else 0.0
+        return self._lit
 
     def command(self, command: NightCommand) -> None:
         """Switch night mode on or off, and set the brightness of the headlight."""
         self._on = command.on != 0
         # The zeros in a command to switch off are no setting for the next time.
         if self._on and not math.isnan(command.headlight):
-            self._headlight = max(0.0, min(1.0, command.headlight))
+            self._wanted = max(0.0, min(1.0, command.headlight))
+        self._lit = self._wanted if self._on else 0.0
         if not self._on:
             self.gain = 1.0
             self._seen = -math.inf
+
+    def light(self, brightness: float) -> None:
+        """Set the headlight alone, 0 (off) to 1; night mode stays as it is."""
+        self._lit = max(0.0, min(1.0, brightness))
+        if self._lit > 0.0:
+            self._wanted = self._lit
 
     def see(self, brightness: float, now: float) -> float:
         """The gain for a picture with this mean brightness (0 to 255) at `now` [s]."""

@@ -15,6 +15,7 @@ import math
 
 import numpy as np
 
+from hub.gcm.body import HoldKind
 from hub.pose import wrapped
 from hub.sim.afloat.blimp_senses import BlimpReadings, BlimpSenses
 from hub.sim.afloat.body_contact import ContactShape
@@ -23,8 +24,6 @@ from hub.sim.afloat.fluid import AIR_DENSITY, Drafts
 from hub.sim.afloat.holds import (
     OFF,
     ClimbGains,
-    HeadingHold,
-    HeightHold,
     Held,
     RestingPlace,
     TurnGains,
@@ -106,6 +105,7 @@ class SimulatedBlimp(FloatingVehicle):
     """The whole blimp: hull, propellers, sensors, holds, battery, drafts."""
 
     limits = LIMITS
+    vertical = HoldKind.HEIGHT
 
     def __init__(
         self,
@@ -127,17 +127,19 @@ class SimulatedBlimp(FloatingVehicle):
             charge: Of the battery, 0 to 1.
             seed: Of all noise.
         """
-        super().__init__(hull(heavy), SHAPE, surroundings, start)
+        super().__init__(
+            hull(heavy),
+            SHAPE,
+            surroundings,
+            start,
+            battery=LithiumBattery(cells=2, energy=7.4 * 3600.0, resistance=0.1, fraction=charge),
+            climb=_CLIMB,
+            turn=_TURN,
+        )
         air_seed, senses_seed = np.random.SeedSequence(seed).spawn(2)
         self._drafts = Drafts(air or AirSpec(draft=0.0), air_seed)
         self._propellers = Propellers()
-        self._battery = LithiumBattery(
-            cells=2, energy=7.4 * 3600.0, resistance=0.1, fraction=charge
-        )
-        spec = self._body.hull
         self._senses = BlimpSenses(surroundings, self._body, senses_seed)
-        self._height_hold = HeightHold(spec, _CLIMB)
-        self._heading_hold = HeadingHold(spec, _TURN)
         self._place = RestingPlace(_SLOW)
         self._alone_since = math.inf
         self._flight = Flight.LANDED if self._contact.supported else Flight.FLYING
@@ -148,7 +150,7 @@ class SimulatedBlimp(FloatingVehicle):
         The ten minutes begin with the first of several calls. `resume` ends them, and a command
         that is not neutral.
         """
-        self._commanded = NEUTRAL
+        self._keep()
         self._alone_since = min(self._alone_since, self.time)
 
     def resume(self) -> None:
@@ -161,16 +163,6 @@ class SimulatedBlimp(FloatingVehicle):
         if self._flight is Flight.FLYING:
             self._flight = Flight.LANDING
 
-    def hold_height(self, height: float) -> None:
-        """Go to a height above the first ground [m] and hold it."""
-        if math.isfinite(height):
-            self._height_hold.hold(height)
-
-    def hold_heading(self, heading: float) -> None:
-        """Turn to a heading [rad] and hold it."""
-        if math.isfinite(heading):
-            self._heading_hold.hold(heading)
-
     @property
     def flight(self) -> Flight:
         """Whether it flies, lands or stands."""
@@ -180,11 +172,6 @@ class SimulatedBlimp(FloatingVehicle):
     def readings(self) -> BlimpReadings:
         """The last measurements of its sensors."""
         return self._senses.readings
-
-    @property
-    def battery(self) -> LithiumBattery:
-        """Two cells of 1 Ah."""
-        return self._battery
 
     @property
     def thrusts(self) -> tuple[float, float, float]:
@@ -207,6 +194,9 @@ class SimulatedBlimp(FloatingVehicle):
             carried=carried,
             fails=abs(off) > OFF or carried > CARRIED_TOO_FAR,
         )
+
+    def _vertical_place(self) -> float:
+        return self._senses.vertical.height
 
     def _moved(self) -> None:
         self.resume()
@@ -241,7 +231,7 @@ class SimulatedBlimp(FloatingVehicle):
 
     def _wanted_thrusts(self) -> tuple[float, float, float]:
         """Thrusts ahead, to turn left, and up [N]."""
-        if self._flight is Flight.LANDED or self._battery.fraction == 0.0:
+        if self._flight is Flight.LANDED or not self.powered:
             return 0.0, 0.0, 0.0
         spec, wanted = self._body.hull, self._commanded
         surge = wanted.surge * self._straight()

@@ -24,7 +24,7 @@ from hub.sim.afloat.sensors import (
 )
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.thrusters import Propellers
-from hub.sim.afloat.vehicle import STEP
+from hub.sim.afloat.vehicle import STEP, Readings
 from hub.values import dataclass
 
 WORST_COMPASS = math.radians(10.0)
@@ -40,30 +40,18 @@ _BAROMETER_SHARE = 0.02
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BlimpReadings:
+class BlimpReadings(Readings):
     """The last measurements, with their errors.
 
     Attributes:
-        altitude: From the middle to the ground or table below [m]; NaN without an echo.
         height: Height above the first ground, estimated of all sensors [m].
-        climb: Upward velocity, estimated [m/s].
         barometer: Height by air pressure [m]; it drifts.
         airspeed: Forward speed through the air [m/s].
-        roll: [rad]
-        pitch: [rad]
-        heading: Of gyro and compass [rad].
-        rates: About x, y and z [rad/s].
     """
 
-    altitude: float
     height: float
-    climb: float
     barometer: float
     airspeed: float
-    roll: float
-    pitch: float
-    heading: float
-    rates: tuple[float, float, float]
 
 
 class BlimpSenses:

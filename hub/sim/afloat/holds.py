@@ -15,7 +15,7 @@ from hub.values import dataclass
 OFF = 0.3
 """A hold fails when the robot is farther from its height or depth [m]."""
 REACHED = 0.1
-"""A height or depth counts as reached within this [m]; only then its hold can fail."""
+"""A height, depth or heading counts as reached within this [m or rad]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,37 +35,69 @@ class ClimbGains:
     stopped: float
 
 
-class HeightHold:
+class Hold:
+    """What a height hold and a heading hold have in common.
+
+    | state | event | then |
+    | --- | --- | --- |
+    | any | `hold(goal)` | on; it goes to the goal |
+    | any | `here()` | on; there is no goal |
+    | any | `end()` | off; there is no goal |
+    | on | its motion is commanded | there is no goal |
+    | on, no goal | its motion is not commanded | it brakes |
+    | on, no goal | it stopped | where it is becomes the goal |
+    | off | its motion is not commanded | it brakes, then drifts |
+
+    Attributes:
+        on: Whether it holds something, now or after a command.
+        goal: What it holds [m or rad]; None: nothing now.
+        reached: Whether it was once near the goal; only then the hold can fail.
+    """
+
+    def __init__(self) -> None:
+        self.on = True
+        self.goal: float | None = None
+        self.reached = False
+
+    def hold(self, goal: float) -> None:
+        """Go to a height [m] or heading [rad] and hold it."""
+        self.on = True
+        self.goal = goal
+        self.reached = False
+
+    def here(self) -> None:
+        """Brake, and hold where that ends."""
+        self.on = True
+        self.release()
+
+    def stay(self) -> None:
+        """Hold the goal; where it is, if that is not reached yet."""
+        self.on = True
+        if not self.reached:
+            self.release()
+
+    def end(self) -> None:
+        """Hold nothing until it is switched on again."""
+        self.on = False
+        self.release()
+
+    def release(self) -> None:
+        """Hold nothing until the next motion ended."""
+        self.goal = None
+        self.reached = False
+
+
+class HeightHold(Hold):
     """Holds the height at which a climb ended.
 
     A cascade: the error of the height gives a climb, and the error of the climb a force. The known
     drag of the wanted climb and the estimated trim are added.
-
-    | state | event | then |
-    | --- | --- | --- |
-    | any | a climb is commanded | it climbs; there is no goal |
-    | no goal | no climb is commanded | it brakes |
-    | no goal | the climb is below `stopped` | the height becomes the goal |
-
-    Attributes:
-        goal: Height that it holds [m]; None while it climbs or brakes.
     """
 
     def __init__(self, hull: HullSpec, gains: ClimbGains) -> None:
+        super().__init__()
         self._hull = hull
         self._gains = gains
-        self._reached = False
-        self.goal: float | None = None
-
-    def hold(self, height: float) -> None:
-        """Go to a height [m] and hold it."""
-        self.goal = height
-        self._reached = False
-
-    def release(self) -> None:
-        """Hold no height until the next climb ended."""
-        self.goal = None
-        self._reached = False
 
     def lift(self, seen: ClimbObserver, commanded: float) -> float:
         """Upward force [N] for a commanded climb [m/s]."""
@@ -74,19 +106,19 @@ class HeightHold:
             self.release()
             wanted = commanded
         else:
-            if self.goal is None and abs(seen.climb) < gains.stopped:
+            if self.on and self.goal is None and abs(seen.climb) < gains.stopped:
                 self.goal = seen.height
             wanted = 0.0
             if self.goal is not None:
                 off = self.goal - seen.height
-                self._reached = self._reached or abs(off) < REACHED
+                self.reached = self.reached or abs(off) < REACHED
                 wanted = max(-gains.fastest, min(gains.fastest, gains.climb_per_metre * off))
         known = self._hull.drag(HEAVE, wanted) - seen.trim
         return gains.force_per_climb * (wanted - seen.climb) + known
 
     def off(self, height: float) -> float:
         """Height above the goal [m]; 0 before it was reached."""
-        return height - self.goal if self.goal is not None and self._reached else 0.0
+        return height - self.goal if self.goal is not None and self.reached else 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,21 +136,17 @@ class TurnGains:
     stopped: float
 
 
-class HeadingHold:
-    """Holds the heading at which a turn ended; the states are those of `HeightHold`.
-
-    Attributes:
-        goal: Heading that it holds [rad]; None while it turns or brakes.
-    """
+class HeadingHold(Hold):
+    """Holds the heading at which a turn ended."""
 
     def __init__(self, hull: HullSpec, gains: TurnGains) -> None:
+        super().__init__()
         self._hull = hull
         self._gains = gains
-        self.goal: float | None = None
 
-    def hold(self, heading: float) -> None:
+    def hold(self, goal: float) -> None:
         """Turn to a heading [rad] and hold it."""
-        self.goal = wrapped(heading)
+        super().hold(wrapped(goal))
 
     def moment(self, heading: float, rate: float, commanded: float) -> float:
         """Moment about z [N m].
@@ -130,14 +158,16 @@ class HeadingHold:
         """
         gains = self._gains
         if commanded:
-            self.goal = None
+            self.release()
             known = self._hull.drag(5, commanded)
             return gains.moment_per_rate * (commanded - rate) + known
-        if self.goal is None and abs(rate) < gains.stopped:
+        if self.on and self.goal is None and abs(rate) < gains.stopped:
             self.goal = heading
         moment = -gains.moment_per_rate * rate
         if self.goal is not None:
-            moment += gains.moment_per_angle * wrapped(self.goal - heading)
+            off = wrapped(self.goal - heading)
+            self.reached = self.reached or abs(off) < REACHED
+            moment += gains.moment_per_angle * off
         return moment
 
 

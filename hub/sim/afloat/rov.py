@@ -16,6 +16,7 @@ import math
 
 import numpy as np
 
+from hub.gcm.body import HoldKind
 from hub.sim.afloat.attitude import Vector, into_body
 from hub.sim.afloat.body_contact import ContactShape
 from hub.sim.afloat.floating_body import HullSpec, Six
@@ -24,8 +25,6 @@ from hub.sim.afloat.holds import (
     OFF,
     Brake,
     ClimbGains,
-    HeadingHold,
-    HeightHold,
     Held,
     RestingPlace,
     TiltGains,
@@ -95,6 +94,7 @@ class SimulatedRov(FloatingVehicle):
     """The whole underwater robot: hull, thrusters, tether, sensors, holds, battery, current."""
 
     limits = LIMITS
+    vertical = HoldKind.DEPTH
 
     def __init__(
         self,
@@ -120,13 +120,20 @@ class SimulatedRov(FloatingVehicle):
             charge: Of the battery, 0 to 1.
             seed: Of all noise.
         """
-        super().__init__(hull(density), SHAPE, surroundings, start)
+        super().__init__(
+            hull(density),
+            SHAPE,
+            surroundings,
+            start,
+            battery=LithiumBattery(
+                cells=4, energy=266.0 * 3600.0, resistance=0.02, fraction=charge
+            ),
+            climb=_CLIMB,
+            turn=_TURN,
+        )
         self._water = water
         self._flow: Vector = (*water.current, 0.0)
         self._thrusters = EightThrusters()
-        self._battery = LithiumBattery(
-            cells=4, energy=266.0 * 3600.0, resistance=0.02, fraction=charge
-        )
         x, y, _ = self._body.position
         cable = tether or TetherSpec(length=25.0, anchor=(x, y, water.surface))
         self._tether = Tether(cable, self._body.position, start.yaw)
@@ -135,8 +142,6 @@ class SimulatedRov(FloatingVehicle):
         self._senses = RovSenses(
             surroundings, self._body, water, self._tether, np.random.SeedSequence(seed)
         )
-        self._depth_hold = HeightHold(spec, _CLIMB)
-        self._heading_hold = HeadingHold(spec, _TURN)
         self._tilt_hold = TiltHold(_TILT)
         self._brakes = [Brake(spec, axis, gain=_BRAKING, stopped=_SLOW) for axis in (0, 1)]
         self._place = RestingPlace(_SLOW)
@@ -144,7 +149,7 @@ class SimulatedRov(FloatingVehicle):
 
     def brake_and_hold(self) -> None:
         """Brake, level the body, hold depth and heading."""
-        self._commanded = NEUTRAL
+        self._keep()
         self._tilt_hold.level()
 
     def surface(self) -> None:
@@ -152,15 +157,9 @@ class SimulatedRov(FloatingVehicle):
         self.brake_and_hold()
         self._dive = Dive.SURFACING
 
-    def hold_depth(self, depth: float) -> None:
-        """Go to a depth [m] and hold it."""
-        if math.isfinite(depth):
-            self._depth_hold.hold(-depth)
-
-    def hold_heading(self, heading: float) -> None:
-        """Turn to a heading [rad] and hold it."""
-        if math.isfinite(heading):
-            self._heading_hold.hold(heading)
+    def start_hold(self, kind: HoldKind, target: float = math.nan) -> None:
+        """Hold a depth below the surface or a heading."""
+        super().start_hold(kind, max(target, SURFACED) if kind is HoldKind.DEPTH else target)
 
     @property
     def dive(self) -> Dive:
@@ -173,9 +172,9 @@ class SimulatedRov(FloatingVehicle):
         return self._senses.readings
 
     @property
-    def battery(self) -> LithiumBattery:
-        """Four cells of 18 Ah."""
-        return self._battery
+    def tether(self) -> Tether:
+        """Its cable."""
+        return self._tether
 
     @property
     def thrust(self) -> Six:
@@ -186,8 +185,8 @@ class SimulatedRov(FloatingVehicle):
     def hold(self) -> Held:
         """What it holds, and whether that fails."""
         x, y, _ = self._body.position
-        goal = self._depth_hold.goal
-        off = self._depth_hold.off(self._senses.vertical.height)
+        goal = self._height_hold.goal
+        off = self._height_hold.off(self._senses.vertical.height)
         return Held(
             depth=None if goal is None else -goal,
             heading=self._heading_hold.goal,
@@ -202,6 +201,9 @@ class SimulatedRov(FloatingVehicle):
         """Whether water comes in."""
         return self.time >= self._leaks_at
 
+    def _vertical_place(self) -> float:
+        return self._senses.vertical.height
+
     def _moved(self) -> None:
         if not self.leaking:
             self._dive = Dive.DIVING
@@ -212,8 +214,7 @@ class SimulatedRov(FloatingVehicle):
         self._senses.advance(body, self._thrusters, leak=self.leaking, moving=moving)
         if self._senses.readings.leak and self._dive is Dive.DIVING:
             self.surface()
-        powered = self._battery.fraction > 0.0
-        self._thrusters.advance(self._wanted() if powered else (0.0,) * 6, STEP)
+        self._thrusters.advance(self._wanted() if self.powered else (0.0,) * 6, STEP)
         self._battery = self._battery.after(STEP, IDLE_POWER + self._thrusters.power)
         depth = self._water.surface - body.position[2]
         pull = self._tether.pull(body.position, body.world_velocity, self._flow)
@@ -230,11 +231,11 @@ class SimulatedRov(FloatingVehicle):
         """Forces and moments that commands and holds want [N, N m]."""
         seen, wanted = self._senses.readings, self._commanded
         if self._dive is Dive.SURFACING:
-            if self._depth_hold.goal != -SURFACED:
-                self._depth_hold.hold(-SURFACED)
-            lift = self._depth_hold.lift(self._senses.vertical, 0.0)
+            if self._height_hold.goal != -SURFACED:
+                self._height_hold.hold(-SURFACED)
+            lift = self._height_hold.lift(self._senses.vertical, 0.0)
         else:
-            lift = self._depth_hold.lift(self._senses.vertical, wanted.heave)
+            lift = self._height_hold.lift(self._senses.vertical, wanted.heave)
         self._tilt_hold.turn(wanted.roll, wanted.pitch, STEP)
         p, q, r = seen.rates
         roll, pitch = self._tilt_hold.moments(seen.roll, seen.pitch, p, q)

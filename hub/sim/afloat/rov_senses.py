@@ -20,7 +20,7 @@ from hub.sim.afloat.sensors import (
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.afloat.tether import Tether
 from hub.sim.afloat.thrusters import EightThrusters
-from hub.sim.afloat.vehicle import STEP
+from hub.sim.afloat.vehicle import STEP, Readings
 from hub.sim.arena_specs import WaterSpec
 from hub.values import dataclass
 
@@ -35,33 +35,21 @@ _MOST_TRIM = 30.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RovReadings:
+class RovReadings(Readings):
     """The last measurements, with their errors.
 
     Attributes:
         depth: By pressure [m].
-        climb: Upward velocity, estimated [m/s].
-        altitude: From the middle to the ground below [m]; NaN without an echo.
         surge: Speed ahead over the ground [m/s]; NaN where the log has no ground.
         sway: The same to the left [m/s].
-        roll: [rad]
-        pitch: [rad]
-        heading: Of gyro and compass [rad].
-        rates: About x, y and z [rad/s].
         leak: Whether there is water inside.
         tether_used: Share of the tether that is out, 0 to 1.
         tether_turns: Turns that twist it, counter-clockwise positive, by the measured heading.
     """
 
     depth: float
-    climb: float
-    altitude: float
     surge: float
     sway: float
-    roll: float
-    pitch: float
-    heading: float
-    rates: tuple[float, float, float]
     leak: bool
     tether_used: float
     tether_turns: float

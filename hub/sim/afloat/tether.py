@@ -49,6 +49,11 @@ class Tether:
         self.paid_out = min(spec.length, math.dist(position, spec.anchor))
 
     @property
+    def length(self) -> float:
+        """All of it [m]."""
+        return self._spec.length
+
+    @property
     def used(self) -> float:
         """Share of the cable that is out, 0 to 1."""
         return self.paid_out / self._spec.length

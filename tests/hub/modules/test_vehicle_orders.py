@@ -92,7 +92,7 @@ class Hardware:
     def turn_joint(self, name: str, rate: float) -> None:
         self.orders.append(("joint", name, rate))
 
-    def arm(self, armed: bool) -> None:  # noqa: FBT001 - as in the interface
+    def arm(self, *, armed: bool) -> None:
         self.orders.append(("arm", armed))
 
 

@@ -23,7 +23,12 @@ def robot_with(folder: Path, source: str) -> RobotDescription:
 
 def test_the_simulated_camera_turns_and_needs_to_know_where_it_is(tmp_path: Path) -> None:
     can = abilities(robot_with(tmp_path, "robot"))
-    assert can.provides == (Capability.VIS_VID, Capability.VIS_PTZ, Capability.VIS_NIGHT)
+    assert can.provides == (
+        Capability.VIS_VID,
+        Capability.VIS_PTZ,
+        Capability.VIS_NIGHT,
+        Capability.DRV_LIGHT,
+    )
     assert can.needs == (Capability.SIM_TRUTH,)
 
 

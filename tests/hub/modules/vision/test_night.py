@@ -82,3 +82,16 @@ def test_not_a_number_leaves_the_headlight_as_it_was_chosen() -> None:
     assert night.headlight == 0.0
     night.command(NightCommand(on=1, headlight=math.nan))
     assert night.headlight == 0.25
+
+
+def test_the_headlight_is_switched_with_and_without_night_mode() -> None:
+    night = NightMode()
+    night.light(0.5)
+    assert (night.headlight, night.see(1.0, 0.0)) == (0.5, 1.0), "night mode stays off"
+    night.command(NightCommand(on=1))
+    assert night.headlight == 0.5, "as bright as the last time"
+    night.light(0.0)
+    assert night.headlight == 0.0
+    assert night.see(1.0, 1.0) > 1.0, "night mode stays on"
+    night.command(NightCommand(on=0))
+    assert night.headlight == 0.0

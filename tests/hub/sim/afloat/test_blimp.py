@@ -9,6 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hub.gcm.body import HoldKind
+from hub.gcm.vehicle import HoldPhase
 from hub.pose import wrapped
 from hub.sim.afloat.blimp import LIMITS, LONGEST_HOLD, LOW_BATTERY, SHAPE, Flight, SimulatedBlimp
 from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
@@ -82,7 +84,7 @@ def test_a_step_of_a_metre_takes_6_s_and_overshoots_by_less_than_10_cm(
 ) -> None:
     robot = blimp(2.5, draft=0.04, seed=seed)
     fly(robot, 10.0)
-    robot.hold_height(2.5 + up)
+    robot.start_hold(HoldKind.HEIGHT, 2.5 + up)
     rises = [up * (pose.z - 2.5) for pose in fly(robot, 20.0)]
     assert next(number for number, rise in enumerate(rises) if rise > 0.9) * 0.1 <= 6.0
     assert max(rises) <= 1.1
@@ -214,6 +216,9 @@ def test_an_empty_battery_drops_it_and_the_hold_fails() -> None:
     assert robot.battery.fraction == 0.0
     assert robot.hold.off < -0.3
     assert robot.hold.fails
+    hold = robot.hold_state(HoldKind.HEIGHT, tolerance=0.3)
+    assert hold.phase is HoldPhase.FAILING
+    assert hold.error < -0.3
     fly(robot, 10.0)
     assert robot.pose.z == pytest.approx(SHAPE.below, abs=0.001)
 
@@ -311,7 +316,7 @@ def test_commands_and_times_that_are_no_numbers_do_no_harm(value: float) -> None
     found = robot.commanded
     assert found == NEUTRAL if math.isnan(value) else abs(found.surge) == LIMITS.surge
     assert (found.sway, found.roll, found.pitch) == (0.0, 0.0, 0.0)
-    robot.hold_height(value if math.isinf(value) else math.nan)
+    robot.start_hold(HoldKind.HEIGHT, value if math.isinf(value) else math.nan)
     robot.advance(value)
     assert robot.time <= LONGEST_ADVANCE + STEP
     assert all(map(math.isfinite, (robot.pose.x, robot.pose.z, robot.velocity.yaw)))

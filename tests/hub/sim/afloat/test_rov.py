@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hub.gcm.body import HoldKind
 from hub.pose import wrapped
 from hub.sim.afloat.rov import LIMITS, SHAPE, SURFACED, Dive, SimulatedRov, hull
 from hub.sim.afloat.surroundings import Surroundings
@@ -86,7 +87,7 @@ def test_a_step_of_a_metre_settles_within_4_s_and_overshoots_by_less_than_2_cm(
 ) -> None:
     robot = rov(seed=seed)
     dive(robot, 5.0)
-    robot.hold_depth(3.0 + down)
+    robot.start_hold(HoldKind.DEPTH, 3.0 + down)
     ways = [down * (SURFACE - 3.0 - pose.z) for pose in dive(robot, 8.0)]
     assert max(ways) <= 1.02
     assert all(abs(way - 1.0) <= 0.05 for way in ways[40:])
@@ -96,7 +97,7 @@ def test_a_quarter_turn_settles_without_overshoot_and_twists_the_tether() -> Non
     robot = rov()
     dive(robot, 3.0)
     start = robot.pose.yaw
-    robot.hold_heading(robot.readings.heading + math.pi / 2)
+    robot.start_hold(HoldKind.HEADING, robot.readings.heading + math.pi / 2)
     turns = [wrapped(pose.yaw - start) for pose in dive(robot, 4.0)]
     assert max(turns) <= math.radians(93.0)
     assert all(abs(turn - math.pi / 2) <= math.radians(4.0) for turn in turns[20:])
