@@ -12,6 +12,7 @@ from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import GroundTruth
+from hub.gcm.outline import corners
 from hub.gcm.ranges import LaserScan, scan_of
 from hub.pose import Pose
 from hub.robots.interfaces import Sensors
@@ -43,12 +44,12 @@ class SimulatedBase:
 
         Args:
             arena: Its arena.
-            body: Its outline (the circle counts), velocities, range sensors and bumpers.
+            body: Its outline (the convex hull counts), velocities, range sensors and bumpers.
             seed: Of all noise.
         """
         odometry_seed, sensor_seed = np.random.SeedSequence(seed).spawn(2)
         self._limits = {motion.freedom: motion.limit for motion in body.motions}
-        self._body = ContactBody(arena.footprints, body.radius, body.bumpers)
+        self._body = ContactBody(arena.footprints, body.radius, body.bumpers, corners(body))
         self._odometry = Odometry(odometry_seed)
         self._groups = body.ranges
         self._sensors = RangeSensors(arena.footprints, beams_of(body), sensor_seed)
@@ -134,24 +135,26 @@ class SimulatedBase:
         sideways = approach(self._sway, sway, LINEAR, STEP)
         angular = approach(self._angular, yaw, ANGULAR, STEP)
         if linear or sideways or angular:
-            linear, sideways = self._move(linear, sideways, angular)
+            linear, sideways, angular = self._move(linear, sideways, angular)
         self._linear, self._sway, self._angular = linear, sideways, angular
         self._battery = self._battery.after(STEP, math.hypot(linear, sideways), angular)
         self._steps += 1
         if self._steps % STEPS_PER_SCAN == 0:
             self._scan()
 
-    def _move(self, linear: float, sideways: float, angular: float) -> tuple[float, float]:
-        """Move for a step at these velocities; returns what contact allows of the first two."""
+    def _move(self, linear: float, sideways: float, angular: float) -> tuple[float, float, float]:
+        """Move for a step at these velocities; returns the part of them that contact allows."""
         before = self._pose
         wanted = moved(before, linear * STEP, angular * STEP, sideways * STEP)
         self._pose = self._body.move(before, wanted)
         if self._body.touched:
+            if self._pose.theta == before.theta:
+                angular = 0.0
             heading = before.theta + angular * STEP / 2
             linear = self._held_back(linear, before, heading)
             sideways = self._held_back(sideways, before, heading + math.pi / 2)
         self._odometry.moved(linear * STEP, angular * STEP, STEP, sideways * STEP)
-        return linear, sideways
+        return linear, sideways, angular
 
     def _held_back(self, velocity: float, before: Pose, heading: float) -> float:
         """Velocity against an obstacle: wheels grip the floor, motors stall."""

@@ -13,6 +13,7 @@ from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist
 from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth
+from hub.gcm.outline import corners
 from hub.gcm.ranges import LaserScan, scan_of
 from hub.pose import Pose, wrapped
 from hub.robots.interfaces import Sensors
@@ -41,8 +42,8 @@ class RoughBody:
 
         Args:
             arena: Its arena.
-            body: Its described velocities, range sensors, bumpers and pairs of flippers, the
-                front pair first.
+            body: Its described outline, velocities, range sensors, bumpers and pairs of flippers,
+                the front pair first.
             chassis: What touches the ground.
             seed: Of all noise.
         """
@@ -54,6 +55,7 @@ class RoughBody:
             linear_limit=limits.get(Freedom.SURGE, 0.0),
             angular_limit=limits.get(Freedom.YAW, 0.0),
             bumpers=body.bumpers,
+            outline=corners(body),
         )
         _, sensor_seed = np.random.SeedSequence(seed).spawn(2)
         self._joints = body.joints

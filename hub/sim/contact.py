@@ -1,4 +1,4 @@
-"""Contact of the round body with obstacles."""
+"""Contact of a body, a circle or a convex outline, with obstacles."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy.typing as npt
 from hub.gcm.body import Bumper
 from hub.pose import Pose
 from hub.sim.arena import Footprints
+from hub.sim.convex_body import ConvexBody
 
 TOUCH = 1e-3
 """A bumper is pressed when something is this near [m]."""
@@ -27,16 +28,26 @@ class ContactBody:
         contacts: Number of new contacts with an obstacle.
     """
 
-    def __init__(self, footprints: Footprints, radius: float, bumpers: Sequence[Bumper]) -> None:
+    def __init__(
+        self,
+        footprints: Footprints,
+        radius: float,
+        bumpers: Sequence[Bumper],
+        outline: npt.NDArray[np.float64] | None = None,
+    ) -> None:
         """Stand clear of everything.
 
         Args:
             footprints: The obstacles.
-            radius: The body is this circle [m].
+            radius: The body is this circle [m], if it has no outline.
             bumpers: Its bumpers.
+            outline: Corners of the body [m], shape (n, 2); their convex hull counts. None or
+                none: the circle.
         """
         self._obstacles = footprints
-        self._radius = radius
+        has_corners = outline is not None and len(outline) > 0
+        self._convex = ConvexBody(outline, footprints) if has_corners else None
+        self._radius = self._convex.radius if self._convex is not None else radius
         self._bumpers = bumpers
         self._boxes = len(footprints.low)
         self._free = 0.0
@@ -46,29 +57,50 @@ class ContactBody:
     def move(self, before: Pose, wanted: Pose) -> Pose:
         """The end of a short motion to a wanted pose: the body slides along obstacles, or stays.
 
-        A short motion is shorter than the body's radius.
+        A short motion is shorter than the body's radius. A round body always turns.
         """
         self._free -= math.hypot(wanted.x - before.x, wanted.y - before.y)
         # An obstacle farther than the path since the last check cannot be reached yet.
         if self._free > TOUCH:
             return wanted
-        x, y = self._pushed_out(before, wanted)
-        distances = self._obstacles.distances(x, y)
-        self._free = float(distances.min(initial=math.inf)) - self._radius
-        touched = frozenset(np.flatnonzero(distances < self._radius + TOUCH).tolist())
+        if self._convex is None:
+            x, y = self._pushed_out(before, wanted)
+            pose = Pose(x=x, y=y, theta=wanted.theta)
+        else:
+            pose = self._slid(self._convex, before, wanted)
+        gaps = self._obstacles.distances(pose.x, pose.y) - self._radius
+        self._free = float(gaps.min(initial=math.inf))
+        if self._convex is not None and self._free < TOUCH:
+            gaps = self._convex.gaps(pose)[0]
+        touched = frozenset(np.flatnonzero(gaps < TOUCH).tolist())
         self.contacts += len(touched - self.touched)
         self.touched = touched
-        return Pose(x=x, y=y, theta=wanted.theta)
+        return pose
+
+    def _slid(self, body: ConvexBody, before: Pose, wanted: Pose) -> Pose:
+        """The wanted pose, moved out of obstacles; the one before if that fails."""
+        pose = wanted
+        for _ in range(_PUSHES):
+            gaps, ways = body.gaps(pose)
+            deepest = int(gaps.argmin())
+            if gaps[deepest] >= 0.0:
+                return pose
+            x, y = (ways[deepest] * (float(gaps[deepest]) - _GAP)).tolist()
+            pose = Pose(x=pose.x + x, y=pose.y + y, theta=pose.theta)
+        return before
 
     def bumpers(self, pose: Pose) -> int:
         """Bit i is set when something touches bumper i."""
         bits = 0
         for number in self.touched:
-            x, y = self._nearest_point(number, pose.x, pose.y)
-            direction = math.atan2(y - pose.y, x - pose.x) - pose.theta
+            if self._convex is None:
+                x, y = self._nearest_point(number, pose.x, pose.y)
+                directions = [math.atan2(y - pose.y, x - pose.x) - pose.theta]
+            else:
+                directions = self._convex.contact_bearings(pose, number, 2.0 * TOUCH).tolist()
             for place, bumper in enumerate(self._bumpers):
-                off = math.remainder(direction - bumper.direction, math.tau)
-                bits |= (abs(off) <= bumper.width / 2.0) << place
+                offs = (math.remainder(each - bumper.direction, math.tau) for each in directions)
+                bits |= any(abs(off) <= bumper.width / 2.0 for off in offs) << place
         return bits
 
     def _pushed_out(self, before: Pose, wanted: Pose) -> tuple[float, float]:

@@ -75,6 +75,7 @@ class RoughBase:
         angular_limit: float = 1.0,
         flippers: tuple[float, ...] | None = None,
         bumpers: Sequence[Bumper] = (),
+        outline: npt.NDArray[np.float64] | None = None,
     ) -> None:
         """Stance at the start of the arena.
 
@@ -86,13 +87,14 @@ class RoughBase:
             angular_limit: Largest turn rate [rad/s].
             flippers: Angle of each pair at the start [rad]; None: as at home.
             bumpers: Its bumpers.
+            outline: Corners of what walls stop [m], shape (n, 2); none: the circle of the chassis.
         """
         odometry_seed, _ = np.random.SeedSequence(seed).spawn(2)
         field = arena.ground or level_ground()
         self.chassis = chassis
         self._limits = linear_limit, angular_limit
         self._odometry = Odometry(odometry_seed)
-        self._walls = Storeys(arena, field, chassis, bumpers)
+        self._walls = Storeys(arena, field, chassis, bumpers, outline)
         self._angles = flippers or tuple(pair.home for pair in chassis.flippers)
         self._wanted_angles = self._angles
         self._footing = Footing(field, chassis, self._angles)
@@ -264,7 +266,13 @@ class RoughBase:
         forward = (after.x - before.x) * math.cos(heading) + (after.y - before.y) * math.sin(
             heading
         )
-        self.linear, self.angular = speed, turn
+        # An outline that cannot be pushed aside does not turn either.
+        held = self._walls.touches and (after.x, after.y, after.theta) == (
+            before.x,
+            before.y,
+            before.yaw,
+        )
+        self.linear, self.angular = speed, 0.0 if held else turn
         if self._walls.touches or (after.x, after.y) != (wanted.x, wanted.y):
             # Wheels that grip the floor stop with the body; their motors stall.
             self.linear = max(min(forward / STEP, max(speed, 0.0)), min(speed, 0.0))

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from hub.gcm.body import Bumper
 from hub.pose import Pose
@@ -23,15 +24,29 @@ _RIM_POINTS = 12
 
 
 class Storeys:
-    """The contact of a round body with obstacles at its own height.
+    """The contact of a body with obstacles at its own height.
 
     Attributes:
         contacts: Number of new contacts with an obstacle.
     """
 
     def __init__(
-        self, arena: Arena, field: HeightField, chassis: Chassis, bumpers: Sequence[Bumper]
+        self,
+        arena: Arena,
+        field: HeightField,
+        chassis: Chassis,
+        bumpers: Sequence[Bumper],
+        outline: npt.NDArray[np.float64] | None = None,
     ) -> None:
+        """Stand at the height of the start.
+
+        Args:
+            arena: The obstacles.
+            field: The ground.
+            chassis: Its height, and its circle.
+            bumpers: Its bumpers.
+            outline: As of `ContactBody`.
+        """
         decks = set(field.deck_boxes)
         self._boxes = tuple(box for box in arena.boxes if box not in decks)
         self._cylinders = arena.cylinders
@@ -41,8 +56,9 @@ class Storeys:
         self._contacts_before = 0
         self._floor: int | None = None
         self._bumpers = bumpers
+        self._outline = outline
         self._among = arena.footprints
-        self._body = ContactBody(self._among, chassis.reach, bumpers)
+        self._body = ContactBody(self._among, chassis.reach, bumpers, outline)
         around = np.arange(_RIM_POINTS) * (math.tau / _RIM_POINTS)
         self._rim = np.cos(around) * chassis.reach, np.sin(around) * chassis.reach
 
@@ -74,7 +90,9 @@ class Storeys:
                 ground=floor * STOREY,
                 height=self._chassis.height,
             )
-            self._body = ContactBody(footprints, self._chassis.reach, self._bumpers)
+            self._body = ContactBody(
+                footprints, self._chassis.reach, self._bumpers, self._outline
+            )
             # What it touched before is no new contact.
             self._body.touched = frozenset(
                 number for number, name in enumerate(footprints.origin) if name in touched
