@@ -45,9 +45,11 @@ class ContactBody:
                 none: the circle.
         """
         self._obstacles = footprints
-        has_corners = outline is not None and len(outline) > 0
-        self._convex = ConvexBody(outline, footprints) if has_corners else None
-        self._radius = self._convex.radius if self._convex is not None else radius
+        self._convex: ConvexBody | None = None
+        self._radius = radius
+        if outline is not None and len(outline):
+            self._convex = ConvexBody(outline, footprints)
+            self._radius = self._convex.radius
         self._bumpers = bumpers
         self._boxes = len(footprints.low)
         self._free = 0.0

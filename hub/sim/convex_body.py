@@ -89,7 +89,8 @@ class ConvexBody:
         first, last = points[[np.lexsort(points.T)[0], np.lexsort(points.T)[-1]]]
         patch = first + _PATCH[:, None] * (last - first)
         x, y = pose.inward(patch[:, 0], patch[:, 1])
-        return np.arctan2(y, x)
+        bearings: Floats = np.arctan2(y, x)
+        return bearings
 
     def _placed(self, pose: Pose) -> tuple[Floats, Floats]:
         """Corners and normals in the arena's frame, shape (k, 2) each."""
