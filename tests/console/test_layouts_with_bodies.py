@@ -17,8 +17,9 @@ from hub.gcm.capability import Capability
 from hub.gcm.control import CONTROL_STATE
 from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.flight import ALTITUDE, ATTITUDE
+from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.joints import JOINT_STATES
-from hub.gcm.navigation import ROBOT_STATE, MotionState, Twist, Vector3
+from hub.gcm.navigation import ROBOT_STATE, MotionState
 from hub.gcm.ranges import RANGES, RangeReadings
 from hub.gcm.vehicle import VEHICLE_STATE
 from hub.modules.driver import reports

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.body import Bumper, Freedom, Motion, Point32, RobotBody
-from hub.gcm.navigation import Twist, Vector3
+from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.outline import corners
 from hub.pose import Pose
 from hub.robots.simulated_base import SimulatedBase
@@ -45,10 +45,7 @@ HEAD = 'name = "walls"\n[start]\nat = [0.0, 0.0]\n'
 
 def boxes(*spans: tuple[float, float, float, float]) -> Arena:
     """Boxes of half a metre, each from x, y to x, y [m]."""
-    text = (
-        f"[[box]]\nat = [{x}, {y}]\nsize = [{u - x}, {v - y}, 0.5]\n"
-        for x, y, u, v in spans
-    )
+    text = (f"[[box]]\nat = [{x}, {y}]\nsize = [{u - x}, {v - y}, 0.5]\n" for x, y, u, v in spans)
     return arena_of(HEAD + "".join(text))
 
 
