@@ -267,12 +267,7 @@ class RoughBase:
             heading
         )
         # An outline that cannot be pushed aside does not turn either.
-        held = self._walls.touches and (after.x, after.y, after.theta) == (
-            before.x,
-            before.y,
-            before.yaw,
-        )
-        self.linear, self.angular = speed, 0.0 if held else turn
+        self.linear, self.angular = speed, 0.0 if after.theta == before.yaw else turn
         if self._walls.touches or (after.x, after.y) != (wanted.x, wanted.y):
             # Wheels that grip the floor stop with the body; their motors stall.
             self.linear = max(min(forward / STEP, max(speed, 0.0)), min(speed, 0.0))
