@@ -267,7 +267,8 @@ class RoughBase:
             heading
         )
         # An outline that cannot be pushed aside does not turn either.
-        self.linear, self.angular = speed, 0.0 if after.theta == before.yaw else turn
+        holds = self._walls.touches and after.theta == before.yaw
+        self.linear, self.angular = speed, 0.0 if holds else turn
         if self._walls.touches or (after.x, after.y) != (wanted.x, wanted.y):
             # Wheels that grip the floor stop with the body; their motors stall.
             self.linear = max(min(forward / STEP, max(speed, 0.0)), min(speed, 0.0))

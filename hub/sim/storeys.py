@@ -90,9 +90,7 @@ class Storeys:
                 ground=floor * STOREY,
                 height=self._chassis.height,
             )
-            self._body = ContactBody(
-                footprints, self._chassis.reach, self._bumpers, self._outline
-            )
+            self._body = ContactBody(footprints, self._chassis.reach, self._bumpers, self._outline)
             # What it touched before is no new contact.
             self._body.touched = frozenset(
                 number for number, name in enumerate(footprints.origin) if name in touched
