@@ -22,14 +22,12 @@ from hub.sim.contact import ContactBody
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
 from hub.sim.odometry import Odometry
 from hub.sim.range_sensors import RangeSensors
+from hub.sim.steps import WholeSteps
 
 STEP = 0.01
 """Length of a step of the simulation [s]."""
 STEPS_PER_SCAN = 10
 """All range sensors measure together at 10 Hz."""
-LONGEST_ADVANCE = 5.0
-"""Longest advance of one call [s]; more is dropped, for example after a suspended process."""
-_ROUNDING = 1e-9
 
 
 class SimulatedBase:
@@ -59,7 +57,7 @@ class SimulatedBase:
         self._sway = 0.0
         self._angular = 0.0
         self._steps = 0
-        self._time_left = 0.0
+        self._time = WholeSteps(STEP)
         self._measured: dict[str, npt.NDArray[np.float32]] = {}
         self._scans: tuple[LaserScan, ...] = ()
         self._is_new = False
@@ -84,11 +82,7 @@ class SimulatedBase:
 
     def advance(self, seconds: float) -> None:
         """Advance the simulated time in whole steps; the rest counts in the next call."""
-        if not seconds > 0.0:
-            return
-        self._time_left += min(seconds, LONGEST_ADVANCE)
-        while self._time_left >= STEP - _ROUNDING:
-            self._time_left -= STEP
+        for _ in range(self._time.due(seconds)):
             self._step()
 
     def sensors(self, stamp: float) -> Sensors:

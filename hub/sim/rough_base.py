@@ -14,16 +14,15 @@ from hub.sim.arena import Arena
 from hub.sim.ground.chassis import Chassis
 from hub.sim.ground.footing import TIPPED, Footing, Stance
 from hub.sim.ground.map_builder import level_ground
-from hub.sim.ground.toppling import GRAVITY, fallen, way_of_fall
+from hub.sim.ground.toppling import fallen, way_of_fall
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
 from hub.sim.odometry import Odometry
 from hub.sim.spatial_pose import SpatialPose
+from hub.sim.steps import GRAVITY, WholeSteps
 from hub.sim.storeys import Storeys
 
 STEP = 0.01
 """Length of a step of the simulation [s]."""
-LONGEST_ADVANCE = 5.0
-"""Longest advance of one call [s]; more is dropped, for example after a suspended process."""
 ROLLING = 0.03
 """Rolling resistance as a share of the weight."""
 HANGING = 0.05
@@ -100,7 +99,7 @@ class RoughBase:
         self._footing = Footing(field, chassis, self._angles)
         self._field = field
         self._commanded = (0.0, 0.0)
-        self._time_left = 0.0
+        self._time = WholeSteps(STEP)
         self._rates = (0.0, 0.0, 0.0)
         self.steps = 0
         self.linear = self.angular = self.climb = 0.0
@@ -133,11 +132,7 @@ class RoughBase:
 
     def advance(self, seconds: float) -> None:
         """Advance the simulated time in whole steps; the rest counts in the next call."""
-        if not seconds > 0.0:
-            return
-        self._time_left += min(seconds, LONGEST_ADVANCE)
-        while self._time_left >= STEP - _ROUNDING:
-            self._time_left -= STEP
+        for _ in range(self._time.due(seconds)):
             self._step()
 
     @property

@@ -27,10 +27,8 @@ from hub.sim.afloat.attitude import (
     turned,
     up_in_body,
 )
+from hub.sim.steps import GRAVITY
 from hub.values import dataclass
-
-GRAVITY = 9.81
-"""[m/s^2]"""
 
 Six = tuple[float, float, float, float, float, float]
 """Along x, y, z and about x, y, z of the body."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
+from hub.sim.kinematics import limited
 from hub.values import dataclass
 
 
@@ -30,17 +29,13 @@ class BodyVelocity:
     def within(self, limits: BodyVelocity) -> BodyVelocity:
         """The same within plus and minus the limits; NaN counts as 0."""
         return BodyVelocity(
-            surge=_limited(self.surge, limits.surge),
-            sway=_limited(self.sway, limits.sway),
-            heave=_limited(self.heave, limits.heave),
-            roll=_limited(self.roll, limits.roll),
-            pitch=_limited(self.pitch, limits.pitch),
-            yaw=_limited(self.yaw, limits.yaw),
+            surge=limited(self.surge, limits.surge),
+            sway=limited(self.sway, limits.sway),
+            heave=limited(self.heave, limits.heave),
+            roll=limited(self.roll, limits.roll),
+            pitch=limited(self.pitch, limits.pitch),
+            yaw=limited(self.yaw, limits.yaw),
         )
 
 
 NEUTRAL = BodyVelocity()
-
-
-def _limited(value: float, limit: float) -> float:
-    return 0.0 if math.isnan(value) else max(-limit, min(limit, value))

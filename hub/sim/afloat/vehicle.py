@@ -22,17 +22,15 @@ from hub.sim.afloat.lithium_battery import LithiumBattery
 from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.surroundings import Surroundings
 from hub.sim.spatial_pose import SpatialPose
+from hub.sim.steps import WholeSteps
 from hub.values import dataclass
 
 STEP = 0.02
 """Length of a step of the simulation [s]."""
-LONGEST_ADVANCE = 5.0
-"""Longest advance of one call [s]; more is dropped, for example after a suspended process."""
 FRICTION_TIME = 0.3
 """Time in which friction stops a body that lies on something [s]; our choice."""
 STUCK = 0.001
 """A body that lies on something and gets no faster than this in a step [m/s] stays; our choice."""
-_ROUNDING = 1e-9
 _FRICTION_SHARE = 1.0 - math.exp(-STEP / FRICTION_TIME)
 
 
@@ -98,7 +96,7 @@ class FloatingVehicle(abc.ABC):
         self._heading_hold = HeadingHold(self._body.hull, turn)
         self.armed = True
         self._steps = 0
-        self._time_left = 0.0
+        self._time = WholeSteps(STEP)
 
     def command(
         self,
@@ -121,11 +119,7 @@ class FloatingVehicle(abc.ABC):
 
     def advance(self, seconds: float) -> None:
         """Advance the simulated time in whole steps; the rest counts in the next call."""
-        if not seconds > 0.0:
-            return
-        self._time_left += min(seconds, LONGEST_ADVANCE)
-        while self._time_left >= STEP - _ROUNDING:
-            self._time_left -= STEP
+        for _ in range(self._time.due(seconds)):
             self._step()
             self._steps += 1
 

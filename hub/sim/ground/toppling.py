@@ -6,9 +6,8 @@ import math
 
 from hub.pose import Pose
 from hub.sim.spatial_pose import SpatialPose
+from hub.sim.steps import GRAVITY
 
-GRAVITY = 9.81
-"""[m/s^2]."""
 _RATE = 5.0
 """Rate at which a body that tips comes to lie [1/s]."""
 

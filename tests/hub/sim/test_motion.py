@@ -10,10 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hub.pose import Pose, wrapped
-from hub.robots.simulated_base import LONGEST_ADVANCE, STEP
+from hub.robots.simulated_base import STEP
 from hub.sim.arena import Arena, load_arena
 from hub.sim.battery import Battery
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, moved
+from hub.sim.odometry import Odometry
+from hub.sim.steps import LONGEST_ADVANCE
 from tests.hub.sim.arenas import VOID, arena_of
 from tests.support.cases import for_each
 from tests.support.magellan import SimulatedMagellan, magellan_body
@@ -120,13 +122,6 @@ def test_commands_and_times_that_are_no_numbers_do_no_harm(value: float) -> None
     assert before <= robot.ground_truth().time <= before + LONGEST_ADVANCE + STEP
 
 
-def test_time_that_is_left_over_counts_in_the_next_call() -> None:
-    robot = SimulatedMagellan(EMPTY)
-    for _ in range(1000):
-        robot.advance(0.0033)
-    assert robot.ground_truth().time == pytest.approx(3.3, abs=STEP)
-
-
 def test_a_straight_way_and_a_circle_end_where_geometry_says() -> None:
     pose = Pose(x=0.0, y=0.0, theta=0.0)
     for _ in range(100):
@@ -175,34 +170,26 @@ def test_the_body_slides_along_a_wall_that_it_meets_at_an_angle() -> None:
     assert second.y == pytest.approx(first.y, abs=1e-5)
 
 
+def reckoned(seed: int, linear: float, angular: float, seconds: float) -> Pose:
+    """Where the encoders of a robot see it after a motion at these velocities."""
+    odometry = Odometry(np.random.SeedSequence(seed))
+    for _ in range(round(seconds / STEP)):
+        odometry.moved(linear * STEP, angular * STEP, STEP)
+    return odometry.pose
+
+
 @settings(max_examples=repetitions(5, 100))
 @given(seed=st.integers(0, 2**32))
 def test_odometry_drifts_but_not_without_bound(seed: int) -> None:
-    robot = SimulatedMagellan(EMPTY, seed=seed)
-    robot.set_velocity(0.5, 0.25)
-    for _ in range(4):
-        robot.advance(LONGEST_ADVANCE)
-    robot.set_velocity(0.0, 0.0)
-    robot.advance(1.0)
-    state, truth = robot.drive_state(0.0), robot.ground_truth()
-    way = 0.5 * 20.0
-    assert truth.contacts == 0
-    error = math.hypot(state.x - truth.x, state.y - truth.y)
+    pose, true = reckoned(seed, 0.5, 0.25, 20.0), moved(Pose(), 0.5 * 20.0, 0.25 * 20.0)
     # Slip and chance may nearly cancel out, but never quite.
-    assert 0.0 < error < 0.25 * way
-    assert 0.0 < abs(wrapped(state.theta - truth.theta)) < 1.0
+    assert 0.0 < math.dist((pose.x, pose.y), (true.x, true.y)) < 0.25 * 0.5 * 20.0
+    assert 0.0 < abs(wrapped(pose.theta - true.theta)) < 1.0
 
 
 def test_odometry_of_most_robots_is_off_by_more_than_a_hundredth_of_a_straight_way() -> None:
-    errors = []
-    for seed in range(repetitions(9, 40)):
-        robot = SimulatedMagellan(EMPTY, seed=seed)
-        robot.set_velocity(0.5, 0.0)
-        for _ in range(3):
-            robot.advance(LONGEST_ADVANCE)
-        state, truth = robot.drive_state(0.0), robot.ground_truth()
-        errors.append(math.hypot(state.x - truth.x, state.y - truth.y) / truth.x)
-    assert 0.01 < np.median(errors) < 0.04
+    ends = [reckoned(seed, 0.5, 0.0, 15.0) for seed in range(repetitions(24, 100))]
+    assert 0.01 < np.median([math.dist((end.x, end.y), (7.5, 0.0)) / 7.5 for end in ends]) < 0.04
 
 
 def test_odometry_starts_at_zero_wherever_the_robot_starts_and_stands_still_with_it() -> None:

@@ -15,10 +15,11 @@ from hub.pose import wrapped
 from hub.sim.afloat.blimp import LIMITS, LONGEST_HOLD, LOW_BATTERY, SHAPE, Flight, SimulatedBlimp
 from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.surroundings import Surroundings
-from hub.sim.afloat.vehicle import LONGEST_ADVANCE, STEP
+from hub.sim.afloat.vehicle import STEP
 from hub.sim.arena_specs import AirSpec
 from hub.sim.geometry import Box, Surface
 from hub.sim.spatial_pose import SpatialPose
+from hub.sim.steps import LONGEST_ADVANCE
 from tests.support.cases import for_each
 from tests.support.repetitions import repetitions
 
@@ -320,13 +321,6 @@ def test_commands_and_times_that_are_no_numbers_do_no_harm(value: float) -> None
     robot.advance(value)
     assert robot.time <= LONGEST_ADVANCE + STEP
     assert all(map(math.isfinite, (robot.pose.x, robot.pose.z, robot.velocity.yaw)))
-
-
-def test_time_that_is_left_over_counts_in_the_next_call() -> None:
-    robot = blimp()
-    for _ in range(1000):
-        robot.advance(0.0033)
-    assert robot.time == pytest.approx(3.3, abs=STEP)
 
 
 def test_it_can_start_on_the_ground() -> None:

@@ -18,10 +18,11 @@ from hub.sim.afloat.attitude import (
     roll_pitch_yaw,
     up_in_body,
 )
-from hub.sim.afloat.floating_body import GRAVITY, STILL, FloatingBody, HullSpec, Six
+from hub.sim.afloat.floating_body import STILL, FloatingBody, HullSpec, Six
 from hub.sim.afloat.fluid import AIR_DENSITY
 from hub.sim.afloat.thrusters import FRONT, LIFT, MOST_THRUST, TAIL, TAIL_BEHIND
 from hub.sim.afloat.vehicle import STEP
+from hub.sim.steps import GRAVITY
 from tests.hub.sim.afloat.closed_forms import energy, steady_speed
 from tests.support.cases import for_each
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from hub.sim.arena import load_arena
 from hub.sim.ground.chassis import TRACKED, WHEELED, Chassis
-from hub.sim.rough_base import LONGEST_ADVANCE, STEP, RoughBase
+from hub.sim.rough_base import STEP, RoughBase
+from hub.sim.steps import LONGEST_ADVANCE
 from tests.hub.sim.ground.grounds import (
     GROUSERS,
     RAISED,
@@ -335,13 +336,6 @@ def test_a_turn_against_the_side_of_a_step_stops_there_and_goes_back() -> None:
     base.command(0.0, -0.5)
     base.advance(0.5)
     assert base.pose.yaw < turned - 0.1
-
-
-def test_time_that_is_left_over_counts_in_the_next_call() -> None:
-    base = RoughBase(ground_arena(""), WHEELED)
-    for _ in range(300):
-        base.advance(0.0033)
-    assert base.steps == 99
 
 
 def test_flippers_turn_at_their_speed_within_their_limits_and_lift_the_body() -> None:
