@@ -247,8 +247,8 @@ class ConsoleState:
 
     def input_of(self, purpose: Purpose, robot: str) -> str:
         """The input that does this for a robot, in words; empty if none does."""
-        chosen = self.inputs.get((purpose, CHOSEN), "") if robot == self.chosen else ""
-        return self.inputs.get((purpose, robot), chosen)
+        own = self.inputs.get((purpose, robot), "")
+        return self.inputs.get((purpose, CHOSEN), own) if robot == self.chosen else own
 
     def notice(self, text: str, *, robot: str = "", alarm: bool = False) -> Notice:
         """A notice with the present time."""

@@ -129,5 +129,5 @@ def _short(row: TeamRow) -> TextRow:
     """Key, name and worst problem in one word, or what it does."""
     name = f"{row.cells[_KEY]}{row.cells[_NAME]}" if row.cells[_KEY] else row.cells[_NAME]
     worst = row.severities[_WORST]
-    said = row.cells[_WORST] if row.rank[0] else row.cells[_DOES]
+    said = row.cells[_WORST if row.rank[0] else _DOES].strip()
     return TextRow(printable_text(f"{name} {said}"), worst if row.rank[0] else Severity.PLAIN)

@@ -32,6 +32,8 @@ _DOES = {
 }
 _QUIET = frozenset({MotionState.STANDING, MotionState.MOVING})
 """States of motion that the vehicle's own word describes better."""
+_LEAST_WIDTHS = (1, 0, 0, 4, 8, 8, 4, 11, 13, 0)
+"""Widths of the cells, so that columns stay where they are while words change [cells]."""
 _SIGNS = {Severity.ALARM: "!! ", Severity.WARNING: "! "}
 
 
@@ -78,7 +80,10 @@ def team_row(robot: RobotState, state: ConsoleState) -> TeamRow:
         name=name,
         chosen=chosen,
         peeked=peeked,
-        cells=tuple(part.text for part in cells),
+        cells=tuple(
+            part.text and part.text.ljust(width)
+            for part, width in zip(cells, _LEAST_WIDTHS, strict=True)
+        ),
         severities=tuple(part.severity for part in cells),
         rank=rank,
     )
