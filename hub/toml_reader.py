@@ -154,8 +154,9 @@ class Problems(list[str]):
         """Add a sentence about a place, or a key there."""
         text = plain(text)
         line = self._lines.get((place, key)) or self._lines.get((place, ""))
-        if line is None and place == TOP:  # an unknown table, or a value in its place
-            line = self._lines.get((f"[{key}]", ""))
+        if line is None:  # an unknown table, or a value in the place of one
+            table = f"[{key}]" if place == TOP else place
+            line = self._lines.get((table, "")) or self._lines.get((TOP, table.strip("[]")))
         self.append((f"line {line}: " if line else "") + text)
 
 
@@ -326,7 +327,7 @@ def load(
         reason = getattr(fault, "strerror", None) or str(fault)
         raise error(str(path), [f"cannot be read: {reason}"]) from fault
     try:
-        text = raw.decode()
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as fault:
         raise error(str(path), [f"is not UTF-8 text at byte {fault.start}"]) from fault
     if (deep := _TOO_DEEP.search(text)) is not None:

@@ -32,6 +32,9 @@ Table = TypeVar("Table")
 ROBOTS_OWN = "robot"
 """The source of pictures for the robot's own camera."""
 
+MOST_BEAMS_IN_ALL = 8192
+"""Most beams of all range sensors: ten times a second navigation and mapping look at each."""
+
 _PLACE = number(-10.0, 10.0)
 _ANGLE = degrees(-360.0, 360.0)
 _NAME = plain_name(32)

@@ -16,6 +16,7 @@ from hub.robots.body_tables import (
     CameraTable,
     RangeTable,
 )
+from hub.robots.footprint import FARTHEST_CORNER, area, footprint_fault
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.robots.vehicle_tables import HoldTable, JointTable, LightTable, camera_lights
 from hub.toml_reader import choice, key, number, plain_name, text, whole_number
@@ -56,20 +57,16 @@ class MissionBegin(enum.Enum):
     BY_HAND = "by hand"
 
 
-_LEAST_AREA = 1e-4
-"""Smallest surface of a body [m^2]."""
-
-
 def _corners(value: object) -> tuple[tuple[float, float], ...]:
     """The corners of a body, in counter-clockwise order."""
     corners: tuple[tuple[float, float], ...]
-    corners = toml.several(toml.numbers(2, -5.0, 5.0), MOST_CORNERS)(value)
-    following = (*corners[1:], corners[0])
-    area = sum(x * v - u * y for (x, y), (u, v) in zip(corners, following, strict=True)) / 2.0
-    if len(corners) < 3 or abs(area) < _LEAST_AREA:
-        reason = f"{toml.shorten(value)} is not a list of the corners [x, y] of a surface"
+    place = toml.numbers(2, -FARTHEST_CORNER, FARTHEST_CORNER)
+    corners = toml.several(place, MOST_CORNERS)(value)
+    fault = footprint_fault(corners)
+    if fault:
+        reason = f"{toml.shorten(value)} {fault}"
         raise toml.RefusedError(reason)
-    return corners if area > 0.0 else corners[::-1]
+    return corners if area(corners) > 0.0 else corners[::-1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,10 +112,10 @@ class RobotDescription:
         without="where the system has such files",
     )
     linear_limit: float = key(
-        number(0.01, 3.0), 0.5, "largest forward velocity [m/s]", at="limits.linear"
+        number(0.0, 3.0), 0.5, "largest forward velocity [m/s]; 0: it cannot", at="limits.linear"
     )
     angular_limit: float = key(
-        number(0.01, 6.0), 1.0, "largest turn rate [rad/s]", at="limits.angular"
+        number(0.0, 6.0), 1.0, "largest turn rate [rad/s]; 0: it cannot", at="limits.angular"
     )
     sway_limit: float = key(
         number(0.0, 3.0), 0.0, "largest velocity sideways [m/s]; 0: it cannot", at="limits.sway"

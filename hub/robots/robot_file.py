@@ -14,6 +14,7 @@ from hub.errors import RobotFileError
 from hub.gcm.body import MOST_PARTS, USUAL_RADIUS, BodyFrame
 from hub.nearest import did_you_mean
 from hub.robots.body_tables import (
+    MOST_BEAMS_IN_ALL,
     ROBOTS_OWN,
     BumperTable,
     CameraTable,
@@ -83,7 +84,7 @@ def read_description(
     fields["radius"] = _enclosing(fields["radius"], fields["footprint"], problems)
     modules = data.get("modules", {})
     if not isinstance(modules, dict):
-        problems.append("modules has to be tables: [modules.NAME]")
+        problems.add(toml.TOP, "modules has to be tables: [modules.NAME]", "modules")
         modules = {}
     for name in ("keys", "logs", "map_folder", "mission_folder"):
         fields[name] = _located(fields[name], beside)
@@ -141,6 +142,10 @@ def _read_body(
             outline = {} if fields["footprint"] else {"footprint": model.footprint}
     cameras = _cameras(data.get("camera", []), problems)
     ranges = read_each(RangeTable, data.get("range", []), "range", problems, range_faults)
+    beams = sum(table.beams for table in ranges.values())
+    if beams > MOST_BEAMS_IN_ALL:
+        text = f"{beams} beams of all [[range]] are more than the {MOST_BEAMS_IN_ALL} allowed"
+        problems.add(toml.TOP, text, "range")
     bumpers = read_each(BumperTable, data.get("bumper", []), "bumper", problems)
     if sum(table.count for table in bumpers.values()) > MOST_PARTS:
         problems.add(toml.TOP, f"more than {MOST_PARTS} bumpers", "bumper")

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.beams import beams_of
-from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.body import Freedom, Motion, RobotBody
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.outline import corners
@@ -19,7 +19,7 @@ from hub.robots.interfaces import Sensors
 from hub.sim.arena import Arena
 from hub.sim.battery import Battery
 from hub.sim.contact import ContactBody
-from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
+from hub.sim.kinematics import Accelerations, approach, limited, moved
 from hub.sim.odometry import Odometry
 from hub.sim.range_sensors import RangeSensors
 from hub.sim.steps import WholeSteps
@@ -47,6 +47,7 @@ class SimulatedBase:
         """
         odometry_seed, sensor_seed = np.random.SeedSequence(seed).spawn(2)
         self._limits = {motion.freedom: motion.limit for motion in body.motions}
+        self._changes = {motion.freedom: _changes(motion) for motion in body.motions}
         self._body = ContactBody(arena.footprints, body.radius, body.bumpers, corners(body))
         self._odometry = Odometry(odometry_seed)
         self._groups = body.ranges
@@ -125,9 +126,9 @@ class SimulatedBase:
 
     def _step(self) -> None:
         surge, sway, yaw = self._commanded
-        linear = approach(self._linear, surge, LINEAR, STEP)
-        sideways = approach(self._sway, sway, LINEAR, STEP)
-        angular = approach(self._angular, yaw, ANGULAR, STEP)
+        linear = self._approach(Freedom.SURGE, self._linear, surge)
+        sideways = self._approach(Freedom.SWAY, self._sway, sway)
+        angular = self._approach(Freedom.YAW, self._angular, yaw)
         if linear or sideways or angular:
             linear, sideways, angular = self._move(linear, sideways, angular)
         self._linear, self._sway, self._angular = linear, sideways, angular
@@ -135,6 +136,11 @@ class SimulatedBase:
         self._steps += 1
         if self._steps % STEPS_PER_SCAN == 0:
             self._scan()
+
+    def _approach(self, freedom: Freedom, velocity: float, commanded: float) -> float:
+        """The velocity after a step; it stays 0 in a freedom that the body does not have."""
+        changes = self._changes.get(freedom)
+        return approach(velocity, commanded, changes, STEP) if changes else 0.0
 
     def _move(self, linear: float, sideways: float, angular: float) -> tuple[float, float, float]:
         """Move for a step at these velocities; returns the part of them that contact allows."""
@@ -161,6 +167,11 @@ class SimulatedBase:
             group.name: self._sensors.measure(group.name, self._pose) for group in self._groups
         }
         self._is_new = True
+
+
+def _changes(motion: Motion) -> Accelerations:
+    """The body brakes as described, and speeds up half as hard."""
+    return Accelerations(speeding_up=motion.acceleration / 2.0, braking=motion.acceleration)
 
 
 def _twist(surge: float, sway: float, yaw: float) -> Twist:

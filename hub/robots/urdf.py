@@ -21,6 +21,7 @@ from hub.gcm.body import MOST_CORNERS, BodyFrame
 from hub.gcm.frames import rotation
 from hub.gcm.standard import BASE_LINK
 from hub.plain_text import is_plain
+from hub.robots.footprint import footprint_fault
 from hub.values import dataclass
 
 Matrix = npt.NDArray[np.float64]
@@ -32,6 +33,8 @@ _LONGEST_M = 100.0
 _ROOTS = ("base_footprint", BASE_LINK)
 _RIM = math.tau * np.arange(MOST_CORNERS) / MOST_CORNERS
 """Angles at which a round shape is sampled: those of the edges of the outline [rad]."""
+_EDGES = np.stack([np.cos(_RIM), np.sin(_RIM)])
+"""Directions of the edges, shape (2, MOST_CORNERS)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +88,13 @@ def _parsed(path: Path) -> Any:  # noqa: ANN401 - an element of lxml
 
 
 def _model(root: Any) -> UrdfModel:  # noqa: ANN401 - an element of lxml
-    links = {_name(link): link for link in root.iterfind("link")}
+    links: dict[str, Any] = {}
+    for link in root.iterfind("link"):
+        name = _name(link)
+        if name in links:
+            reason = f"line {link.sourceline}: {name!r} is the name of another link"
+            raise ValueError(reason)
+        links[name] = link
     if not 0 < len(links) <= _MOST_LINKS:
         reason = f"it has {len(links)} links; 1 to {_MOST_LINKS} are allowed"
         raise ValueError(reason)
@@ -145,16 +154,22 @@ def _pose(name: str, joints: Mapping[str, tuple[str, Matrix]]) -> Matrix:
     raise ValueError(reason)
 
 
-def _numbers(element: Any, attribute: str, usual: str, count: int) -> list[float]:  # noqa: ANN401 - of lxml
+def _numbers(
+    element: Any,  # noqa: ANN401 - an element of lxml
+    attribute: str,
+    usual: str,
+    count: int,
+    least: float = -_LONGEST_M,
+) -> list[float]:
     text = str(element.get(attribute, usual))
     try:
         numbers = [float(word) for word in text.split()]
     except ValueError:
         numbers = []
-    if len(numbers) != count or not all(abs(number) <= _LONGEST_M for number in numbers):
+    if len(numbers) != count or not all(least <= each <= _LONGEST_M for each in numbers):
         reason = (
             f"line {element.sourceline}: {attribute} of <{element.tag}> is not {count} numbers"
-            f" from -{_LONGEST_M:g} to {_LONGEST_M:g}"
+            f" from {least:g} to {_LONGEST_M:g}"
         )
         raise ValueError(reason)
     return numbers
@@ -187,15 +202,15 @@ def _footprint(
     links: Mapping[str, Any], placed: Mapping[str, Matrix]
 ) -> tuple[tuple[float, float], ...]:
     for kind in ("collision", "visual"):
-        points = [
-            _seen_from_above(shape, placed[name] @ _origin(body))
-            for name, link in links.items()
-            for body in link.iterfind(kind)
-            for shape in body.iterfind("geometry/*")
-            if shape.tag in _SHAPES
-        ]
-        if points:
-            return _hull(np.concatenate(points))
+        reach = np.full(MOST_CORNERS, -np.inf)
+        for name, link in links.items():
+            for body in link.iterfind(kind):
+                for shape in body.iterfind("geometry/*"):
+                    if shape.tag in _SHAPES:
+                        points = _seen_from_above(shape, placed[name] @ _origin(body))
+                        np.maximum(reach, (points @ _EDGES).max(axis=0), out=reach)
+        if np.isfinite(reach).all():
+            return _hull(reach)
     reason = "no link has a box, cylinder or sphere; give [body], key 'footprint' or 'radius'"
     raise ValueError(reason)
 
@@ -207,20 +222,20 @@ def _seen_from_above(shape: Any, pose: Matrix) -> Matrix:  # noqa: ANN401 - an e
 
 
 def _box(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
-    half = np.array(_numbers(shape, "size", "", 3)) / 2.0
+    half = np.array(_numbers(shape, "size", "", 3, 0.0)) / 2.0
     corners = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
     return np.asarray(corners * half)
 
 
 def _cylinder(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
-    (length,) = _numbers(shape, "length", "", 1)
+    (length,) = _numbers(shape, "length", "", 1, 0.0)
     ends = [np.add(_sphere(shape), (0.0, 0.0, end)) for end in (-length / 2, length / 2)]
     return np.concatenate(ends)
 
 
 def _sphere(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
     """The corners of a polygon around its equator; a sphere looks the same from all sides."""
-    (radius,) = _numbers(shape, "radius", "", 1)
+    (radius,) = _numbers(shape, "radius", "", 1, 0.0)
     outside = radius / math.cos(math.pi / len(_RIM))
     return outside * np.stack([np.cos(_RIM), np.sin(_RIM), 0.0 * _RIM], axis=1)
 
@@ -228,20 +243,22 @@ def _sphere(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
 _SHAPES = {"box": _box, "cylinder": _cylinder, "sphere": _sphere}
 
 
-def _hull(points: Matrix) -> tuple[tuple[float, float], ...]:
-    """A polygon around all points, with an edge in each of MOST_CORNERS directions.
+def _hull(reach: Matrix) -> tuple[tuple[float, float], ...]:
+    """The corners of a polygon with an edge in each direction of `_RIM`.
 
     Neighbours i and i + 1 of the edges `x cos a + y sin a = reach` meet at a corner.
+
+    Args:
+        reach: How far its shapes go in these directions [m], shape (MOST_CORNERS,).
     """
-    angles = np.arange(MOST_CORNERS) * (math.tau / MOST_CORNERS)
-    reach = (points @ np.stack([np.cos(angles), np.sin(angles)])).max(axis=0)
-    following, ahead = np.roll(reach, -1), np.roll(angles, -1)
+    following, ahead = np.roll(reach, -1), np.roll(_RIM, -1)
     between = math.sin(math.tau / MOST_CORNERS)
-    x = (reach * np.sin(ahead) - following * np.sin(angles)) / between
-    y = (following * np.cos(angles) - reach * np.cos(ahead)) / between
+    x = (reach * np.sin(ahead) - following * np.sin(_RIM)) / between
+    y = (following * np.cos(_RIM) - reach * np.cos(ahead)) / between
     rounded = [(round(float(a), 4), round(float(b), 4)) for a, b in zip(x, y, strict=True)]
     corners = tuple(dict.fromkeys(rounded))
-    if len(corners) < 3:
-        reason = "the outline of its shapes has no surface"
+    fault = footprint_fault(corners)
+    if fault:
+        reason = f"the outline of its shapes {fault}"
         raise ValueError(reason)
     return corners

@@ -82,6 +82,15 @@ class BodyLimits:
     outline: Sweep | None = None
 
     @property
+    def fastest(self) -> float:
+        """Largest linear velocity in any direction [m/s]."""
+        return math.hypot(self.linear_limit, self.sway_limit)
+
+    def share(self, linear: Number, angular: Number) -> tuple[Number, Number]:
+        """Velocities as shares of the largest ones; 0 of one that the body cannot have."""
+        return linear * _inverse(self.fastest), angular * _inverse(self.angular_limit)
+
+    @property
     def inner_radius(self) -> float:
         """Of the largest circle around the origin within the outline [m]."""
         if self.outline is None:
@@ -91,6 +100,10 @@ class BodyLimits:
     def stopping(self, speed: Number) -> Number:
         """Distance in which it stops from a velocity [m/s], with the reaction time [m]."""
         return speed * self.reaction + speed * speed / (2.0 * self.linear_braking)
+
+
+def _inverse(limit: float) -> float:
+    return 1.0 / limit if limit > 0.0 else 0.0
 
 
 def body_of(robot: RobotDescription) -> BodyLimits:
@@ -165,8 +178,7 @@ class DynamicWindow:
                 aside=-aside,
             )
             return -back, turn
-        fastest = math.hypot(body.linear_limit, body.sway_limit)
-        goal = _limited(wanted[0], fastest), _limited(wanted[1], body.angular_limit)
+        goal = _limited(wanted[0], body.fastest), _limited(wanted[1], body.angular_limit)
         if not len(points[0]):
             return goal
         scene = self._scene(now, points, axis, aside)
@@ -176,8 +188,7 @@ class DynamicWindow:
         if self._judged(np.array([fastest]), np.array([goal[1]]), scene)[1][0]:
             return fastest, goal[1]
         linear, angular = self._samples(fastest, now[1], goal[1])
-        gone = np.abs((goal[0] - linear) / body.linear_limit)
-        turned = (goal[1] - angular) / body.angular_limit
+        gone, turned = body.share(goal[0] - linear, goal[1] - angular)
         cost = np.add(gone * gone, _TURN_WEIGHT * turned * turned, out=self._cost)
         cost[~self._judged(linear, angular, scene)[1]] = np.inf
         best = int(cost.argmin())
@@ -240,7 +251,7 @@ class DynamicWindow:
         score: Floats = (
             weights.heading * (1.0 - off / math.pi)
             + weights.way * ways / _FAR
-            + weights.speed * linear / self.body.linear_limit
+            + weights.speed * self.body.share(linear, angular)[0]
         )
         table = score.reshape(LINEAR_SAMPLES, -1)[:, :ANGULAR_SAMPLES]
         table[:, 1:-1] = (table[:, :-2] + table[:, 1:-1] + table[:, 2:]) / 3.0

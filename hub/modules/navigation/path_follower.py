@@ -66,7 +66,7 @@ class PathFollower:
         self.correction = PoseCorrection()
         self.held_back = 0.0
         self._limits = limits
-        fastest = math.hypot(limits.linear_limit, limits.sway_limit)
+        fastest = limits.fastest
         stopping = limits.margin + limits.margin_s * fastest + limits.stopping(fastest)
         self._reach = limits.radius + max(REACH, stopping + _SPARE)
         self._goal_reach = max(self._reach, limits.radius + GOAL_REACH)
@@ -317,8 +317,9 @@ def _share_taken(wanted: Twist, given: Twist, limits: BodyLimits) -> float:
     """The share by which a velocity was reduced, 0 to 1; its parts are scaled by their limits."""
 
     def scaled(twist: Twist) -> tuple[float, float, float]:
-        surge, sway = twist.linear.x / limits.linear_limit, twist.linear.y / limits.linear_limit
-        return surge, sway, twist.angular.z / limits.angular_limit
+        surge, yaw = limits.share(twist.linear.x, twist.angular.z)
+        sway, _ = limits.share(twist.linear.y, 0.0)
+        return surge, sway, yaw
 
     whole = math.hypot(*scaled(wanted))
     return min(1.0, math.dist(scaled(wanted), scaled(given)) / whole) if whole else 0.0

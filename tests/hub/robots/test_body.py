@@ -107,19 +107,64 @@ def test_the_circle_encloses_the_footprint(tmp_path: Path) -> None:
     ("body", "problem"),
     [
         (
-            "radius = 0.2\nfootprint = [[1, 0], [0, 1], [-1, 0]]",
+            "radius = 0.2\nfootprint = [[1, -1], [0, 1], [-1, -1]]",
             "line 4: [body], key 'radius': 0.2",
         ),
         ("footprint = [[1, 0], [0, 1]]", "is not a list of the corners"),
         ("footprint = [[1, 0], [2, 0], [3, 0]]", "is not a list of the corners"),
         ("footprint = [[1, 0], [0, 9], [3, 0]]", "is not between -5 and 5"),
         ("footprint = 7", "is not a list of 1 to 32 values"),
+        (
+            "footprint = [[0, 0], [0.6, 0], [0.6, 0.4], [0, 0.4]]",
+            "does not enclose [0, 0], the point where the robot turns",
+        ),
+        ("footprint = [[1, 1], [2, 1], [2, 2], [1, 2]]", "does not enclose [0, 0]"),
+        (
+            "footprint = [[1, 1], [-1, -1], [1, -1], [-2, 1]]",
+            "crosses itself between [1, 1] and [-1, -1]",
+        ),
+        (
+            '[[range]]\nname = "a"\nkind = "laser"\nbeams = 4096\nfarthest = 9\n'
+            '[[range]]\nname = "b"\nkind = "laser"\nbeams = 4096\nfarthest = 9\n'
+            '[[range]]\nname = "c"\nkind = "laser"\nfarthest = 9\n',
+            "line 4: 8193 beams of all [[range]] are more than the 8192 allowed",
+        ),
     ],
 )
 def test_a_body_that_cannot_be_is_refused(tmp_path: Path, body: str, problem: str) -> None:
     _, problems = described(tmp_path, body)
     assert len(problems) == 1
     assert problem in problems[0]
+
+
+def test_a_body_has_only_the_motions_with_a_limit(tmp_path: Path) -> None:
+    robot, problems = described(tmp_path, "[limits]\nlinear = 0\nangular = 0\nsway = 0.3")
+    assert not problems
+    assert [(each.freedom, each.limit) for each in robot.body.motions] == [(Freedom.SWAY, 0.3)]
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ('limits = 3\n[modules.driver]\nrun = "x"\n', "line 3: [limits]: 3 is not a table"),
+        ("modules = 3\n", "line 3: modules has to be tables: [modules.NAME]"),
+    ],
+)
+def test_a_value_in_the_place_of_a_table_has_its_line(
+    tmp_path: Path, text: str, problem: str
+) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text(f'name = "crawler"\nkind = "crawler:KIND"\n{text}')
+    assert list(read_description(path)[1]) == [problem]
+
+
+def test_a_file_of_a_windows_editor_is_read(tmp_path: Path) -> None:
+    """It begins with a mark of its byte order, and its lines end with two characters."""
+    path = tmp_path / "robot.toml"
+    path.write_bytes(b'\xef\xbb\xbfname = "crawler"\r\nkind = "crawler:KIND"\r\n')
+    robot, problems = read_description(path)
+    assert not problems
+    assert robot.name == "crawler"
 
 
 def test_holds_lights_and_joints_are_described(tmp_path: Path) -> None:

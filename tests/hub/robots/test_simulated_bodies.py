@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -10,6 +11,7 @@ from hub.gcm.geometry import Twist, Vector3
 from hub.robots.interfaces import Body, BodyLeftAlone
 from hub.robots.left_alone import LeftAlone
 from hub.robots.registry import kind_of
+from hub.robots.robot_file import read_description
 from tests.support.bodies import BODIES, REST_S, SHIPPED, STANDING, STILL, robot_of
 
 LEFT_ALONE = {"blimp": LeftAlone.HOLD_HEIGHT, "rov": LeftAlone.SURFACE}
@@ -68,6 +70,23 @@ def test_neutral_stops_all_its_motions_from_full_speed_in_time(name: str, body: 
         assert speed < STILL.get(name, STANDING)
         assert abs(left[3]) < (0.1 if name in STILL else STANDING)
         body.advance(2.0)
+
+
+def test_a_base_on_wheels_brakes_as_described(tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text(
+        'name = "lorry"\nkind = "simulated-wheels"\n[simulation]\narena = "empty"\n[limits]\n'
+        "linear = 1.0\nangular = 0\nlinear_acceleration = 0.5\n"
+    )
+    robot, problems = read_description(path)
+    assert not problems
+    lorry = kind_of(robot).open_body(robot)
+    lorry.command(Twist.planar(1.0, 1.0))
+    lorry.advance(4.0)
+    assert velocity(lorry) == pytest.approx((1.0, 0.0, 0.0, 0.0)), "0.25 m/s^2, and no turn"
+    lorry.command(Twist())
+    lorry.advance(1.0)
+    assert velocity(lorry)[0] == pytest.approx(0.5)
 
 
 def test_nonsense_counts_as_neutral(body: Body) -> None:

@@ -171,9 +171,9 @@ def bodies(draw: st.DrawFn) -> BodyLimits:
     return BodyLimits(
         radius=outline.radius,
         margin=draw(st.floats(0.0, 0.1)),
-        linear_limit=0.5,
-        sway_limit=0.5,
-        angular_limit=1.0,
+        linear_limit=draw(st.sampled_from((0.5, 0.0))),
+        sway_limit=draw(st.sampled_from((0.5, 0.0))),
+        angular_limit=draw(st.sampled_from((1.0, 0.0))),
         linear_braking=draw(st.floats(0.5, 3.0)),
         angular_braking=draw(st.floats(1.0, 6.0)),
         outline=outline,
