@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.beam_scans import LARGEST_TILT
 from hub.gcm.beams import Beams
 from hub.gcm.body import RangeKind, RobotBody
 from hub.gcm.outline import exits
@@ -52,6 +53,7 @@ class LightGroup:
         y: The same.
         first: Bearing of beam 0 [rad].
         step: Angle from a beam to the next [rad]; 1 for a single one.
+        count: Number of beams.
     """
 
     place: slice
@@ -59,6 +61,7 @@ class LightGroup:
     y: float
     first: float
     step: float
+    count: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -92,7 +95,7 @@ class BeamRules:
         rim: Distance of the outline from the beam's origin [m].
         sparse: Which ones show where nothing is, far apart from each other.
         light: The groups that show where nothing is.
-        lasers: Those whose scans correct the pose.
+        laser: The widest level one; its scans correct the pose. None: there is none.
         gaps: The gaps that may hide an edge.
     """
 
@@ -111,11 +114,17 @@ class BeamRules:
             for place in beams.groups.values()
             if light[place.start] and self.narrow[place.start]
         )
-        self.lasers = tuple(
-            group
-            for group in self.light
-            if beams.kind[group.place.start] == RangeKind.LASER
-            and group.place.stop - group.place.start >= LEAST_LASER_BEAMS
+        # Scans of two lasers that do not look at the same walls never match each other.
+        self.laser = max(
+            (
+                group
+                for group in self.light
+                if beams.kind[group.place.start] == RangeKind.LASER
+                and group.count >= LEAST_LASER_BEAMS
+                and abs(beams.elevation[group.place]).max() <= LARGEST_TILT
+            ),
+            key=lambda group: group.count * abs(group.step),
+            default=None,
         )
         self.sparse = np.zeros(len(beams.kind), dtype=np.bool_)
         for group in self.light:
@@ -131,7 +140,7 @@ class BeamRules:
         pairs = [
             (number, (number + 1 - group.place.start) % beams + group.place.start)
             for group in self.light
-            for beams in (group.place.stop - group.place.start,)
+            for beams in (group.count,)
             if beams > 1 and abs(group.step) > LEAST_GAP
             for number in range(group.place.start, group.place.stop)
         ]
@@ -165,4 +174,5 @@ def _light_group(beams: Beams, place: slice) -> LightGroup:
         y=float(beams.y[place.start]),
         first=first,
         step=float(each_wrapped(after)[0]) if len(after) else 1.0,
+        count=place.stop - place.start,
     )

@@ -68,9 +68,9 @@ class DriftWatch:
         """Take new ranges; those at a pose that is not valid are left out."""
         if _valid(scan.pose):
             self._sightings.scanned(scan, now)
-            for group in self._rules.lasers:
-                if scan.fresh[group.place].any():
-                    self._lay(scan, group, now)
+            laser = self._rules.laser
+            if laser is not None and scan.fresh[laser.place].any():
+                self._lay(scan, laser, now)
 
     def _lay(self, scan: BeamScan, laser: LightGroup, now: float) -> None:
         """Lay the scan of a laser onto those before, and correct the pose by it."""

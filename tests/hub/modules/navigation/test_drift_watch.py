@@ -66,21 +66,33 @@ def test_the_pose_drifts_much_less_than_dead_reckoning(reports: list[Report]) ->
     assert matched < 0.5 * reckoned
 
 
-LASER = RangeGroup(
-    name="laser", kind=RangeKind.LASER, beams=180, step=math.tau / 180, nearest=0.1, farthest=8.0
-)
+def _half(name: str) -> RangeGroup:
+    return RangeGroup(
+        name=name,
+        kind=RangeKind.LASER,
+        beams=180,
+        first=-math.pi / 2,
+        step=math.pi / 180,
+        nearest=0.1,
+        farthest=8.0,
+    )
 
 
-WITH_LASER = dataclasses.replace(
-    ROBOT.body, ranges=(LASER,), frames=(BodyFrame(name="laser", x=0.1, z=0.3),)
+TWO_LASERS = dataclasses.replace(
+    ROBOT.body,
+    ranges=(_half("front"), _half("rear")),
+    frames=(
+        BodyFrame(name="front", x=0.1, z=0.3),
+        BodyFrame(name="rear", x=-0.1, z=0.3, yaw=math.pi),
+    ),
 )
 
 
 def test_laser_scans_show_the_pose_to_centimetres_without_a_map() -> None:
     arena = load_arena("yellow")
-    source = MatchedPose(OccupancyGrid(0.05, 24.0), WITH_LASER)
+    source = MatchedPose(OccupancyGrid(0.05, 24.0), TWO_LASERS)
     dead, errors = PoseSource(arena.start, math.inf), []
-    for report in tour(SimulatedMagellan(arena, body=WITH_LASER, seed=2), ROUND):
+    for report in tour(SimulatedMagellan(arena, body=TWO_LASERS, seed=2), ROUND):
         true = from_start(report.truth, arena.start)
         errors.append(
             [
@@ -131,7 +143,7 @@ def test_what_was_seen_is_laid_onto_a_map_that_does_not_show_it_yet() -> None:
 
 
 def test_a_map_is_not_matched_while_laser_scans_show_the_pose() -> None:
-    correction, rules = PoseCorrection(), BeamRules(WITH_LASER, beams_of(WITH_LASER))
+    correction, rules = PoseCorrection(), BeamRules(TWO_LASERS, beams_of(TWO_LASERS))
     watch = DriftWatch(correction, rules)
     bearing = rules.beams.bearing
     ranges = 0.6 / np.maximum(np.abs(np.cos(bearing)), np.abs(np.sin(bearing)))
