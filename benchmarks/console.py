@@ -19,8 +19,8 @@ import psutil
 from benchmarks.figures import report, say
 from benchmarks.stand_in_robot import StandInRobot, coded, fleet
 from hub.gcm import vision
-from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
+from tests.support.magellan import magellan_camera
 from tests.system.harness import ConsoleProcess
 
 COLUMNS, ROWS = 160, 48
@@ -51,7 +51,7 @@ class Recording:
 
     def __init__(self, size: tuple[int, int]) -> None:
         arena = load_arena("yellow")
-        camera = SimulatedCamera(arena)
+        camera = magellan_camera(arena)
         self._pictures = []
         for number in range(PICTURES):
             camera.place(arena.start.x, arena.start.y, arena.start.theta + number * STEP)

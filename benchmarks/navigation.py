@@ -144,16 +144,16 @@ def cycle() -> None:
     }
     bodies = {"": "a disc", "_long": "a box of 0.6 by 0.3 m", "_rounded": "an ellipse"}
     for name, shape in shapes.items():
-        told = f"{note}, {bodies[name]}"
+        shown = f"{note}, {bodies[name]}"
         to_goal = median_ms(
             lambda _, shape=shape: shape.to_goal((0.3, 0.1), (0.5, 0.1), 0.5, points), 300
         )
-        report(f"nav.cycle{name}_ms", to_goal, "ms", bar=3.0, note=told + ", to a goal")
+        report(f"nav.cycle{name}_ms", to_goal, "ms", bar=3.0, note=shown + ", to a goal")
         teleop = median_ms(
             lambda _, shape=shape: shape.towards((0.3, 0.1), (0.5, 0.1), points), 300
         )
-        told += ", nearest to the operator's"
-        report(f"nav.teleop_cycle{name}_ms", teleop, "ms", bar=3.0, note=told)
+        shown += ", nearest to the operator's"
+        report(f"nav.teleop_cycle{name}_ms", teleop, "ms", bar=3.0, note=shown)
 
 
 def scans() -> None:

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.figures import median_ms, report
-from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.afloat.blimp import SimulatedBlimp
 from hub.sim.afloat.rov import SimulatedRov
 from hub.sim.afloat.surroundings import Surroundings
@@ -25,7 +24,7 @@ from hub.sim.rough_base import RoughBase
 from hub.sim.spatial_pose import SpatialPose
 from tests.hub.sim.arenas import free_poses
 from tests.hub.sim.camera.rough_ground import on, rough_ground
-from tests.support.magellan import magellan_sensors
+from tests.support.magellan import magellan_camera, magellan_sensors
 
 POSES = 200
 
@@ -33,7 +32,7 @@ POSES = 200
 def main() -> None:
     arena = load_arena("yellow")
     poses = free_poses(arena, POSES, 2003, 0.0, 10.0)
-    camera = SimulatedCamera(arena)
+    camera = magellan_camera(arena)
     note = f"median over {POSES} poses, {len(arena.boxes)} boxes, one core"
     for width, height, bar in ((160, 120, 6.0), (320, 240, 20.0)):
 

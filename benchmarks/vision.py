@@ -18,10 +18,10 @@ from hub.ipc.transport.heap import keep_heap
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness
-from hub.robots.simulated_camera import SimulatedCamera
 from hub.robots.video_camera import VideoCamera
 from hub.sim.arena import load_arena
 from tests.hub.sim.arenas import free_poses
+from tests.support.magellan import magellan_camera
 
 POSES = 40
 QUALITY = 60
@@ -35,7 +35,7 @@ Pixels = npt.NDArray[np.uint8]
 def pictures(width_px: int, height_px: int, noise: float) -> list[Pixels]:
     """What the camera sees at many places of the yellow arena, the same in every run."""
     arena = load_arena("yellow")
-    camera, random = SimulatedCamera(arena), np.random.default_rng(5)
+    camera, random = magellan_camera(arena), np.random.default_rng(5)
     made = []
     for pose in free_poses(arena, POSES, 2003, 0.0, 10.0):
         camera.place(pose.x, pose.y, pose.theta)
@@ -68,7 +68,7 @@ def report_night() -> None:
     """A picture of the dark arena, from the rays to the brightened pixels."""
     arena = load_arena("yellow")
     poses = free_poses(arena, POSES, 2003, 0.0, 10.0)
-    camera, night = SimulatedCamera(arena, light=0.04), NightMode()
+    camera, night = magellan_camera(arena, light=0.04), NightMode()
     night.command(NightCommand(on=1))
     camera.set_headlight(1.0)
 

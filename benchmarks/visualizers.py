@@ -15,13 +15,13 @@ from benchmarks.figures import median_ms, report, say
 from hub.gcm.navigation import MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.occupancy_map import OccupancyMap
-from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.registry import VISUALIZERS
 from tests.console.states import range_readings, robot_of, visualizer_spec
+from tests.support.magellan import magellan_camera
 
 WIDTH, HEIGHT = 160, 96
 RUNS = 200
@@ -76,7 +76,7 @@ def received(value: Any, number: int) -> Received[Any]:
 
 
 def picture() -> Picture:
-    camera = SimulatedCamera(load_arena("yellow"), seed=0)
+    camera = magellan_camera(load_arena("yellow"), seed=0)
     return Picture(pixels=camera.take(160, 120, 0.0).pixels, camera=camera.camera_state(0.0))
 
 

@@ -1,4 +1,4 @@
-"""A simulated camera: any that a robot file describes; the Sony EVI-D30 unless it is given one."""
+"""A simulated camera: any that a robot file describes."""
 
 from __future__ import annotations
 
@@ -16,31 +16,10 @@ from hub.sim.arena import Arena
 from hub.sim.camera.image_noise import SensorNoise
 from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.mount import Mount, Stand, mounted_view
-from hub.sim.camera.pan_tilt_zoom import (
-    PAN_LIMIT,
-    TELE_FOV,
-    TILT_LIMIT,
-    WIDE_FOV,
-    PanTiltZoom,
-    horizontal_fov,
-)
+from hub.sim.camera.pan_tilt_zoom import PanTiltZoom, horizontal_fov
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.kinematics import limited
 
-MOUNT_FORWARD = 0.05
-"""Camera ahead of the robot's centre [m]."""
-MOUNT_HEIGHT = 0.37
-"""Camera above the ground [m]."""
-_MOUNT = Mount(forward=MOUNT_FORWARD, height=MOUNT_HEIGHT)
-_EVI_D30 = CameraBody(
-    name="camera",
-    horizontal_fov=WIDE_FOV,
-    pan_limit=PAN_LIMIT,
-    tilt_lowest=-TILT_LIMIT,
-    tilt_highest=TILT_LIMIT,
-    zoom=math.tan(WIDE_FOV / 2) / math.tan(TELE_FOV / 2),
-    headlight=1,
-)
 SENSOR_WIDTH_PX = 320
 SENSOR_HEIGHT_PX = 240
 _SENSOR = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
@@ -61,8 +40,8 @@ class SimulatedCamera:
         self,
         arena: Arena,
         *,
-        body: CameraBody = _EVI_D30,
-        mount: Mount = _MOUNT,
+        body: CameraBody,
+        mount: Mount,
         light: float | None = None,
         headlight: bool = True,
         seed: int = 0,

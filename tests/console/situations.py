@@ -32,7 +32,6 @@ from hub.gcm.navigation import (
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.ranges import RangeReadings
 from hub.pose import Pose
-from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.picture import PictureFile
@@ -44,7 +43,7 @@ from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import described, range_readings, robot_of
 from tests.support.footprints import distances
-from tests.support.magellan import magellan_sensors
+from tests.support.magellan import magellan_camera, magellan_sensors
 from tests.support.messages import robot_state
 
 ROOT: Final = Path(__file__).parents[2]
@@ -60,7 +59,7 @@ _RESOLUTION: Final = 0.05
 
 @functools.cache
 def _seen(pose: Pose) -> Picture:
-    camera = SimulatedCamera(load_arena("yellow"), seed=0)
+    camera = magellan_camera(load_arena("yellow"), seed=0)
     camera.place(pose.x, pose.y, pose.theta)
     taken = camera.take(320, 240, 0.0)
     state = dataclasses.replace(

@@ -9,19 +9,42 @@ import numpy as np
 
 from hub.gcm.beams import beams_of
 from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.frames import in_base
 from hub.gcm.geometry import Twist
 from hub.gcm.navigation import DriveState
 from hub.gcm.ranges import LaserScan
 from hub.modules.driver.reports import drive_state
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.robots.simulated_base import SimulatedBase
+from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import Arena, Footprints
+from hub.sim.camera.mount import Mount
 from hub.sim.range_sensors import RangeSensors
 
 
 @functools.cache
 def magellan_body() -> RobotBody:
     return read_description(find_robot_file("magellan"))[0].body
+
+
+def magellan_mount() -> Mount:
+    """Where the camera is on the robot."""
+    frame = in_base(magellan_body().frames, magellan_body().cameras[0].name)
+    assert frame is not None
+    return Mount(forward=frame.x, left=frame.y, height=frame.z)
+
+
+def magellan_camera(
+    arena: Arena, *, light: float | None = None, headlight: bool = True, seed: int = 0
+) -> SimulatedCamera:
+    return SimulatedCamera(
+        arena,
+        body=magellan_body().cameras[0],
+        mount=magellan_mount(),
+        light=light,
+        headlight=headlight,
+        seed=seed,
+    )
 
 
 def magellan_sensors(obstacles: Footprints, seed: int) -> RangeSensors:

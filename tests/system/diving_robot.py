@@ -1,4 +1,4 @@
-"""A robot that can dive and fly, as far as the driver knows: it writes down what it is told."""
+"""A robot that can dive and fly, as far as the driver knows: it writes down what it has to do."""
 
 from __future__ import annotations
 

@@ -247,7 +247,7 @@ class DrivenRobot:
         """The operator's console is well.
 
         Args:
-            way: What the command is told of the way from the operator's machine to the hub.
+            way: Options of the command for the way from the operator's machine to the hub.
             elsewhere: Whether the pad is at another machine than the console.
         """
         as_wanted = way == self._way and elsewhere == (self.agent is not None)

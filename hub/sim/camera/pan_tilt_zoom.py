@@ -1,25 +1,19 @@
-"""A pan/tilt/zoom head after the Sony EVI-D30: limits, and the time that moving takes."""
+"""A pan/tilt/zoom head within the limits of its camera, as fast as that of the Sony EVI-D30."""
 
 from __future__ import annotations
 
 import math
 
-PAN_LIMIT = math.radians(100.0)
-TILT_LIMIT = math.radians(25.0)
 PAN_SPEED = math.radians(80.0)
 TILT_SPEED = math.radians(50.0)
 ZOOM_SPEED = 0.5
 """Zoom from wide to tele takes 2 s [1/s]."""
-WIDE_FOV = math.radians(48.8)
-"""Horizontal field of view at zoom 0 [rad]."""
-TELE_FOV = math.radians(4.3)
-"""Horizontal field of view at zoom 1 [rad]; between the two it is linear in zoom."""
 
 _SPEED = (PAN_SPEED, TILT_SPEED, ZOOM_SPEED)
 
 
-def horizontal_fov(zoom: float, wide: float = WIDE_FOV, tele: float = TELE_FOV) -> float:
-    """Field of view from left to right [rad] at a zoom of 0 to 1."""
+def horizontal_fov(zoom: float, wide: float, tele: float) -> float:
+    """Field of view from left to right at a zoom of 0 to 1, linear between the two ends [rad]."""
     return wide + (tele - wide) * zoom
 
 
@@ -28,9 +22,9 @@ class PanTiltZoom:
 
     def __init__(
         self,
-        pan_limit: float = PAN_LIMIT,
-        tilt_lowest: float = -TILT_LIMIT,
-        tilt_highest: float = TILT_LIMIT,
+        pan_limit: float,
+        tilt_lowest: float,
+        tilt_highest: float,
         *,
         zooms: bool = True,
     ) -> None:

@@ -152,8 +152,8 @@ class World:
         now: The robot's clock [s].
         ahead: How much the operator's clock is ahead of it [s].
         gaps: Whether repeats of a key that is held are missing now and then.
-        told_since: When the wheels were last told anything but to stand [s].
-        moved_since: When they last moved [s].
+        driven_until: When a motion was last commanded to the wheels [s].
+        moved_until: When they last moved [s].
         agent: What the pad is plugged in at; None: the console's machine.
     """
 
@@ -164,7 +164,7 @@ class World:
         self.ahead = 0.0
         self.chance = chance
         self.robot = Robot()
-        self.told_since = self.moved_since = -math.inf
+        self.driven_until = self.moved_until = -math.inf
         self.consoles: list[Console] = []
         self._layout = layout
         self._numbers = 0
@@ -290,9 +290,9 @@ class World:
             if console.runs and not (console.link.cut or console.link.gone):
                 console.hears(self.robot.owner, self._reported_stops)
         if self.robot.driven:
-            self.told_since = self.now
+            self.driven_until = self.now
         if self.robot.moves:
-            self.moved_since = self.now
+            self.moved_until = self.now
 
     def _hear(self, agent: PadAgent, now: float) -> None:
         pads = self.console.reader

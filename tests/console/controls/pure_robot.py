@@ -33,7 +33,7 @@ class Bus:
     """What a gate needs of a client."""
 
     def __init__(self) -> None:
-        self.told: list[Any] = []
+        self.published: list[Any] = []
         self.hears: dict[str, Callable[[Any, MessageInfo], None]] = {}
 
     def define(self, *definitions: object) -> None:
@@ -53,20 +53,20 @@ class Bus:
 
     def publish(self, definition: object, value: object) -> None:
         del definition
-        self.told.append(value)
+        self.published.append(value)
 
 
 class Robot:
     """Central's arbiter, navigation, driver and wheels.
 
     Attributes:
-        told: What the wheels are told [m/s, rad/s].
-        true: What they do [m/s, rad/s].
+        commanded: The velocity that the wheels are commanded [m/s, rad/s].
+        true: Their velocity [m/s, rad/s].
         navigates: Whether navigation runs.
     """
 
     def __init__(self) -> None:
-        self.told = self.true = (0.0, 0.0)
+        self.commanded = self.true = (0.0, 0.0)
         self._bus = Bus()
         self.restart(0.0)
 
@@ -110,10 +110,10 @@ class Robot:
             if now - self._driven >= _DRIVE_S - STEP_S / 2:
                 self._drive(now)
         if self._watchdog.expired(now):
-            self.told = (0.0, 0.0)
+            self.commanded = (0.0, 0.0)
         self.true = (
-            approach(self.true[0], self.told[0], LINEAR, STEP_S),
-            approach(self.true[1], self.told[1], ANGULAR, STEP_S),
+            approach(self.true[0], self.commanded[0], LINEAR, STEP_S),
+            approach(self.true[1], self.commanded[1], ANGULAR, STEP_S),
         )
 
     def tell(self, now: float) -> None:
@@ -135,7 +135,7 @@ class Robot:
 
     @property
     def driven(self) -> bool:
-        return self.told != (0.0, 0.0)
+        return self.commanded != (0.0, 0.0)
 
     @property
     def moves(self) -> bool:
@@ -153,4 +153,4 @@ class Robot:
         self._wanted = given = self._governor.velocity(now)
         self._driven = now
         if self._watchdog.allows(now, now, neutral=given.neutral):
-            self.told = given.linear.x, given.angular.z
+            self.commanded = given.linear.x, given.angular.z

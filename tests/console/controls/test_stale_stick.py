@@ -18,7 +18,7 @@ from tests.console.controls.pure_agent import PadAgent
 from tests.support.repetitions import repetitions
 
 TIMES = repetitions(12, 1000)
-TOLD_S = 0.35
+STOPPED_S = 0.35
 REST_S = 0.7
 INSISTED_S = 0.2
 INSISTED_WITH_GAPS_S = 1.5
@@ -248,12 +248,12 @@ def play(world: World, case: Case) -> None:
     struck = world.now
     case.strike(world)
     world.wait(REST_S, until=lambda: not (world.robot.driven or world.robot.moves))
-    assert world.told_since - struck <= TOLD_S
-    assert world.moved_since - struck <= REST_S
+    assert world.driven_until - struck <= STOPPED_S
+    assert world.moved_until - struck <= REST_S
     world.wait(world.chance.uniform(0.0, 0.3))
     case.mend(world)
     world.wait(INSISTED_WITH_GAPS_S if world.gaps else INSISTED_S)
-    assert world.told_since - struck <= TOLD_S, "it drives with what was held before"
+    assert world.driven_until - struck <= STOPPED_S, "it drives with what was held before"
     drive(world, case)
 
 

@@ -13,6 +13,7 @@ from hub.robots.simulated_camera import SimulatedCamera
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import Picture
 from tests.hub.sim.arenas import VOID, arena_of
+from tests.support.magellan import magellan_camera
 
 POST = (3.0, 4.0)
 POST_RADIUS = 0.06
@@ -25,7 +26,7 @@ VICTIM = '[[victim]]\nname="a"\nat=[-2.0, -4.0]\nfacing="north"\npose="sitting"\
 
 @functools.cache
 def camera(things: str) -> SimulatedCamera:
-    return SimulatedCamera(arena_of(VOID + things), seed=0)
+    return magellan_camera(arena_of(VOID + things), seed=0)
 
 
 def take(

@@ -161,11 +161,11 @@ def test_the_pane_changes_with_its_words_and_its_age() -> None:
     assert pane.source(robot({}, age=60.0), STATE) != before
 
 
-def test_of_two_that_ended_the_later_one_is_told_however_long_ago_it_was_heard() -> None:
-    told = {
+def test_of_two_that_ended_the_later_one_is_shown_however_long_ago_it_came() -> None:
+    ended = {
         AUTONOMY_STATE.name: received(known.autonomy(phase=Phase.DONE, ended_s=1.0), 60.0),
         NAVIGATION_STATUS.name: received(navigation(task=Task.REACHED, ended_s=5.0), 0.1),
     }
-    task = task_of(Made().robot(messages=told))
+    task = task_of(Made().robot(messages=ended))
     assert task is not None
     assert task.kind == "going"

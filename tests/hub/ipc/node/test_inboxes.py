@@ -71,10 +71,10 @@ def test_another_user_cannot_send_into_an_inbox(make: Make) -> None:
         "monitor = push.get_monitor_socket(zmq.EVENT_DISCONNECTED)\n"
         "push.send(b'x' * 100); print(monitor.poll(5000))"
     )
-    told = subprocess.run(
+    pushed = subprocess.run(
         [sys.executable, "-c", program, address], capture_output=True, text=True, check=True
     )
-    assert told.stdout.strip() == "1", "it was not turned away"
+    assert pushed.stdout.strip() == "1", "it was not turned away"
     one.publish(v.LOG, Number(value=5))
     until(lambda: 5 in values(received), 5.0)
     assert not other.client.faults.counts
@@ -184,12 +184,12 @@ def test_way_to_a_neighbour_whose_connection_ended_is_made_anew(make: Make) -> N
     one.call(lambda: one.client.wait_published(5.0))
     address = "ipc://@rune-state-0123456789abcdef"
     context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
-    told = Subscriber(name="T_Log", subscriber=7, inbox=address)
+    subscriber = Subscriber(name="T_Log", subscriber=7, inbox=address)
     for number in (1, 2):
         inbox = context.socket(zmq.PULL)
         until(lambda inbox=inbox: _bound(inbox, address), 5.0)
         if number == 1:
-            one.call(lambda: one.client.session.publishers.subscriber(told))
+            one.call(lambda: one.client.session.publishers.subscriber(subscriber))
         until(
             lambda inbox=inbox: inbox.poll(0),
             5.0,

@@ -26,13 +26,13 @@ def test_it_commands_zero_at_once_and_not_with_the_next_cycle(
     bus.send(DRIVE_STATE, AT_ORIGIN, "driver")
     bus.send(VELOCITY_COMMAND, TwistStamped(), "console")
     bus.send(VELOCITY_COMMAND, TwistStamped.planar(0.4, 0.0), "console")
-    told = bus.now
+    commanded = bus.now
     bus.wait(1.0)
     commands = [
         (at, twist.neutral) for at, name, twist in bus.published if name == DRIVE_COMMAND.name
     ]
     moving = [at for at, neutral in commands if not neutral]
     stopped = min(at for at, neutral in commands if neutral and at > moving[0])
-    assert moving[0] == told
-    assert stopped == pytest.approx(told + SILENCE_S, abs=1e-9)
+    assert moving[0] == commanded
+    assert stopped == pytest.approx(commanded + SILENCE_S, abs=1e-9)
     assert max(moving) < stopped

@@ -8,8 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.gcm.body import Freedom, Motion
-from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import Cause, MotionState
 from hub.modules.navigation.speed_governor import (
     ARMED_S,
@@ -18,60 +16,8 @@ from hub.modules.navigation.speed_governor import (
     SETTLE_S,
     SILENCE_S,
     STALL_S,
-    SpeedGovernor,
 )
-
-MOTIONS = (
-    Motion(freedom=Freedom.SURGE, limit=0.5, acceleration=2.0),
-    Motion(freedom=Freedom.YAW, limit=1.0, acceleration=4.0),
-)
-STEP = 0.01
-A, B = 1, 2
-
-
-class Scene:
-    """A governor whose process looks every 10 ms, and whose driver reports."""
-
-    def __init__(self) -> None:
-        self.now = 0.0
-        self.driver_lives = True
-        self.governor = SpeedGovernor(MOTIONS, 0.0)
-        self.governor.driver_reported(0.0)
-
-    def wait(self, seconds: float) -> None:
-        """Let time pass."""
-        for _ in range(round(seconds / STEP)):
-            self.now += STEP
-            if self.driver_lives:
-                self.governor.driver_reported(self.now)
-            self.governor.velocity(self.now)
-
-    def command(self, sender: int, linear: float, angular: float = 0.0, age: float = 0.0) -> None:
-        """A command arrives."""
-        twist = Twist.planar(linear, angular)
-        self.governor.command(sender, twist, self.now - age, self.now)
-
-    def hold(self, sender: int, linear: float, seconds: float) -> None:
-        """Commands keep coming."""
-        for _ in range(round(seconds / 0.05)):
-            self.command(sender, linear)
-            self.wait(0.05)
-
-    @property
-    def velocity(self) -> tuple[float, float]:
-        twist = self.governor.velocity(self.now)
-        return twist.linear.x, twist.angular.z
-
-    @property
-    def state(self) -> MotionState:
-        return self.governor.state(self.now)
-
-
-def driving(sender: int = A) -> Scene:
-    scene = Scene()
-    scene.command(sender, 0.0)
-    scene.command(sender, 0.4, -0.5)
-    return scene
+from tests.hub.modules.navigation.governed import STEP, A, B, Scene, driving, under_way
 
 
 def test_does_not_move_before_a_neutral_command_came() -> None:
@@ -251,14 +197,6 @@ def test_what_was_queued_while_navigation_itself_was_away_is_not_followed() -> N
     assert scene.velocity == (0.4, 0.0)
 
 
-def under_way() -> Scene:
-    """A task has the wheels."""
-    scene = Scene()
-    assert scene.governor.begin_task(scene.now) == ""
-    scene.governor.steer(0.3, 0.2, scene.now)
-    return scene
-
-
 def test_a_task_drives_without_a_neutral_command() -> None:
     scene = under_way()
     assert scene.velocity == (0.3, 0.2)
@@ -433,96 +371,3 @@ def test_never_moves_without_a_fresh_command_and_never_too_fast(
         linear, angular = scene.velocity
         assert abs(linear) <= 0.5
         assert abs(angular) <= 1.0
-
-
-def test_driver_that_began_anew_waits_for_neutral_and_so_does_the_operator() -> None:
-    scene = Scene()
-    scene.command(A, 0.0, 0.0)
-    scene.command(A, 0.3, 0.0)
-    assert scene.governor.state(scene.now) is MotionState.MOVING
-    scene.governor.driver_restarted()
-    scene.command(A, 0.3, 0.0)
-    assert scene.governor.velocity(scene.now).neutral
-    assert scene.governor.state(scene.now) is MotionState.WAITING
-    scene.command(A, 0.0, 0.0)
-    scene.command(A, 0.3, 0.0)
-    assert scene.velocity == (0.3, 0.0)
-
-
-def test_robot_that_is_handed_over_stands_until_its_new_operator_sends_neutral():
-    scene = driving()
-    scene.governor.controlled_by(B, A)
-    assert scene.velocity == (0.0, 0.0)
-    assert scene.state is MotionState.WAITING
-    for sender in (A, B):
-        scene.hold(sender, 0.3, 0.2)
-        assert scene.velocity == (0.0, 0.0)
-    scene.command(B, 0.0)
-    scene.command(B, 0.3)
-    assert scene.velocity == (0.3, 0.0)
-
-
-def test_who_drives_a_free_robot_drives_on_when_they_get_control():
-    scene = driving()
-    scene.governor.controlled_by(A, 0)
-    assert scene.velocity != (0.0, 0.0)
-
-
-def test_who_loses_control_is_stopped_and_drives_again_from_neutral_only():
-    scene = driving()
-    scene.governor.controlled_by(A, 0)
-    scene.governor.controlled_by(0, A)
-    assert scene.velocity == (0.0, 0.0)
-    scene.hold(A, 0.3, 0.2)
-    assert scene.velocity == (0.0, 0.0)
-    scene.command(A, 0.0)
-    scene.command(A, 0.3)
-    assert scene.velocity == (0.3, 0.0)
-
-
-def test_a_task_goes_on_when_its_operator_loses_control():
-    scene = Scene()
-    assert not scene.governor.begin_task(scene.now)
-    scene.governor.controlled_by(0, A)
-    assert scene.state is MotionState.GOING
-
-
-def test_who_drives_a_free_robot_is_stopped_when_somebody_else_gets_control():
-    scene = driving()
-    scene.governor.controlled_by(B, 0)
-    assert scene.velocity == (0.0, 0.0)
-
-
-@given(
-    st.dictionaries(st.sampled_from(list(Freedom)), st.floats(0.1, 3.0)),
-    st.tuples(*[st.floats(-9.0, 9.0)] * 6),
-)
-def test_each_motion_is_limited_and_a_missing_one_is_0(
-    limits: dict[Freedom, float], parts: tuple[float, ...]
-) -> None:
-    twist = Twist(
-        linear=Vector3(x=parts[0], y=parts[1], z=parts[2]),
-        angular=Vector3(x=parts[3], y=parts[4], z=parts[5]),
-    )
-    scene = Scene()
-    scene.governor = SpeedGovernor(
-        [Motion(freedom=each, limit=limit, acceleration=1.0) for each, limit in limits.items()], 0.0
-    )
-    scene.governor.driver_reported(0.0)
-    scene.command(A, 0.0)
-    scene.governor.command(A, twist, 0.0, 0.0)
-    given_twist = scene.governor.velocity(0.0)
-    linear, angular = given_twist.linear, given_twist.angular
-    values = (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
-    for freedom, wanted, value in zip(Freedom, parts, values, strict=True):
-        limit = limits.get(freedom, 0.0)
-        assert value == max(-limit, min(limit, wanted))
-
-
-def test_any_motion_that_is_no_number_is_refused() -> None:
-    scene = driving()
-    for linear in (Vector3(y=math.nan), Vector3(z=math.inf)):
-        scene.governor.command(A, Twist(linear=linear), scene.now, scene.now)
-    scene.governor.command(A, Twist(angular=Vector3(x=math.nan)), scene.now, scene.now)
-    assert scene.velocity == (0.4, -0.5)
-    assert scene.governor.refused == 3

@@ -12,34 +12,29 @@ from hypothesis import strategies as st
 from hub.gcm.vision import CameraCommand, CameraMotion
 from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
-from hub.sim.camera.pan_tilt_zoom import (
-    PAN_LIMIT,
-    PAN_SPEED,
-    TELE_FOV,
-    TILT_LIMIT,
-    TILT_SPEED,
-    WIDE_FOV,
-    PanTiltZoom,
-)
+from hub.sim.camera.pan_tilt_zoom import PAN_SPEED, TILT_SPEED, PanTiltZoom
+from tests.support.magellan import magellan_body, magellan_camera
 
+BODY = magellan_body().cameras[0]
+TELE_FOV = 2.0 * math.atan(math.tan(BODY.horizontal_fov / 2.0) / BODY.zoom)
 ANY = st.floats(allow_nan=True, allow_infinity=True)
 
 
 def camera() -> SimulatedCamera:
-    return SimulatedCamera(load_arena("empty"))
+    return magellan_camera(load_arena("empty"))
 
 
 @given(commands=st.lists(st.tuples(st.booleans(), ANY, ANY, ANY, st.floats(0.0, 3.0)), max_size=6))
 def test_no_commands_bring_the_head_beyond_its_limits_or_make_it_faster(
     commands: list[tuple[bool, float, float, float, float]],
 ) -> None:
-    head = PanTiltZoom()
+    head = PanTiltZoom(BODY.pan_limit, BODY.tilt_lowest, BODY.tilt_highest)
     for relative, pan, tilt, zoom, seconds in commands:
         before = (head.pan, head.tilt, head.zoom)
         (head.go_by if relative else head.go_to)(pan, tilt, zoom)
         head.advance(seconds)
-        assert abs(head.pan) <= PAN_LIMIT
-        assert abs(head.tilt) <= TILT_LIMIT
+        assert abs(head.pan) <= BODY.pan_limit
+        assert abs(head.tilt) <= BODY.tilt_highest
         assert 0.0 <= head.zoom <= 1.0
         assert abs(head.pan - before[0]) <= PAN_SPEED * seconds + 1e-9
         assert abs(head.tilt - before[1]) <= TILT_SPEED * seconds + 1e-9
@@ -73,13 +68,15 @@ def test_not_a_number_leaves_an_amount_and_home_looks_ahead() -> None:
     it.move(CameraCommand(motion=CameraMotion.ABSOLUTE, pan=math.nan, tilt=-math.inf, zoom=0.1))
     it.advance(5.0)
     state = it.camera_state(0.0)
-    assert (state.pan, state.tilt, state.zoom) == (0.5, -TILT_LIMIT, 0.1)
+    assert (state.pan, state.tilt, state.zoom) == (0.5, BODY.tilt_lowest, 0.1)
     it.move(CameraCommand(motion=CameraMotion.HOME))
     it.advance(5.0)
     state = it.camera_state(0.0)
     assert (state.pan, state.tilt, state.zoom) == (0.0, 0.0, 0.0)
-    assert state.horizontal_fov == pytest.approx(WIDE_FOV)
-    assert math.tan(state.vertical_fov / 2) == pytest.approx(math.tan(WIDE_FOV / 2) * 0.75)
+    assert state.horizontal_fov == pytest.approx(BODY.horizontal_fov)
+    assert math.tan(state.vertical_fov / 2) == pytest.approx(
+        math.tan(BODY.horizontal_fov / 2) * 0.75
+    )
 
 
 @pytest.mark.parametrize(
@@ -134,7 +131,7 @@ def test_a_place_that_is_nowhere_does_no_harm(value: float) -> None:
 def test_two_cameras_take_the_same_picture_bit_for_bit() -> None:
     pictures = []
     for _ in range(2):
-        it = SimulatedCamera(load_arena("yellow"))
+        it = magellan_camera(load_arena("yellow"))
         it.place(5.0, 3.0, 1.0)
         pictures.append(it.capture(160, 120))
     assert (pictures[0] == pictures[1]).all()

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
 from hub.sim.camera.image_noise import DEVIATION, SensorNoise
 from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
 from tests.hub.sim.arenas import VOID, arena_of
+from tests.support.magellan import magellan_camera
 
 YELLOW = load_arena("yellow")
 VIEW = View(x=5.2, y=0.9, z=0.37, yaw=1.6, pitch=0.0, horizontal_fov=0.85)
@@ -61,13 +61,13 @@ def test_an_arena_says_how_bright_it_is_and_a_robot_may_know_better() -> None:
     dark = arena_of(VOID + "[hall]\nlight = 0.1\n")
     assert dark.light == 0.1
     assert arena_of(VOID).light == 1.0
-    as_written = SimulatedCamera(dark).capture(160, 120).mean()
-    assert as_written < 0.2 * SimulatedCamera(dark, light=1.0).capture(160, 120).mean()
-    assert SimulatedCamera(arena_of(VOID), light=0.1).capture(160, 120).mean() == as_written
+    as_written = magellan_camera(dark).capture(160, 120).mean()
+    assert as_written < 0.2 * magellan_camera(dark, light=1.0).capture(160, 120).mean()
+    assert magellan_camera(arena_of(VOID), light=0.1).capture(160, 120).mean() == as_written
 
 
 def test_the_headlight_is_as_bright_as_it_is_told_within_bounds() -> None:
-    camera = SimulatedCamera(YELLOW, light=0.0)
+    camera = magellan_camera(YELLOW, light=0.0)
     assert camera.camera_state(0.0).headlight == 0.0
     for told, lit in ((0.4, 0.4), (9.0, 1.0), (-1.0, 0.0), (float("nan"), 0.0)):
         camera.set_headlight(told)
@@ -77,16 +77,16 @@ def test_the_headlight_is_as_bright_as_it_is_told_within_bounds() -> None:
 
 
 def test_a_robot_without_a_headlight_says_so() -> None:
-    camera = SimulatedCamera(YELLOW, light=0.0, headlight=False)
+    camera = magellan_camera(YELLOW, light=0.0, headlight=False)
     camera.set_headlight(1.0)
     assert np.isnan(camera.camera_state(0.0).headlight)
     assert camera.capture(160, 120).mean() < 2.0
 
 
 def test_pictures_in_the_dark_are_noisy_and_in_full_light_they_are_not() -> None:
-    camera = SimulatedCamera(YELLOW)
+    camera = magellan_camera(YELLOW)
     assert np.array_equal(camera.capture(160, 120), camera.capture(160, 120))
-    camera = SimulatedCamera(YELLOW, light=0.5)
+    camera = magellan_camera(YELLOW, light=0.5)
     difference = camera.capture(160, 120).astype(float) - camera.capture(160, 120)
     assert difference.std() == pytest.approx(DEVIATION * 2**0.5, rel=0.1)
 
@@ -101,7 +101,7 @@ def test_noise_is_the_same_for_the_same_seed_and_stays_within_bounds() -> None:
 
 
 def test_a_picture_shows_the_time_at_which_the_robot_was_there() -> None:
-    camera = SimulatedCamera(YELLOW)
+    camera = magellan_camera(YELLOW)
     assert camera.take(16, 12, 50.0).measured == 50.0
     camera.place(5.0, 1.0, 0.0, 49.98)
     assert camera.take(16, 12, 50.0).measured == 49.98
@@ -110,7 +110,7 @@ def test_a_picture_shows_the_time_at_which_the_robot_was_there() -> None:
 
 
 def test_a_tall_picture_shows_the_middle_of_what_the_camera_sees() -> None:
-    camera = SimulatedCamera(YELLOW)
+    camera = magellan_camera(YELLOW)
     whole, tall = camera.take(320, 240, 0.0), camera.take(80, 240, 0.0)
     assert tall.horizontal_fov < whole.horizontal_fov / 3
     middle = whole.pixels[:, 120:200].astype(int)

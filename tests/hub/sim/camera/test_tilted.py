@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.robots.simulated_camera import MOUNT_FORWARD, MOUNT_HEIGHT, SimulatedCamera
 from hub.sim.arena import load_arena
 from hub.sim.camera.mount import Mount, Stand, mounted_view
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import CameraFrame, View
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
 from tests.hub.sim.camera.slow_rays import rays_of, slow_depth
+from tests.support.magellan import magellan_camera, magellan_mount
 from tests.support.repetitions import repetitions
 
 YELLOW = load_arena("yellow")
@@ -144,7 +144,7 @@ def test_a_level_robot_and_one_that_hardly_tilts_see_the_same(
 
 
 def test_a_robot_nose_down_sees_more_floor_and_one_that_rolls_sees_it_slanted() -> None:
-    camera = SimulatedCamera(RED_HALL)
+    camera = magellan_camera(RED_HALL)
 
     def floor(**stand: float) -> np.ndarray:
         camera.place(0.0, 0.0, 0.0, **stand)
@@ -160,9 +160,9 @@ def test_a_robot_nose_down_sees_more_floor_and_one_that_rolls_sees_it_slanted() 
 
 def test_the_camera_moves_with_the_robot_that_pitches() -> None:
     stand = Stand(x=0.0, y=0.0, theta=0.0, pitch=math.pi / 2)
-    mount = Mount(forward=MOUNT_FORWARD, height=MOUNT_HEIGHT)
+    mount = magellan_mount()
     view = mounted_view(stand, mount, pan=0.0, tilt=0.0, horizontal_fov=FOV)
-    assert (view.x, view.z) == (pytest.approx(MOUNT_HEIGHT), pytest.approx(-MOUNT_FORWARD))
+    assert (view.x, view.z) == (pytest.approx(mount.height), pytest.approx(-mount.forward))
     assert rays_of(view, 2, 2).mean(axis=(0, 1)) == pytest.approx((0.0, 0.0, -1.0), abs=1e-9)
 
 
@@ -178,7 +178,7 @@ def test_a_camera_in_the_floor_or_the_ceiling_draws_from_just_inside(z: float) -
 
 @pytest.mark.parametrize("name", ["z", "roll", "pitch"])
 def test_a_stand_that_is_no_number_is_ignored(name: str) -> None:
-    camera = SimulatedCamera(YELLOW)
+    camera = magellan_camera(YELLOW)
     before = camera.capture(40, 30)
     camera.place(1.0, 1.0, 1.0, 0.0, **{name: math.nan})
     assert np.array_equal(camera.capture(40, 30), before)
