@@ -24,6 +24,10 @@ Flags = npt.NDArray[np.bool_]
 LARGEST_TILT = math.radians(5.0)
 """Largest angle of a beam, or of the robot, to the ground [rad]: beyond it a beam passes over
 obstacles or meets the ground."""
+TILTED_REACH = 1.0
+"""While the robot is tilted, ranges below this [m] show what stands before it on its own plane."""
+TILT_ERROR = math.radians(1.0)
+"""Error of a measured tilt that is allowed for [rad]."""
 ATTITUDE_S = 1.0
 """An older attitude is not known any more [s]; then the robot counts as level."""
 _INSIDE = 0.03
@@ -40,11 +44,20 @@ class BeamScan:
         ranges: From the origin of each beam, along the ground [m], shape (n,); inf: nothing
             within reach, NaN: not known.
         fresh: Which of them are new, shape (n,).
+        along: The new ranges along all beams, also those that look up or down [m], shape (n,); NaN:
+            not new. None: not known.
+        roll: Of the robot then [rad]; 0: not known.
+        pitch: The same [rad].
+        tilted: Whether the robot was tilted too far: only near ranges count, and no map takes them.
     """
 
     pose: Pose
     ranges: Floats
     fresh: Flags
+    along: Floats | None = None
+    roll: float = 0.0
+    pitch: float = 0.0
+    tilted: bool = False
 
 
 class ScanReader:
@@ -52,7 +65,8 @@ class ScanReader:
 
     Attributes:
         beams: The beams of the body.
-        tilt: Angle of the robot to the ground when it was too large to use ranges [rad]; else 0.
+        tilt: Angle of the robot to the ground while it is too large to use all ranges [rad]; else
+            0.
     """
 
     def __init__(self, body: RobotBody) -> None:
@@ -64,7 +78,7 @@ class ScanReader:
         self._own = exits(body, beams.x, beams.y, beams.bearing) - _INSIDE
         self._poses = PoseHistory()
         self._stamps: dict[str, Time] = {}
-        self._attitude = (0.0, -math.inf)
+        self._attitude = (0.0, 0.0, -math.inf)
 
     def restart(self) -> None:
         """Forget the poses: their frame is another one now."""
@@ -76,27 +90,46 @@ class ScanReader:
 
     def tilted(self, attitude: Attitude, measured: float) -> None:
         """Take an attitude, measured at a monotonic time [s]."""
-        upright = math.cos(attitude.roll) * math.cos(attitude.pitch)
-        self._attitude = math.acos(min(1.0, max(-1.0, upright))), measured
+        self._attitude = attitude.roll, attitude.pitch, measured
 
     def read(self, readings: RangeReadings, measured: float) -> BeamScan | None:
         """The beams of groups that have measured since the last call; None: there are none.
 
-        There are none either while the robot's pose is not known or it is tilted.
+        There are none either while the robot's pose is not known. A range is left out where the
+        beam meets the ground, or may meet it.
         """
-        fresh = np.zeros(len(self._level), dtype=np.bool_)
+        new = np.zeros(len(self._level), dtype=np.bool_)
         for scan in readings.scans:
             name, stamp = scan.header.frame_id, scan.header.stamp
             # A driver without a clock stamps all its scans with 0.
             if name in self.beams.groups and (stamp != self._stamps.get(name) or stamp == Time()):
                 self._stamps[name] = stamp
-                fresh[self.beams.groups[name]] = True
-        tilt, at = self._attitude
-        self.tilt = tilt if measured - at <= ATTITUDE_S and tilt > LARGEST_TILT else 0.0
+                new[self.beams.groups[name]] = True
+        roll, pitch, at = self._attitude
+        known = measured - at <= ATTITUDE_S
+        if not known:
+            roll = pitch = 0.0
+        upright = math.cos(roll) * math.cos(pitch)
+        tilt = math.acos(min(1.0, max(-1.0, upright)))
+        self.tilt = tilt if tilt > LARGEST_TILT else 0.0
         pose = self._poses.at(measured)
-        if self.tilt or pose is UNKNOWN or not fresh.any():
+        if pose is UNKNOWN or not new.any():
             return None
-        ranges: Floats = self.beams.ranges(readings).astype(np.float64) * self._flat
+        along: Floats = self.beams.ranges(readings).astype(np.float64)
         # Many devices say 0 where they did not measure.
-        ranges[~self._level | (ranges <= 0.0) | (ranges < self._own)] = np.nan
-        return BeamScan(pose=pose, ranges=ranges, fresh=fresh & ~np.isnan(ranges))
+        along[along <= 0.0] = np.nan
+        ranges = along * self._flat
+        floor = self.beams.to_floor(roll, pitch, TILT_ERROR if known else 0.0)
+        ranges[~self._level | (np.minimum(along, self.beams.farthest) >= floor)] = np.nan
+        ranges[ranges < self._own] = np.nan
+        if self.tilt:
+            ranges[~(ranges < TILTED_REACH)] = np.nan
+        return BeamScan(
+            pose=pose,
+            ranges=ranges,
+            fresh=new & ~np.isnan(ranges),
+            along=np.where(new, along, np.nan),
+            roll=roll,
+            pitch=pitch,
+            tilted=bool(self.tilt),
+        )

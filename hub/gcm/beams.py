@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -13,6 +14,8 @@ from hub.gcm.frames import Floats, poses_of
 from hub.gcm.ranges import RangeReadings
 from hub.values import dataclass
 
+_LEVEL = 1e-9
+"""A beam that falls by less than this share of its length never meets the floor."""
 _COLUMNS = ("x", "y", "z", "bearing", "elevation", "opening", "ring", "nearest", "farthest")
 
 
@@ -67,6 +70,37 @@ class Beams:
         """
         away, bearing = ranges[numbers], self.bearing[numbers] + aside
         return self.x[numbers] + away * np.cos(bearing), self.y[numbers] + away * np.sin(bearing)
+
+    def heights(self, roll: float, pitch: float) -> tuple[Floats, Floats]:
+        """How the beams stand over the level plane through the origin of a body that leans.
+
+        Args:
+            roll: Of the body [rad], positive right side down.
+            pitch: Of the body [rad], positive nose down.
+
+        Returns:
+            Height of each origin [m], and the sine of each beam's angle above that plane; shape
+            (n,) each.
+        """
+        ahead = -math.sin(pitch)
+        left, up = math.cos(pitch) * math.sin(roll), math.cos(pitch) * math.cos(roll)
+        flat = np.cos(self.elevation)
+        rise = ahead * flat * np.cos(self.bearing) + left * flat * np.sin(self.bearing)
+        return ahead * self.x + left * self.y + up * self.z, rise + up * np.sin(self.elevation)
+
+    def to_floor(self, roll: float = 0.0, pitch: float = 0.0, error: float = 0.0) -> Floats:
+        """The range at which each beam may meet a level floor [m], shape (n,); inf: it does not.
+
+        Args:
+            roll: Of the body [rad].
+            pitch: Of the body [rad].
+            error: How much lower a beam may look than these say [rad].
+        """
+        height, rise = self.heights(roll, pitch)
+        fall = np.sin(error) - rise
+        reach = np.full(len(fall), np.inf)
+        np.divide(np.maximum(height, 0.0), fall, out=reach, where=fall > _LEVEL)
+        return reach
 
     def ranges(self, readings: RangeReadings) -> npt.NDArray[np.float32]:
         """The range of each beam [m], shape (n,); NaN where the readings have none."""

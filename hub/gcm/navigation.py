@@ -344,6 +344,7 @@ class Cause(enum.IntEnum):
         CONTROL: Another console has control now.
         REPLACED: Another task replaced it.
         WITHDRAWN: A client sent a goal without points.
+        TILTED: The robot is tilted, and by itself it drives only where it sees all around.
     """
 
     NONE = 0
@@ -356,6 +357,7 @@ class Cause(enum.IntEnum):
     CONTROL = 7
     REPLACED = 8
     WITHDRAWN = 9
+    TILTED = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -176,6 +176,12 @@ class RobotDescription:
         "whether its motors can be disarmed, and how they start: `armed` or `disarmed`",
         at="body.",
     )
+    step: float = key(
+        number(0.0, 5.0),
+        0.05,
+        "highest step that it drives over, up or down [m]; a higher one down is an edge",
+        at="body.",
+    )
     left_alone: LeftAlone = key(
         choice({each.value: each for each in LeftAlone}),
         LeftAlone.STAND,

@@ -22,6 +22,7 @@ from hub.sim.contact import ContactBody
 from hub.sim.kinematics import Accelerations, approach, limited, moved
 from hub.sim.odometry import Odometry
 from hub.sim.range_sensors import RangeSensors
+from hub.sim.solids import solids_of
 from hub.sim.steps import WholeSteps
 
 STEP = 0.01
@@ -51,7 +52,9 @@ class SimulatedBase:
         self._body = ContactBody(arena.footprints, body.radius, body.bumpers, corners(body))
         self._odometry = Odometry(odometry_seed)
         self._groups = body.ranges
-        self._sensors = RangeSensors(arena.footprints, beams_of(body), sensor_seed)
+        beams = beams_of(body)
+        solids = solids_of(arena) if beams.elevation.any() else None
+        self._sensors = RangeSensors(arena.footprints, beams, sensor_seed, solids=solids)
         self._battery = Battery()
         self._commanded = (0.0, 0.0, 0.0)
         self._linear = 0.0

@@ -24,6 +24,7 @@ from hub.sim.battery import Battery
 from hub.sim.ground.chassis import Chassis
 from hub.sim.range_sensors import RangeSensors
 from hub.sim.rough_base import STEP, RoughBase
+from hub.sim.solids import solids_of
 
 _SLIDES = 0.05
 """A slide that the operator should know of [m/s]."""
@@ -34,7 +35,7 @@ _SLIPS = 0.1
 class RoughBody:
     """A base that climbs, slips and tips; implements `Body` and `BodyJoints`.
 
-    Its range sensors lean with it and meet the ground. For walls they look along the level.
+    Its range sensors lean with it and meet the ground. For walls, sonars look along the level.
     """
 
     def __init__(self, arena: Arena, body: RobotBody, chassis: Chassis, *, seed: int = 0) -> None:
@@ -61,7 +62,9 @@ class RoughBody:
         self._joints = body.joints
         self._rates = {joint.name: 0.0 for joint in body.joints}
         self._groups = body.ranges
-        self._sensors = RangeSensors(arena.footprints, beams_of(body), sensor_seed, arena.ground)
+        self._sensors = RangeSensors(
+            arena.footprints, beams_of(body), sensor_seed, arena.ground, solids_of(arena)
+        )
         self._battery = Battery()
         self._origin = origin_of(arena, self._base.pose)
         self._scanned = -STEPS_PER_SCAN

@@ -84,9 +84,9 @@ class ContactBody:
         pose = wanted
         for _ in range(_PUSHES):
             gaps, ways = body.gaps(pose)
-            deepest = int(gaps.argmin())
-            if gaps[deepest] >= 0.0:
+            if float(gaps.min(initial=math.inf)) >= 0.0:
                 return pose
+            deepest = int(gaps.argmin())
             x, y = (ways[deepest] * (float(gaps[deepest]) - _GAP)).tolist()
             pose = Pose(x=pose.x + x, y=pose.y + y, theta=pose.theta)
         return before

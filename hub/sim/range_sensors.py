@@ -1,4 +1,8 @@
-"""Sonars, infrared sensors and lasers as rays in the plane, wherever a body has them."""
+"""Sonars, infrared sensors and lasers as rays, wherever a body has them.
+
+Rays are in the plane. Those of light are in space where the arena's solids are given with their
+heights.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +18,7 @@ from hub.pose import Pose
 from hub.sim.arena import Footprints
 from hub.sim.ground.beams import ground_echoes
 from hub.sim.ground.height_field import HeightField
+from hub.sim.solids import Solids
 from hub.sim.spatial_pose import SpatialPose
 from hub.values import dataclass
 
@@ -39,6 +44,7 @@ LASER_NOISE_SHARE = 0.002
 """What each metre of a range adds to it."""
 
 _RAYS_PER_CONE = 13
+_AHEAD = np.zeros(1)
 _DARKEST = 0.15
 """A surface less bright than this [share] counts as this bright."""
 _FULL_BRIGHTNESS = 0.5
@@ -55,7 +61,9 @@ class _Group:
     Attributes:
         x: Origin of the ranges [m].
         y: Origin of the ranges [m].
+        z: Origin of the ranges [m].
         bearing: Direction [rad].
+        elevation: Angle above the xy-plane [rad].
         opening: Whole angle of a cone [rad].
         ring: Distance of the sensors from the origin of their ranges [m].
         nearest: Least range [m].
@@ -64,7 +72,9 @@ class _Group:
 
     x: Floats
     y: Floats
+    z: Floats
     bearing: Floats
+    elevation: Floats
     opening: float
     ring: float
     nearest: float
@@ -76,6 +86,25 @@ class _Group:
         towards = _unit(bearing)
         x, y = pose.outward(self.x, self.y)
         return bearing, towards, towards * self.ring + np.stack((x, y), axis=1)
+
+    def leaning(self, lean: SpatialPose, aside: Floats = _AHEAD) -> tuple[Floats, Floats]:
+        """Places of the sensors [m] and rays of each at a pose in space.
+
+        Args:
+            lean: The pose.
+            aside: Angle of each ray of a sensor from its axis [rad], shape (m,), m odd.
+
+        Returns:
+            Each of shape (n m, 3).
+        """
+        rotation, level = lean.rotation(), np.cos(self.elevation).repeat(len(aside))
+        bearing = (self.bearing[:, None] + aside).ravel()
+        rise = np.sin(self.elevation).repeat(len(aside))
+        rays = rotation @ (np.cos(bearing) * level, np.sin(bearing) * level, rise)
+        mounts = rotation @ (self.x, self.y, self.z)
+        mounts += rays[:, len(aside) // 2 :: len(aside)] * self.ring
+        places = mounts.T + np.array((lean.x, lean.y, lean.z))
+        return places.repeat(len(aside), axis=0), rays.T
 
     def reach(self) -> float:
         """The farthest point that a sensor can meet, from the robot's centre [m]."""
@@ -101,6 +130,7 @@ class RangeSensors:
         beams: Beams,
         seed: np.random.SeedSequence,
         ground: HeightField | None = None,
+        solids: Solids | None = None,
     ) -> None:
         """Take the sensors that a body has.
 
@@ -109,9 +139,10 @@ class RangeSensors:
             beams: The body's beams; for obstacles their elevations count as 0.
             seed: Of the noise.
             ground: The height map of rough ground; None: the floor is level.
+            solids: The same obstacles in space, for beams of light; None: these are in the plane.
         """
         self._obstacles = obstacles
-        self._beams = beams
+        self._solids = solids
         self._ground = ground
         edges = _upright_edges(obstacles)
         self._groups: dict[str, tuple[_Group, _Sensors]] = {}
@@ -120,7 +151,9 @@ class RangeSensors:
             group = _Group(
                 x=beams.x[place],
                 y=beams.y[place],
+                z=beams.z[place],
                 bearing=beams.bearing[place],
+                elevation=beams.elevation[place],
                 opening=float(beams.opening[place][0]),
                 ring=float(beams.ring[place][0]),
                 nearest=float(beams.nearest[place][0]),
@@ -153,8 +186,10 @@ class RangeSensors:
         group, sensors = self._groups[name]
         known = self._met.get(name)
         if known is None or known[0] != (pose, lean):
-            obstacles = _within(self._obstacles, pose, group.reach())
-            met = sensors.look(obstacles, pose)
+            if self._solids is not None and isinstance(sensors, _InfraredSensors | _Laser):
+                met = self._look_in_space(self._solids, group, sensors, lean or _level(pose))
+            else:
+                met = sensors.look(_within(self._obstacles, pose, group.reach()), pose)
             if lean is not None and self._ground is not None:
                 met = np.minimum(met[0], self._to_ground(name, self._ground, lean)), *met[1:]
             known = self._met[name] = (pose, lean), met
@@ -162,29 +197,36 @@ class RangeSensors:
         ranges.flags.writeable = False  # many read it
         return ranges
 
+    def _look_in_space(
+        self,
+        solids: Solids,
+        group: _Group,
+        sensors: _InfraredSensors | _Laser,
+        lean: SpatialPose,
+    ) -> tuple[Floats, ...]:
+        """What beams of light meet from a pose in space, except a height map."""
+        solids = solids.around(lean.x, lean.y, group.reach())
+        origins, rays = group.leaning(lean)
+        distance, number = solids.hits(origins, rays)
+        brightness = np.append(solids.brightness, 1.0)[number]
+        if self._ground is None:
+            fall = np.maximum(-rays[:, 2], _NO_COMPONENT)
+            distance = np.minimum(distance, np.maximum(origins[:, 2], 0.0) / fall)
+        return sensors.meet(distance, brightness)
+
     def _to_ground(self, name: str, ground: HeightField, lean: SpatialPose) -> Floats:
         """Distance of the ground before each sensor of a group [m], inf for none.
 
         A sonar measures the nearest part of its cone that sends sound back.
         """
-        place, beams = self._beams.groups[name], self._beams
-        is_sonar = beams.kind[place][0] == RangeKind.SONAR
-        opening = float(beams.opening[place][0]) / 2 if is_sonar else 0.0
+        group, sensors = self._groups[name]
+        is_sonar = isinstance(sensors, _Sonars)
+        opening = group.opening / 2 if is_sonar else 0.0
         aside = np.linspace(-opening, opening, _RAYS_PER_CONE if is_sonar else 1)
-        bearing = (beams.bearing[place][:, None] + aside).ravel()
-        elevation = beams.elevation[place].repeat(len(aside))
-        level = np.cos(elevation)
-        rotation = lean.rotation()
-        rays = rotation @ (np.cos(bearing) * level, np.sin(bearing) * level, np.sin(elevation))
-        axes = rays[:, len(aside) // 2 :: len(aside)]
-        mounts = rotation @ (beams.x[place], beams.y[place], beams.z[place])
-        mounts += axes * beams.ring[place] + np.array([[lean.x], [lean.y], [lean.z]])
-        reach = float(beams.farthest[place][0] - beams.ring[place][0])
         distance = ground_echoes(
             ground,
-            mounts.T.repeat(len(aside), axis=0),
-            rays.T,
-            reach,
+            *group.leaning(lean, aside),
+            group.farthest - group.ring,
             SONAR_INCIDENCE if is_sonar else math.pi / 2,
         )
         nearest: Floats = distance.reshape(-1, len(aside)).min(axis=1)
@@ -253,7 +295,10 @@ class _InfraredSensors:
         """Distance of the surface before each sensor [m], and how well it reflects."""
         _, towards, mounts = self._group.placed(pose)
         distance, _, number = first_hits(obstacles, mounts, towards)
-        brightness = np.append(obstacles.brightness, 1.0)[number]
+        return self.meet(distance, np.append(obstacles.brightness, 1.0)[number])
+
+    def meet(self, distance: Floats, brightness: Floats) -> tuple[Floats, ...]:
+        """What they meet, from its distance [m] and brightness, shape (n,) each."""
         strength = np.sqrt(np.clip(brightness, _DARKEST, _FULL_BRIGHTNESS) / _FULL_BRIGHTNESS)
         return distance, strength
 
@@ -278,6 +323,10 @@ class _Laser:
         """Distance of the surface before each beam [m], inf for none."""
         _, towards, mounts = self._group.placed(pose)
         distance, _, _ = first_hits(obstacles, mounts, towards)
+        return (distance,)
+
+    def meet(self, distance: Floats, _brightness: Floats) -> tuple[Floats, ...]:
+        """What they meet, from its distance [m] and brightness, shape (n,) each."""
         return (distance,)
 
     def ranges(self, met: tuple[Floats, ...]) -> Floats:
@@ -372,6 +421,11 @@ def _upright_edges(obstacles: Footprints) -> Floats:
     across = np.stack((low[:, 0], high[:, 0], low[:, 0], high[:, 0]), axis=1)
     along = np.stack((low[:, 1], low[:, 1], high[:, 1], high[:, 1]), axis=1)
     return np.stack((across.ravel(), along.ravel()), axis=1)
+
+
+def _level(pose: Pose) -> SpatialPose:
+    """The pose of a body that stands level on the floor."""
+    return SpatialPose(x=pose.x, y=pose.y, yaw=pose.theta)
 
 
 def _unit(angles: Floats) -> Floats:

@@ -20,6 +20,7 @@ _CANCELLED = {
     Cause.WITHDRAWN: Phase.STOPPED,
     Cause.BUSY: Phase.LOST,
     Cause.DRIVER: Phase.LOST,
+    Cause.TILTED: Phase.LOST,
 }
 _KIND = {
     Behaviour.HOLD: "holding",

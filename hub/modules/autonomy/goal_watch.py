@@ -130,6 +130,7 @@ class GoalWatch:
 
 def _outcome_of(status: NavigationStatus) -> Outcome:
     """The state of a goal by this status of navigation."""
-    if status.task is Task.CANCELLED and status.cause in (Cause.BUSY, Cause.DRIVER):
+    held = (Cause.BUSY, Cause.DRIVER, Cause.TILTED)
+    if status.task is Task.CANCELLED and status.cause in held:
         return Outcome.LOST if status.seconds < AT_ONCE_S else Outcome.GIVEN_UP
     return _OUTCOMES[status.task]

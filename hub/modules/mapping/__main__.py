@@ -148,7 +148,7 @@ class Mapping:
             self._tilted += 1
             if self._tilted == 1:
                 _logger.warning("the robot is tilted: its scans are left out of the map")
-        evidence = self._scans.evidence(scan) if scan else None
+        evidence = self._scans.evidence(scan) if scan and not scan.tilted else None
         if scan is None or evidence is None:
             return
         if self._grid.add(scan.pose, evidence):

@@ -10,7 +10,7 @@ import time
 
 from hub.control_gate import ControlGate
 from hub.errors import CodecError, HubError
-from hub.gcm import flight, mapping, navigation, ranges
+from hub.gcm import diagnostics, edges, flight, mapping, navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
@@ -21,6 +21,7 @@ from hub.ipc.message_info import MessageInfo
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.frame import FrameMemory
 from hub.modules.navigation.path_follower import PathFollower
+from hub.modules.navigation.problems import known_edges, problems
 from hub.modules.navigation.reports import robot_state, status
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.paths import for_pose
@@ -49,8 +50,8 @@ _STATE_PERIOD = 1.0 / navigation.ROBOT_STATE.rate_hz
 _STATUS_PERIOD = 1.0 / navigation.NAVIGATION_STATUS.rate_hz
 _MAP_PERIOD = 1.5
 _MAP_TIMEOUT = 1.0
-_MENTION_TILT_S = 10.0
-"""Time between two log lines about tilt [s]."""
+_PROBLEMS_PERIOD = 1.0 / diagnostics.DIAGNOSTICS.rate_hz
+_EDGES_PERIOD = 1.0 / edges.EDGES.rate_hz
 
 
 class Navigation:
@@ -64,7 +65,8 @@ class Navigation:
             robot.body.motions, self._clock(), stops=random.getrandbits(32)
         )
         self.pilot = PathFollower(body_of(robot), robot.body)
-        self._mention_tilt = -math.inf
+        self._problems: tuple[str, ...] = ()
+        self._had_edges = False
         self._frames = FrameMemory(for_pose(robot.name))
         self._commanded = Twist()
         self._newest: tuple[navigation.DriveState, float] | None = None
@@ -83,7 +85,11 @@ class Navigation:
         client.subscribe(navigation.ASSISTANCE_COMMAND, self._assist)
         client.subscribe(navigation.LANDMARK_CORRECTION, self._correct)
         client.define(
-            navigation.DRIVE_COMMAND, navigation.ROBOT_STATE, navigation.NAVIGATION_STATUS
+            navigation.DRIVE_COMMAND,
+            navigation.ROBOT_STATE,
+            navigation.NAVIGATION_STATUS,
+            diagnostics.DIAGNOSTICS,
+            edges.EDGES,
         )
         publish_on_request(client, navigation.ROBOT_STATE, self._publish_state)
         publish_on_request(client, navigation.NAVIGATION_STATUS, self._publish_status)
@@ -91,6 +97,8 @@ class Navigation:
         client.every(_COMMAND_PERIOD, self._cycle)
         client.every(_STATE_PERIOD, self._publish_state)
         client.every(_STATUS_PERIOD, self._publish_status)
+        client.every(_PROBLEMS_PERIOD, self._publish_problems)
+        client.every(_EDGES_PERIOD, self._publish_edges)
         client.every(_MAP_PERIOD, self._ask_for_map)
 
     def finish(self) -> None:
@@ -150,11 +158,14 @@ class Navigation:
         if reception.publisher != self._driver:
             return
         self.pilot.scanned(readings, reception.measured, self._clock())
-        now, tilt = self._clock(), self.pilot.tilt
-        if tilt and now >= self._mention_tilt:
-            text = "the robot is tilted by %.0f degrees: its ranges are not used"
-            _logger.warning(text, math.degrees(tilt))
-            self._mention_tilt = now + _MENTION_TILT_S
+        found = problems(self.pilot, self._clock())
+        names = tuple(each.name for each in found)
+        if names != self._problems:
+            for each in found:
+                if each.name not in self._problems:
+                    _logger.warning("%s", each.message)
+            self._problems = names
+            self._publish_problems()
 
     def _tilted(self, attitude: flight.Attitude, reception: MessageInfo) -> None:
         self.pilot.tilted(attitude, reception.measured)
@@ -300,6 +311,16 @@ class Navigation:
         frame = self._frames.frame.number
         state = robot_state(drive, self.pilot, self._governor, refused, frame, now)
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
+
+    def _publish_problems(self) -> None:
+        found = problems(self.pilot, self._clock())
+        self._client.publish(diagnostics.DIAGNOSTICS, diagnostics.Diagnostics(status=found))
+
+    def _publish_edges(self) -> None:
+        known = known_edges(self.pilot)
+        if known.cells or self._had_edges:
+            self._client.publish(edges.EDGES, known)
+        self._had_edges = bool(known.cells)
 
     def _publish_status(self) -> None:
         said = status(self.pilot.task, self._governor.driver, self._clock())

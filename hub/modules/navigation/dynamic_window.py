@@ -67,6 +67,7 @@ class BodyLimits:
         reaction: Time until a choice takes effect, and until the next one does [s].
         sway_limit: Largest velocity sideways [m/s].
         outline: What of it moves along arcs; None: the circle.
+        step: Highest step that it drives over, up or down [m].
     """
 
     radius: float
@@ -80,6 +81,7 @@ class BodyLimits:
     reaction: float = 0.12
     sway_limit: float = 0.0
     outline: Sweep | None = None
+    step: float = 0.05
 
     @property
     def fastest(self) -> float:
@@ -117,6 +119,7 @@ def body_of(robot: RobotDescription) -> BodyLimits:
         angular_braking=robot.angular_acceleration,
         sway_limit=robot.sway_limit,
         outline=Sweep(hull(corners(robot.body))) if robot.footprint else None,
+        step=robot.step,
     )
 
 

@@ -120,6 +120,10 @@ class ObstacleMemory:
         self._meet(scan.pose, *beams.hits(rays, scan.ranges), self._time + RAY_S)
         self._assume(scan)
 
+    def forget(self) -> None:
+        """Forget all points."""
+        self._until[:] = self._guessed_until[:] = -np.inf
+
     def points(self, x: float, y: float, theta: float, reach: float) -> tuple[Floats, Floats]:
         """The points around a pose in `odom`, in `base_link` [m]; shapes (n,).
 

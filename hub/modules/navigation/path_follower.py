@@ -15,7 +15,14 @@ from hub.gcm.body import RobotBody
 from hub.gcm.flight import Attitude
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.mapping import MapRequest
-from hub.gcm.navigation import Assistance, DriveState, GoalCommand, LandmarkCorrection, TurnCommand
+from hub.gcm.navigation import (
+    Assistance,
+    Cause,
+    DriveState,
+    GoalCommand,
+    LandmarkCorrection,
+    TurnCommand,
+)
 from hub.gcm.ranges import RangeReadings
 from hub.grids.grid import Grid
 from hub.grids.planner import plan
@@ -23,12 +30,13 @@ from hub.modules.navigation.assistance import AssistanceSwitch
 from hub.modules.navigation.beam_rules import BeamRules
 from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
-from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow
+from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow, Floats
+from hub.modules.navigation.ground_memory import GroundMemory
 from hub.modules.navigation.obstacle_memory import ObstacleMemory
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.modules.navigation.route import Way
 from hub.modules.navigation.task import LARGEST_TURN, Aim, NavigationTask, refusal
-from hub.modules.navigation.unmapped_obstacles import UnmappedObstacles
+from hub.modules.navigation.unmapped_obstacles import UnmappedObstacles, with_obstacles
 from hub.pose import Pose, each_wrapped
 
 REACH = 0.5
@@ -46,8 +54,12 @@ BLOCKS_ASIDE."""
 BLOCKS_ASIDE = math.radians(60.0)
 _SPARE = 0.1
 """Obstacles count from this distance before the robot must slow down [m]."""
+TILTED_SPEED = 0.2
+"""Largest velocity of an assisted robot while it is tilted too far to use all ranges [m/s]."""
 PLAN_AGAIN_S = 1.0
 """Least time before the path is planned again after the robot left it [s]."""
+EDGE_AGAIN_S = 0.3
+"""The same after an edge was found [s]: soon, while there is room to turn."""
 
 Velocity = tuple[float, float]
 
@@ -75,6 +87,8 @@ class PathFollower:
         self._reader = ScanReader(body)
         self._rules = BeamRules(body, self._reader.beams)
         self._obstacles = ObstacleMemory(body, self._rules, self._goal_reach)
+        self._ground = GroundMemory(body, self._reader.beams, limits.step)
+        self._was_tilted = False
         self._unmapped = UnmappedObstacles()
         self._drift = DriftWatch(self.correction, self._rules)
         self._switch = AssistanceSwitch()
@@ -84,6 +98,7 @@ class PathFollower:
         self._map_is_whole = False
         self._planned_at = -math.inf
         self._planned_for: tuple[float, float] | None = None
+        self._planned_with = 0
 
     @property
     def pose(self) -> Pose:
@@ -98,8 +113,23 @@ class PathFollower:
 
     @property
     def tilt(self) -> float:
-        """Angle to the ground at which ranges are not used [rad]; 0: they are used."""
+        """Angle to the ground at which only near ranges are used [rad]; 0: all are used."""
         return self._reader.tilt
+
+    @property
+    def edges(self) -> tuple[Floats, Floats]:
+        """The known edges in `base_link` [m]; shapes (n,)."""
+        if self._drive is None:
+            return np.empty(0), np.empty(0)
+        x, y, theta = _odom(self._drive)
+        return self._ground.edges(Pose(x=x, y=y, theta=theta))
+
+    def away(self, x: Floats, y: Floats) -> Floats:
+        """Distances of points in `base_link` from the robot's body [m], shape (n,)."""
+        outline = self._limits.outline
+        if outline is None:
+            return np.asarray(np.hypot(x, y) - self._limits.radius)
+        return outline.distances(x, y)
 
     def reported(self, drive: DriveState, measured: float, now: float) -> None:
         """Take a report of the hardware, measured at a monotonic time [s]."""
@@ -111,8 +141,16 @@ class PathFollower:
     def scanned(self, readings: RangeReadings, measured: float, now: float) -> None:
         """Take the ranges of the sensors, measured at a monotonic time [s]."""
         scan = self._reader.read(readings, measured)
-        if scan is not None:
-            self._obstacles.scanned(scan, now)
+        if scan is None:
+            return
+        if scan.tilted and not self._was_tilted:
+            # What was seen from another plane may be the ramp that the robot is on now.
+            self._obstacles.forget()
+        self._was_tilted = scan.tilted
+        self._obstacles.scanned(scan, now)
+        self._ground.scanned(scan, now)
+        self._ground.age(scan.pose, now)
+        if not scan.tilted:
             self._drift.scanned(scan, now)
 
     def tilted(self, attitude: Attitude, measured: float) -> None:
@@ -125,6 +163,7 @@ class PathFollower:
         self._drift.restart()
         self._reader.restart()
         self._obstacles = ObstacleMemory(self._body, self._rules, self._goal_reach)
+        self._ground = GroundMemory(self._body, self._reader.beams, self._limits.step)
         self._unmapped.forget()
         self._map = None
 
@@ -146,7 +185,9 @@ class PathFollower:
         speed = math.hypot(surge, sway) if sway else surge
         # No report says how fast it drifts; the last command does.
         along, aside = Pose(theta=axis).inward(drive.linear, self._sway)
-        points = self._obstacles.points(*_odom(drive), self._reach)
+        fastest = TILTED_SPEED if self.tilt else math.inf
+        speed = max(-fastest, min(fastest, speed))
+        points = self._points(drive, self._reach)
         speed, turn = self._window.towards(
             (along, drive.angular), (speed, wanted.angular.z), points, axis=axis, aside=aside
         )
@@ -163,6 +204,10 @@ class PathFollower:
     def steered(self, now: float) -> Velocity | None:
         """The velocity for the active task [m/s, rad/s]; None: no task is active."""
         self.rest()
+        if self.tilt:
+            why = f"tilted by {math.degrees(self.tilt):.0f} degrees, it does not see all around"
+            self.task.hold(Cause.TILTED, why, now)
+            return (0.0, 0.0) if self.task.active else None
         drive = self._drive
         aim = None if drive is None else self.task.aim(self.pose, now)
         if drive is None or aim is None:
@@ -170,10 +215,13 @@ class PathFollower:
         if aim.stay:
             return 0.0, 0.0
         if aim.turn is not None:
-            points = self._obstacles.points(*_odom(drive), self._reach)
+            points = self._points(drive, self._reach)
             return 0.0, self._window.turn((drive.linear, drive.angular), aim.turn, points)
-        if self.task.goal != self._planned_for or (
-            self.task.has_left_path(self.pose) and now - self._planned_at > PLAN_AGAIN_S
+        waited = now - self._planned_at
+        if (
+            self.task.goal != self._planned_for
+            or (self.task.has_left_path(self.pose) and waited > PLAN_AGAIN_S)
+            or (self._ground.found != self._planned_with and waited > EDGE_AGAIN_S)
         ):
             self._plan(now)
         given = self._heading_for(aim, drive)
@@ -243,9 +291,15 @@ class PathFollower:
         """Whether assistance is on now."""
         return self._switch.state(now)
 
+    def _points(self, drive: DriveState, reach: float) -> tuple[Floats, Floats]:
+        """The obstacles and edges around the robot, in `base_link` [m]; shapes (n,)."""
+        x, y = self._obstacles.points(*_odom(drive), reach)
+        more_x, more_y = self._ground.points(*_odom(drive), reach)
+        return np.concatenate((x, more_x)), np.concatenate((y, more_y))
+
     def _heading_for(self, aim: Aim, drive: DriveState) -> Velocity:
         carrot = self.pose.inward(aim.x, aim.y)
-        points = self._obstacles.points(*_odom(drive), self._goal_reach)
+        points = self._points(drive, self._goal_reach)
         fastest = min(aim.limit, math.sqrt(2.0 * SLOW_DOWN * aim.left))
         return self._window.to_goal((drive.linear, drive.angular), carrot, fastest, points)
 
@@ -255,7 +309,7 @@ class PathFollower:
         still = given[0] == 0.0 and abs(bearing) < BLOCKS_ASIDE / 2.0
         if not self._unmapped.blocked(still=still, now=now) or self._map is None:
             return
-        x, y = self._obstacles.points(*_odom(drive), self._limits.radius + BLOCKS)
+        x, y = self._points(drive, self._limits.radius + BLOCKS)
         ahead = np.abs(each_wrapped(np.arctan2(y, x) - bearing)) < BLOCKS_ASIDE
         here = self.pose
         self._unmapped.note(*here.outward(x[ahead], y[ahead]), now)
@@ -266,15 +320,17 @@ class PathFollower:
         """Plan the path to the next point on the map, if there is a map."""
         goal = self.task.goal
         self._planned_at, self._planned_for = now, goal
+        self._planned_with = self._ground.found
         if goal is None or self._map is None:
             self.task.planned(None)
             return
         here = self.pose
-        grid = self._unmapped.onto(self._map, now)
+        known = with_obstacles(self._map, *here.outward(*self.edges))
+        grid = self._unmapped.onto(known, now)
         way = self._way(grid, (here.x, here.y), goal)
-        if way is None and grid is not self._map:
+        if way is None and grid is not known:
             self._unmapped.forget()
-            way = self._way(self._map, (here.x, here.y), goal)
+            way = self._way(known, (here.x, here.y), goal)
         if way is not None:
             self.task.planned(way)
         elif self._map_is_whole:

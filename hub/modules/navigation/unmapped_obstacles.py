@@ -63,17 +63,22 @@ class UnmappedObstacles:
     def onto(self, grid: Grid, now: float) -> Grid:
         """The map with the remembered obstacles marked as occupied."""
         self._points = self._points[self._points[:, 2] > now]
-        columns = np.floor((self._points[:, 0] - grid.origin_x) / grid.resolution).astype(np.intp)
-        rows = np.floor((self._points[:, 1] - grid.origin_y) / grid.resolution).astype(np.intp)
-        down, right = _disc(WIDER / grid.resolution)
-        rows, columns = (rows[:, None] + down).ravel(), (columns[:, None] + right).ravel()
-        inside = (rows >= 0) & (rows < grid.height_cells)
-        inside &= (columns >= 0) & (columns < grid.width_cells)
-        if not inside.any():
-            return grid
-        cells = grid.cells.copy()
-        cells[rows[inside], columns[inside]] = _OCCUPIED
-        return dataclasses.replace(grid, cells=cells)
+        return with_obstacles(grid, self._points[:, 0], self._points[:, 1])
+
+
+def with_obstacles(grid: Grid, x: Floats, y: Floats) -> Grid:
+    """The map with the cells around points in `map` [m], shape (n,), marked as occupied."""
+    columns = np.floor((x - grid.origin_x) / grid.resolution).astype(np.intp)
+    rows = np.floor((y - grid.origin_y) / grid.resolution).astype(np.intp)
+    down, right = _disc(WIDER / grid.resolution)
+    rows, columns = (rows[:, None] + down).ravel(), (columns[:, None] + right).ravel()
+    inside = (rows >= 0) & (rows < grid.height_cells)
+    inside &= (columns >= 0) & (columns < grid.width_cells)
+    if not inside.any():
+        return grid
+    cells = grid.cells.copy()
+    cells[rows[inside], columns[inside]] = _OCCUPIED
+    return dataclasses.replace(grid, cells=cells)
 
 
 def _disc(radius_cells: float) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:

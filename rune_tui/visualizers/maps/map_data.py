@@ -9,12 +9,14 @@ from typing import ClassVar, Final, Self
 import numpy as np
 
 from hub.gcm.capability import Capability
+from hub.gcm.edges import EDGES
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint
 from hub.gcm.navigation import NAVIGATION_STATUS, Task
 from hub.gcm.occupancy_map import OccupancyMap
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.edges import edges_of
 from rune_tui.model.map_window import MapWindow
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import RobotState
@@ -26,6 +28,7 @@ from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.grid_picture import UNKNOWN, grid_colours, grid_values
 from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.maps import map_marks
+from rune_tui.visualizers.maps.edge_marks import draw_edges, write_edge
 from rune_tui.visualizers.parts.notice import link_trouble, write_notice
 from rune_tui.visualizers.parts.severity import Severity
 from rune_tui.visualizers.parts.staleness import age_look, age_text, fade_by_age, mark_age
@@ -57,13 +60,15 @@ class MapData:
     rule: ClassVar = VisualizerRule(
         locates=True,
         meaning="the map: walls, free floor, the unknown dotted; the robot and its heading, where "
-        "it has been and where it wants to go, what its camera sees, victims (V) and landmarks (L)",
+        "it has been and where it wants to go, what its camera sees, victims (V) and landmarks "
+        "(L), and dots with the word EDGE where the ground ends",
         message="GCM_Common_Map",
         others=(
             "GCM_RobotState",
             "GCM_CameraState",
             INTEREST_POINTS.name,
             NAVIGATION_STATUS.name,
+            EDGES.name,
         ),
         option=NumberOption(
             default=0.0,
@@ -154,6 +159,7 @@ class MapData:
             camera and (_whole(camera.pan / turn), _whole(camera.horizontal_fov / turn)),
             tuple((point.number, point.kind, point.x, point.y) for point in _points(robot)),
             _route(robot).tobytes(),
+            edges_of(robot, state.now).tobytes(),
             _goal(robot, state.now),
             state.ghosts.get(robot.name),
             robot.navigation and age_look(robot.navigation, state.now),
@@ -185,16 +191,21 @@ class MapData:
         theme = state.theme
         _draw_grid(canvas, window, robot, theme)
         pose, route = self._follow(robot), _route(robot)
+        edges = [(x, y) for x, y in window.pixels(edges_of(robot, state.now)).tolist()]
         if pose is not None and robot.camera is not None:
             map_marks.draw_cone(canvas, window, pose, robot.camera.value, theme)
         with drawing(canvas) as pen:
             map_marks.draw_trail(pen, window, self._trail.points(robot.name), theme)
             map_marks.draw_route(pen, window, route, theme)
+            draw_edges(pen, edges, theme)
         if pose is not None:
             map_marks.draw_robot(canvas, window, pose, robot.body, theme)
         if (ghost := state.ghosts.get(robot.name)) is not None:
             map_marks.write_ghost(canvas, window, ghost, theme)
         map_marks.write_goal(canvas, window, *_goal(robot, state.now), theme)
+        if pose is not None:
+            x, y = window.pixels((pose.x, pose.y)).tolist()
+            write_edge(canvas, edges, (x, y), theme)
         map_marks.write_points(canvas, window, _points(robot), theme)
         map_marks.write_north(canvas, window, theme)
         map_marks.write_scale(canvas, window, theme)

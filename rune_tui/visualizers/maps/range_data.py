@@ -9,12 +9,14 @@ from typing import ClassVar, Final, Self
 import numpy as np
 
 from hub.gcm.body import ROBOT_DESCRIPTION, Bumper, RangeKind
+from hub.gcm.edges import EDGES
 from hub.gcm.ranges import RANGES
 from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.body import pressed_bumpers
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.edges import edges_around
 from rune_tui.model.robot_ranges import RobotRanges, lack_of_ranges, ranges_of
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.sightings import Bools, Floats
@@ -22,6 +24,7 @@ from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing, toward
 from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.maps.edge_marks import draw_edges, write_edge
 from rune_tui.visualizers.maps.range_shapes import (
     Plan,
     Slice,
@@ -96,11 +99,12 @@ class _Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RangeData:
-    """The body of the robot, its ranges, and its pressed bumpers, from above.
+    """The body of the robot, its ranges, its pressed bumpers, and edges, from above.
 
     A wide beam is a pie, a scan of narrow beams a filled outline, another narrow beam an arc. The
     direction behind a near obstacle has a colour of its own, up to the rim, and a mark; a pressed
-    bumper has a "B". The rest is clear, so that it can cover video.
+    bumper has a "B". Places where the ground ends are dots with the word EDGE. The rest is clear,
+    so that it can cover video.
 
     Attributes:
         rim_m: Range at the rim of the drawing, from the robot's centre [m].
@@ -117,9 +121,9 @@ class RangeData:
     rule: ClassVar = VisualizerRule(
         above=True,
         meaning="the robot's body, a pie for each wide range sensor, an outline for each scan, "
-        "and rings at whole distances",
+        "rings at whole distances, and dots with the word EDGE where the ground ends",
         message="GCM_RobotState",
-        others=(ROBOT_DESCRIPTION.name, RANGES.name),
+        others=(ROBOT_DESCRIPTION.name, RANGES.name, EDGES.name),
         option=NumberOption(
             default=0.0, least=0.0, most=100.0, unit="m", meaning="range at the rim; 0 means 3 m"
         ),
@@ -170,7 +174,7 @@ class RangeData:
             return
         plan = Plan.of(canvas, robot.body, self.rim_m)
         shown, bumpers = self._shown(robot, state), _pressed(robot, state)
-        rings = _rings(plan)
+        rings, edges = _rings(plan), _edges(plan, robot, state)
         with drawing(canvas, smoothing=_SMOOTHING) as pen:
             pen.circle(plan.centre, plan.rim, fill=(*theme.ground[:3], _PLATE_ALPHA))
             if shown is not None:
@@ -181,6 +185,7 @@ class RangeData:
                 pen.circle(plan.centre, plan.length(ring), rim=line)
             if shown is not None:
                 _draw_lines(pen, plan, shown, theme)
+            draw_edges(pen, edges, theme)
             _draw_body(pen, plan, bumpers, theme)
         measured = robot.newest(RANGES)
         age = measured.age(state.now) if measured is not None else 0.0
@@ -188,6 +193,7 @@ class RangeData:
         _write_metres(canvas, plan, rings, theme)
         if shown is not None:
             _write_marks(canvas, plan, shown, theme)
+        write_edge(canvas, edges, plan.centre, theme)
         for bumper in bumpers:
             _write_at(canvas, _bumper_spot(plan, bumper), "B", theme.on_alarm)
         if shown is None or not (shown.pies or shown.arcs or shown.scans):
@@ -203,6 +209,7 @@ class RangeData:
         return (
             ranges.ranges[self._wanted(ranges)].tobytes() if ranges is not None else b"",
             _pressed(robot, state),
+            edges_around(robot, state.now).tobytes(),
             avoids_obstacles(robot, state.now),
             robot.body,
             age_look(measured, state.now) if measured is not None else None,
@@ -277,6 +284,13 @@ def _pressed(robot: RobotState, state: ConsoleState) -> tuple[Bumper, ...]:
     if known is None or staleness(known.age(state.now)) is Staleness.STALE:
         return ()
     return pressed_bumpers(robot.body, known.value.bumpers)
+
+
+def _edges(plan: Plan, robot: RobotState, state: ConsoleState) -> list[Point]:
+    """The known edges within the rim."""
+    around = edges_around(robot, state.now)
+    shown = around[np.hypot(around[:, 0], around[:, 1]) <= plan.rim_m]
+    return [plan.at(x, y) for x, y in shown.tolist()]
 
 
 def _bumper_spot(plan: Plan, bumper: Bumper) -> Point:

@@ -6,10 +6,14 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from hub.gcm.beam_scans import ATTITUDE_S, LARGEST_TILT, BeamScan, ScanReader
+from hub.gcm.beam_scans import ATTITUDE_S, LARGEST_TILT, TILTED_REACH, BeamScan, ScanReader
+from hub.gcm.beams import beams_of
 from hub.gcm.body import RobotBody
 from hub.gcm.flight import Attitude
+from hub.gcm.frames import rotation
 from hub.gcm.ranges import RangeReadings, scan_of
 from hub.pose import Pose
 from tests.hub.modules.navigation.bodies import HALF_WIDTH, LONG
@@ -71,14 +75,49 @@ def test_the_pose_is_that_of_the_measurement() -> None:
     assert made.read(readings({}, 6.0), 3.0) is None, "the robot's pose is not known"
 
 
-def test_ranges_of_a_tilted_robot_are_not_used() -> None:
+def test_of_a_tilted_robot_only_near_ranges_are_used() -> None:
     made = reader()
     made.tilted(Attitude(stamp=0.0, roll=0.0, pitch=-1.2 * LARGEST_TILT), 1.0)
-    assert made.read(readings({}), 1.0) is None
+    scan = read(made, readings({"left": 0.4, "rear": 1.1 * TILTED_REACH}))
+    assert scan.tilted
+    assert fresh(made, scan) == {"left"}
     assert made.tilt == pytest.approx(1.2 * LARGEST_TILT)
     made.tilted(Attitude(stamp=0.0, roll=0.9 * LARGEST_TILT, pitch=0.0), 1.0)
-    assert made.read(readings({}, 6.0), 1.0) is not None
+    scan = read(made, readings({"rear": 1.1 * TILTED_REACH}, 6.0))
+    assert not scan.tilted
+    assert "rear" in fresh(made, scan)
     assert made.tilt == 0.0
+
+
+def test_a_range_is_not_used_where_the_beam_meets_the_floor() -> None:
+    """Nose down by 4 degrees the laser, 0.3 m up and 0.3 m ahead, meets the floor at 4 m."""
+    pitch = math.radians(4.0)
+    floor = (0.3 * math.cos(pitch) - 0.3 * math.sin(pitch)) / math.sin(pitch)
+    ahead = 90  # the laser looks to the left and counts clockwise
+    for away, used in ((0.7 * floor, True), (floor, False)):
+        made = reader()
+        made.tilted(Attitude(stamp=0.0, roll=0.0, pitch=pitch), 1.0)
+        scan = read(made, readings({"laser": away}))
+        place = made.beams.groups["laser"]
+        beam = place.start + 180 + ahead
+        assert abs(math.remainder(made.beams.bearing[beam], math.tau)) < 0.02
+        assert bool(scan.fresh[beam]) is used
+        assert scan.fresh[beam - 180], "behind it looks up"
+
+
+@given(st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
+def test_the_way_to_the_floor_ends_on_it(roll: float, pitch: float) -> None:
+    beams = beams_of(LONG)
+    reach = beams.to_floor(roll, pitch)
+    met = np.isfinite(reach) & (reach > 0.0)
+    turn = rotation(roll, pitch, 0.0)
+    flat = np.cos(beams.elevation)
+    rays = np.stack(
+        (flat * np.cos(beams.bearing), flat * np.sin(beams.bearing), np.sin(beams.elevation))
+    )
+    ends = turn @ (np.stack((beams.x, beams.y, beams.z)) + rays * np.where(met, reach, 0.0))
+    assert np.abs(ends[2][met]).max(initial=0.0) < 1e-6
+    assert ((turn @ rays)[2][~np.isfinite(reach)] > -1e-6).all()
 
 
 def test_an_old_attitude_is_not_known() -> None:

@@ -11,16 +11,19 @@ from hub.gcm.body import USUAL_RADIUS
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import RangeReadings
-from hub.modules.driver.reports import drive_state
+from hub.modules.driver.reports import attitude, drive_state
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.path_follower import PathFollower
 from hub.pose import Pose
-from hub.robots.description import RobotDescription
+from hub.robots.description import Base, RobotDescription
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.robots.simulated_base import SimulatedBase
+from hub.robots.simulated_rough_base import RoughBody
 from hub.sim.arena import Arena
+from hub.sim.ground.chassis import TRACKED
 
 ROBOT = read_description(find_robot_file("magellan"))[0]
+TRACKED_ROBOT = read_description(find_robot_file("tracked"))[0]
 BODY = body_of(ROBOT)
 STEP = 0.01
 STEPS_PER_REPORT = 2
@@ -43,7 +46,11 @@ class Drive:
         self, arena: Arena, start: Pose, seed: int = 1, robot: RobotDescription = ROBOT
     ) -> None:
         there = dataclasses.replace(arena, start=start)
-        self.robot = SimulatedBase(there, robot.body, seed=seed)
+        self.robot: SimulatedBase | RoughBody = (
+            RoughBody(there, robot.body, TRACKED, seed=seed)
+            if robot.base is Base.TRACKS
+            else SimulatedBase(there, robot.body, seed=seed)
+        )
         self.pilot = PathFollower(body_of(robot), robot.body)
         self.given = Twist()
         self._steps = 0
@@ -84,6 +91,9 @@ class Drive:
         if self._steps % STEPS_PER_REPORT == 0 or self._steps == 0:
             sensors = self.robot.sensors(self.now)
             self.pilot.reported(drive_state(sensors, self.now), self.now, self.now)
+            lean = attitude(sensors, self.now)
+            if lean is not None:
+                self.pilot.tilted(lean, self.now)
             self.pilot.scanned(RangeReadings(scans=sensors.scans), self.now, self.now)
         return self._steps % STEPS_PER_CHOICE == 0
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.flight import ATTITUDE, Attitude
 from hub.gcm.geometry import Twist, TwistStamped, Vector3
 from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND
@@ -89,15 +90,26 @@ def test_ranges_of_another_sender_are_not_used(scene: Scene) -> None:
     assert scene.commanded().linear.y > 0.2
 
 
-def test_ranges_of_a_tilted_robot_are_not_used_and_the_log_says_so_once(
+def test_a_tilted_robot_drives_slowly_and_says_so_once(
     scene: Scene, caplog: pytest.LogCaptureFixture
 ) -> None:
     with caplog.at_level(logging.WARNING):
         for _ in range(3):
             scene.bus.send(ATTITUDE, Attitude(stamp=0.0, roll=0.2, pitch=0.0), "driver")
-            scene.measure(0.25)
+            scene.measure(1.5)
             scene.bus.wait(0.01)
-    assert scene.commanded().linear.y > 0.2
-    assert [record.getMessage() for record in caplog.records if "tilted" in record.msg] == [
-        "the robot is tilted by 11 degrees: its ranges are not used"
-    ]
+    assert scene.commanded().linear.y == 0.2
+    said = (
+        "tilted by 11 degrees: the map gets no ranges, assistance sees 1 m far and drives 0.2 m/s"
+    )
+    assert [
+        record.getMessage() for record in caplog.records if "tilted" in record.getMessage()
+    ] == [said]
+    sent = [each for _, name, each in scene.bus.published if name == DIAGNOSTICS.name]
+    assert [(each.name, each.message) for each in sent[-1].status] == [("tilt", said)]
+    scene.bus.wait(0.1)
+    scene.bus.send(DRIVE_STATE, AT_ORIGIN, "driver")
+    scene.bus.send(ATTITUDE, Attitude(stamp=0.0, roll=0.2, pitch=0.0), "driver")
+    scene.measure(0.25)
+    scene.bus.wait(0.1)
+    assert scene.commanded().linear.y == 0.0, "it is as near on a slope"

@@ -1,0 +1,55 @@
+"""What navigation knows to be wrong, and the edges that it knows; pure."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from hub.gcm.beam_scans import TILTED_REACH
+from hub.gcm.diagnostics import DiagnosticStatus, KeyValue, Severity
+from hub.gcm.edges import MOST_EDGES, EdgePoint, Edges
+from hub.gcm.navigation import Assistance
+from hub.gcm.standard import Header
+from hub.modules.navigation.ground_memory import CELL
+from hub.modules.navigation.path_follower import TILTED_SPEED, PathFollower
+
+EDGE_NEAR = 1.5
+"""An edge within this distance of the robot is reported [m]."""
+_SIDES = ("ahead", "on the left", "behind", "on the right")
+
+
+def problems(pilot: PathFollower, now: float) -> tuple[DiagnosticStatus, ...]:
+    """The present problems."""
+    found = []
+    assisted = pilot.assistance(now) is Assistance.ON
+    if pilot.tilt:
+        text = f"tilted by {math.degrees(pilot.tilt):.0f} degrees: the map gets no ranges"
+        if assisted:
+            text += f", assistance sees {TILTED_REACH:.0f} m far and drives {TILTED_SPEED:g} m/s"
+        found.append(DiagnosticStatus(level=Severity.WARN, name="tilt", message=text))
+    x, y = pilot.edges
+    away = pilot.away(x, y)
+    if len(away) and away.min() <= EDGE_NEAR:
+        nearest = int(away.argmin())
+        side = _SIDES[round(math.atan2(y[nearest], x[nearest]) / (math.pi / 2)) % 4]
+        metres = max(float(away[nearest]), 0.0)
+        text = f"edge {metres:.1f} m {side}" + ("" if assisted else ", and assistance is off")
+        value = KeyValue(key="distance", value=f"{metres:.2f}")
+        found.append(
+            DiagnosticStatus(level=Severity.WARN, name="edge", message=text, values=(value,))
+        )
+    return tuple(found)
+
+
+def known_edges(pilot: PathFollower) -> Edges:
+    """The message of all known edges, in `map`."""
+    x, y = pilot.pose.outward(*pilot.edges)
+    step = 1 + len(x) // MOST_EDGES
+    places = np.stack((x, y), axis=1)[::step].tolist()
+    return Edges(
+        header=Header(frame_id="map"),
+        cell_width=CELL,
+        cell_height=CELL,
+        cells=tuple(EdgePoint(x=x, y=y) for x, y in places),
+    )
