@@ -40,6 +40,7 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.leaving import ordered, reasons_to_stay
 from rune_tui.model.state_changes import changed
+from rune_tui.model.team_events import TeamEvent, TeamWatch
 from rune_tui.startup.following import LayoutFollower
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
@@ -91,6 +92,7 @@ class EffectRunner:
         self._state = state
         self._leave = leave
         self._changes = ChangeNotifier()
+        self._team = TeamWatch()
         self.guard = FaultGuard(self.notify)
         self.file_writer = FileWriter(
             links, partial(app.run_worker, exit_on_error=False), self.notify
@@ -140,6 +142,7 @@ class EffectRunner:
         state = self._state()
         if state.display is not None:
             self.file_writer.recorder.note(now, state.display)
+        self._record_team(self._team.look(state), now)
         self.run(Notify(notice=notice) for notice in self._changes.look(state))
         self.run(self._current.dispatch.tick(state))
 
@@ -233,6 +236,10 @@ class EffectRunner:
             joysticks.unsaved = False
             self.file_writer.write_calibrations(joysticks.store)
 
+    def _record_team(self, events: Iterable[TeamEvent], now: float) -> None:
+        for event in events:
+            self.file_writer.recorder.note_team(now, event)
+
     def _send(self, effect: SendEffect | ControlEffect | MissionEffect) -> None:
         link = self._links[effect.robot]
         if isinstance(effect, ControlEffect):
@@ -241,5 +248,8 @@ class EffectRunner:
             link.mission(effect.action, effect.name)
         else:
             link.send(effect.definition, effect.value)
+            if effect.controlled:
+                state = self._state()
+                self._record_team(self._team.command(effect.robot, state), state.now)
         if (outcome := undelivered(effect, link.state)) is not None:
             self.notify(outcome)

@@ -16,6 +16,7 @@ from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.display_state import RUNE_DISPLAY, DisplayState
 from rune_tui.model.robot_state import titles
 from rune_tui.model.shown_layout import SHOWN_LAYOUT, ShownLayout
+from rune_tui.model.team_events import RUNE_TEAM, TeamEvent
 
 if TYPE_CHECKING:
     from rune_tui.export.recording import Recording
@@ -71,6 +72,11 @@ class Recorder:
         for link, name in zip(self._links.values(), names, strict=True):
             add = self._recording.add if self._recording is not None else None
             link.tap(functools.partial(add, name) if add is not None else None)
+
+    def note_team(self, now: float, event: TeamEvent) -> None:
+        """Record what the operator did with the robots."""
+        if self._recording is not None:
+            self._recording.add(_OWN, RUNE_TEAM, event, now)
 
     def note(self, now: float, display: DisplayState) -> None:
         """Record the display's state once a second."""

@@ -15,6 +15,7 @@ from rune_tui.files.recorder import Recorder
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.display_state import RUNE_DISPLAY, DisplayState
 from rune_tui.model.shown_layout import SHOWN_LAYOUT, ShownLayout
+from rune_tui.model.team_events import RUNE_TEAM, TeamEvent, TeamEventKind
 from rune_tui.startup.opening import open_layout
 
 DISPLAY = DisplayState(latency=0.04, frames_per_s=15.0, bytes_per_s=5e5, coarseness=3)
@@ -39,6 +40,17 @@ def test_how_pictures_reach_the_operator_is_recorded_once_a_second() -> None:
     assert not recorder.path
     assert end().text.startswith("3 messages")
     assert recorded(path, RUNE_DISPLAY) == [DISPLAY] * 2
+
+
+def test_what_the_operator_did_with_the_robots_is_recorded() -> None:
+    recorder = Recorder(cast("RobotLinks", {}))
+    event = TeamEvent(kind=TeamEventKind.CHOSEN, robot="blimp", after_s=3.5)
+    recorder.note_team(1.0, event)
+    recorder.begin(open_layout("minimal"), "jane")
+    path = recorder.path
+    recorder.note_team(2.0, event)
+    recorder.end()()
+    assert recorded(path, RUNE_TEAM) == [event]
 
 
 def test_each_layout_that_is_shown_is_recorded_with_its_time() -> None:
