@@ -18,8 +18,8 @@ from rune_tui.visualizers.parts.task_words import duration
 from rune_tui.visualizers.visualizer import PlainVisualizer
 from rune_tui.visualizers.words.alarms import Alarms
 
-_WEIGHTS: Final = (5, 8, 10, 3, 11)
-"""Importance of mark, sign, robot, age and words."""
+_WEIGHTS: Final = (9, 10, 3, 11)
+"""Importance of mark, robot, age and words."""
 
 
 class Attention(PlainVisualizer):
@@ -80,9 +80,9 @@ def _cells(state: ConsoleState) -> Iterator[tuple[str, ...]]:
         target = "" if leads else target
         waits = not (entry.answered or entry.over)
         mark = ("»»" if entry.times > 1 else "»") if waits else ""
+        sign = "" if entry.over else "!!" if entry.alarm else "!"
         yield (
-            f"{key if leads else ' ' * len(key)}{mark}".rstrip(),
-            "" if entry.over else "!!" if entry.alarm else "!",
+            f"{key if leads else ' ' * len(key)}{mark:<2} {sign}".rstrip(),
             state.title(entry.robot),
             duration(state.now - entry.since),
             f"over: {entry.text}" if entry.over else entry.text,

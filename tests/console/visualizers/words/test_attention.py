@@ -55,10 +55,10 @@ def rows(draw: Any, *queue: AttentionEntry, size: tuple[int, int] = (70, 12)) ->
 
 def test_a_row_says_which_robot_since_when_and_what(draw) -> None:
     assert rows(draw, *QUEUE)[:4] == [
-        "     !!  rover  12 s  tipped over: roll 87 deg",
-        "N»»  !!  blimp  12 s  does not hold its height",
-        " »   !   rov    3 s   BATTERY LOW 15%",
-        "         rov    12 s  over: tether",
+        "    !!  rover  12 s  tipped over: roll 87 deg",
+        "N»» !!  blimp  12 s  does not hold its height",
+        " »  !   rov    3 s   BATTERY LOW 15%",
+        "        rov    12 s  over: tether",
     ]
 
 
