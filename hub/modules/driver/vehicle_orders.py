@@ -8,16 +8,18 @@
 | JOINT | the owner of control | the joint turns, if `CommandWatchdog` allows it |
 | no fresh JOINT for 0.3 s | | the joint stops, and waits for a 0 |
 | `GCM_Stop` | any client | the joints stop; holds that are on keep the place of now |
-| another owner of control | | the joints stop |
+| another owner of control | | as after `GCM_Stop` |
+| HOLD, ARM, LIGHT older than a second | any | refuse: the operator has seen something else since |
 | an order for a part that the body lacks | any | refuse; say so in the log |
 """
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from hub.control_gate import ControlGate
 from hub.errors import RobotFileError
@@ -39,6 +41,13 @@ from hub.robots.description import RobotDescription
 from hub.robots.interfaces import Body, BodyArms, BodyHolds, BodyJoints, BodyLights
 
 _logger = logging.getLogger(__name__)
+
+
+LATE_S = 1.0
+"""Age from which on an order is refused that switches something on [s]."""
+_AGAIN_S = 0.05
+"""Time until a joint that could not be stopped is stopped again [s]."""
+_SWITCHES_ON = (VehicleOrder.HOLD, VehicleOrder.ARM, VehicleOrder.LIGHT)
 
 
 class VehicleOrders:
@@ -78,6 +87,7 @@ class VehicleOrders:
         if self._arms is not None:
             self._arms.arm(armed=robot.arming is Arming.ARMED)
         self._seen = VehicleState()
+        self._ordered: set[HoldKind] = set()  # holds that are on, but not yet in what was seen
         self._silence = client.alarm(self._watch)
         self._gate = ControlGate(client, self._on_owner_change)
         client.subscribe(VEHICLE_COMMAND, self._command)
@@ -86,18 +96,22 @@ class VehicleOrders:
     def seen(self, state: VehicleState) -> None:
         """Take the newest state of the body."""
         self._seen = state
+        self._ordered.clear()
 
     def stop_joints(self) -> None:
         """Stop all joints; each waits for a 0."""
-        for name, (_, watchdog) in self._joints.items():
+        for _, watchdog in self._joints.values():
             watchdog.expire()
-            self._turn(name, 0.0)
+        self._stop_each(self._joints)
 
     def _command(self, command: VehicleCommand, reception: MessageInfo) -> None:
         order = command.order
         if order is VehicleOrder.LIGHT and command.name in self._of_cameras:
             return  # that light is vision's
         if order is not VehicleOrder.DISARM and not self._gate.admits(VEHICLE_COMMAND, reception):
+            return
+        if order in _SWITCHES_ON and reception.age >= LATE_S:
+            _logger.warning("an order is refused: it is %.1f s old", reception.age)
             return
         if order in (VehicleOrder.ARM, VehicleOrder.DISARM):
             self._arm(armed=order is VehicleOrder.ARM)
@@ -113,18 +127,25 @@ class VehicleOrders:
             _logger.warning("an order to arm or disarm is refused: this body cannot")
             return
         _logger.warning("the motors are %s", "armed" if armed else "disarmed")
-        self.stop_joints()
-        self._stop()
-        self._arms.arm(armed=armed)
+        try:
+            self.stop_joints()
+            self._stop()
+        finally:  # the motors go off also after a fault
+            if not armed:
+                self._arms.arm(armed=False)
+        if armed:
+            self._arms.arm(armed=True)
 
     def _hold(self, kind: HoldKind, *, on: bool, target: float) -> None:
         if kind not in self._holds or not isinstance(self._body, BodyHolds):
             _logger.warning("an order is refused: this body has no hold of its %s", _word(kind))
         elif on:
             _logger.info("holds its %s", _word(kind))
+            self._ordered.add(kind)
             self._body.hold(kind, target)
         else:
             _logger.info("releases its %s", _word(kind))
+            self._ordered.discard(kind)
             self._body.release(kind)
 
     def _light(self, name: str, brightness: float) -> None:
@@ -141,8 +162,8 @@ class VehicleOrders:
         joint, watchdog = known
         rate = _limited(command.value, joint)
         if watchdog.allows(now - age, now, neutral=rate == 0.0):
-            self._turn(command.name, rate)
             self._silence.due = min(self._silence.due, watchdog.deadline)
+            self._turn(command.name, rate)
 
     def _turn(self, name: str, rate: float) -> None:
         if isinstance(self._body, BodyJoints):
@@ -151,25 +172,42 @@ class VehicleOrders:
     def _watch(self) -> None:
         """Stop the joints whose orders ended."""
         now = time.monotonic()
-        due = math.inf
-        for name, (_, watchdog) in self._joints.items():
-            if not watchdog.expired(now):
-                due = min(due, watchdog.deadline)
-            elif watchdog.deadline > -math.inf:
-                watchdog.expire()
-                self._turn(name, 0.0)
-        self._silence.due = due
+        ended = [
+            name
+            for name, (_, watchdog) in self._joints.items()
+            if watchdog.expired(now) and watchdog.deadline > -math.inf
+        ]
+        self._silence.due = now + _AGAIN_S  # if a joint cannot be stopped now
+        self._stop_each(ended)
+        for name in ended:
+            self._joints[name][1].expire()
+        deadlines = (watchdog.deadline for _, watchdog in self._joints.values())
+        self._silence.due = min((each for each in deadlines if each > now), default=math.inf)
+
+    def _stop_each(self, names: Iterable[str]) -> None:
+        """Stop joints; a fault of one does not keep the others from it."""
+        with contextlib.ExitStack() as stack:
+            for name in names:
+                stack.callback(self._turn, name, 0.0)
 
     def _stopped(self) -> None:
-        self.stop_joints()
+        try:
+            self.stop_joints()
+        finally:
+            self._hold_here()
+
+    def _hold_here(self) -> None:
+        """Let the holds that are on keep the place of now."""
         if isinstance(self._body, BodyHolds):
-            for hold in self._seen.holds:
-                if hold.phase is not HoldPhase.OFF:
-                    self._body.hold(hold.kind, math.nan)
+            on = {hold.kind for hold in self._seen.holds if hold.phase is not HoldPhase.OFF}
+            for kind in sorted(on | self._ordered):
+                self._body.hold(kind, math.nan)
 
     def _on_owner_change(self, state: ControlState, _before: int) -> None:
-        self.stop_joints()
-        self._changed(state)
+        try:
+            self._stopped()
+        finally:
+            self._changed(state)
 
 
 def _lacking(body: Body, robot: RobotDescription) -> Iterator[str]:

@@ -163,6 +163,16 @@ def test_only_the_owner_of_control_may_order_but_anybody_may_disarm(scene: Scene
     assert scene.order(HOLD, "anna") == [("hold", HoldKind.DEPTH, 1.5)]
 
 
+def test_an_old_order_switches_nothing_on(scene: Scene) -> None:
+    """A link that froze delivers what an operator ordered before."""
+    for command in (HOLD, ARM, LAMP):
+        scene.body.orders.clear()
+        scene.bus.send(VEHICLE_COMMAND, command, "operator", age=1.0)
+        assert scene.body.orders == []
+    scene.bus.send(VEHICLE_COMMAND, DISARM, "operator", age=1.0)
+    assert ("arm", False) in scene.body.orders
+
+
 def test_armed_motors_wait_for_a_neutral_command(scene: Scene) -> None:
     scene.bus.send(DRIVE_COMMAND, NEUTRAL, "navigation")
     scene.bus.send(DRIVE_COMMAND, FORWARD, "navigation")
@@ -217,6 +227,61 @@ def test_a_stop_lets_a_hold_keep_the_place_of_now(scene: Scene) -> None:
     ((order, kind, target),) = [each for each in scene.body.orders if each[0] == "hold"]
     assert (order, kind) == ("hold", HoldKind.DEPTH)
     assert math.isnan(target)
+
+
+@pytest.mark.parametrize("event", ["stop", "owner"])
+def test_a_hold_that_was_just_ordered_does_not_go_on_after_a_stop(scene: Scene, event: str) -> None:
+    """The body has not reported since that it is on."""
+    scene.order(HOLD)
+    if event == "stop":
+        scene.bus.send(STOP, Stop(), "ben")
+    else:
+        scene.owned_by("ben")
+    order, kind, target = [each for each in scene.body.orders if each[0] == "hold"][-1]
+    assert (order, kind) == ("hold", HoldKind.DEPTH)
+    assert math.isnan(target)
+    scene.order(HOLD, "ben")
+    scene.order(RELEASE, "ben")
+    scene.body.orders.clear()
+    scene.bus.send(STOP, Stop(), "ben")
+    assert [each for each in scene.body.orders if each[0] == "hold"] == []
+
+
+class Stubborn(Hardware):
+    """Its joints cannot be stopped at first."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.faults = 0
+
+    def turn_joint(self, name: str, rate: float) -> None:
+        if self.faults:
+            self.faults -= 1
+            text = "the port is busy"
+            raise OSError(text)
+        super().turn_joint(name, rate)
+
+
+def test_a_joint_that_could_not_be_stopped_is_stopped_again(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    scene = Scene(monkeypatch, tmp_path, Stubborn)
+    scene.order(turn(0.0))
+    scene.order(turn(0.5))
+    scene.body.orders.clear()
+    scene.body.faults = 2
+    assert scene.bus.wait_with_faults(SILENCE_S + 0.2) == 2
+    assert scene.body.orders == [("joint", "front flippers", 0.0)]
+
+
+def test_the_motors_go_off_although_a_joint_cannot_be_stopped(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    scene = Scene(monkeypatch, tmp_path, Stubborn)
+    scene.body.faults = 1
+    with pytest.raises(OSError, match="the port is busy"):
+        scene.order(DISARM)
+    assert ("arm", False) in scene.body.orders
 
 
 def test_a_hold_that_is_off_stays_off_after_a_stop(scene: Scene) -> None:

@@ -40,9 +40,9 @@ class TimedBus:
         """The number of another module."""
         return self._numbers.setdefault(name, len(self._numbers) + 2)
 
-    def send(self, definition: Any, value: object, sender: str) -> None:
-        """Another module publishes a message now."""
-        reception = MessageInfo(self.number(sender), 1, 0, 0.0, self.now)
+    def send(self, definition: Any, value: object, sender: str, age: float = 0.0) -> None:
+        """A message of another module comes now; `age` says for how long it was on its way [s]."""
+        reception = MessageInfo(self.number(sender), 1, 0, age, self.now - age)
         self._handlers[definition.name](value, reception)
 
     def wait(self, seconds: float) -> None:
