@@ -24,6 +24,8 @@ from hub.values import dataclass
 
 _MARGIN = 0.01
 """Least distance of the camera from floor and ceiling [m]."""
+_MOST_SIZES = 4
+"""Memory is kept for this number of picture sizes, the last ones: operators may ask for any."""
 _NEAREST = 1e-6
 _STEEP = 1e-12
 
@@ -83,9 +85,10 @@ class RayCaster:
     def _cast(self, view: View, width_px: int, height_px: int) -> CameraFrame:
         """Find the object and its depth for every pixel."""
         size = (width_px, height_px)
-        frame = self._frames.get(size)
-        if frame is None:
-            frame = self._frames[size] = CameraFrame(width_px, height_px)
+        frame = self._frames.pop(size, None) or CameraFrame(width_px, height_px)
+        self._frames[size] = frame
+        if len(self._frames) > _MOST_SIZES:
+            del self._frames[next(iter(self._frames))]
         frame.aim(view)
         self._draw_planes(view, frame)
         if self._terrain is not None:

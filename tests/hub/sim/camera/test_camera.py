@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -135,3 +136,15 @@ def test_two_cameras_take_the_same_picture_bit_for_bit() -> None:
         it.place(5.0, 3.0, 1.0)
         pictures.append(it.capture(160, 120))
     assert (pictures[0] == pictures[1]).all()
+
+
+def test_pictures_of_many_sizes_do_not_fill_the_memory() -> None:
+    it = camera()
+    tracemalloc.start()
+    try:
+        for width in range(300, 316):
+            it.capture(width, 240)
+        kept, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert kept < 15e6
