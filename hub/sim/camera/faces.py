@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
@@ -18,15 +19,14 @@ CEILING = 1
 PLANES = 2
 """Index of the first side: floor and ceiling come first, then boxes' sides, then cylinders."""
 
-GROUND_SIDES = 3
-"""A surface of the ground is drawn as three things: tops, sides that face x, sides that face y."""
-
 CEILING_SURFACE = Surface(texture="ceiling", colour=(122, 126, 134))
 
 _BRIGHTNESS = {0: 1.0, 1: 0.84, 2: 1.08}
 """Light from above and from the east, so that two walls that meet differ, by axis."""
-_GROUND_BRIGHTNESS = (1.1, 0.78, 0.64)
-"""Of the ground's tops, sides that face x, and sides that face y."""
+_GROUND_LOOKS = ((True, True, 1.1), (False, False, 0.78), (False, True, 0.64))
+"""`flat`, `across_x` and `brightness` of the ground's tops, sides facing x, and sides facing y."""
+GROUND_SIDES = len(_GROUND_LOOKS)
+"""A surface of the ground is drawn as this number of things."""
 _POSITIVE = 128.0 * TEXELS
 """Added to texel coordinates [texels]: a whole number of tiles that makes all of them positive."""
 _SHRINK = 0.998
@@ -103,6 +103,27 @@ class _Face:
         return corners if sign > 0 else corners[::-1]
 
 
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """How a thing looks; see `Faces`."""
+
+    surface: Surface
+    flat: bool
+    across_x: bool
+    brightness: float
+
+
+def _looks(arena: Arena, faces: list[_Face]) -> Iterator[_Look]:
+    """The looks of all things but the rough ground, in their order."""
+    yield _Look(arena.floor, flat=True, across_x=True, brightness=1.24)
+    yield _Look(CEILING_SURFACE, flat=True, across_x=True, brightness=1.0)
+    for face in faces:
+        axis = face.side.axis
+        yield _Look(face.surface, axis == 2, axis != 0, _BRIGHTNESS[axis])
+    for item in arena.cylinders:
+        yield _Look(item.surface, flat=False, across_x=True, brightness=1.0)
+
+
 def make_faces(arena: Arena) -> Faces:
     """Prepare an arena for drawing."""
     # The undersides of objects on the floor are never seen.
@@ -112,24 +133,16 @@ def make_faces(arena: Arena) -> Faces:
         for side in Side
         if side is not Side.DOWN or box.low[2] > 0.0
     ]
-    surfaces = [
-        arena.floor,
-        CEILING_SURFACE,
-        *(face.surface for face in faces),
-        *(item.surface for item in arena.cylinders),
-    ]
-    first_ground = len(surfaces)
-    ground = arena.ground
-    if ground is not None:
-        surfaces += [surface for surface in ground.surfaces for _ in range(GROUND_SIDES)]
-    cylinders, grounds = len(arena.cylinders), 0 if ground is None else len(ground.surfaces)
-    atlas = make_atlas(surfaces)
-    material = np.array([atlas.index[surface] for surface in surfaces])
+    looks = list(_looks(arena, faces))
+    first_ground = len(looks)
+    if arena.ground is not None:
+        looks += [_Look(each, *look) for each in arena.ground.surfaces for look in _GROUND_LOOKS]
+    atlas = make_atlas([look.surface for look in looks])
+    material = np.array([atlas.index[look.surface] for look in looks])
     levels_stride = len(atlas.planes[0]) // len(atlas.index)
     mapping = _mapping(faces, atlas.tile[material])
     axis = np.array([face.side.axis for face in faces], dtype=np.intp)
     corners = np.array([face.corners() for face in faces]).reshape(-1, 4, 3)
-    wall_light = [_BRIGHTNESS[face.side.axis] for face in faces]
     return Faces(
         corners=corners,
         axis=axis,
@@ -143,20 +156,13 @@ def make_faces(arena: Arena) -> Faces:
             [_corners_around(item) for item in arena.cylinders], dtype=np.float64
         ).reshape(-1, 8, 3),
         first_texel=(material * levels_stride).astype(np.int32),
-        flat=np.array(
-            [True, True, *(axis == 2), *(False,) * cylinders, *(True, False, False) * grounds]
-        ),
-        across_x=np.array(
-            [True, True, *(axis != 0), *(True,) * cylinders, *(True, False, True) * grounds]
-        ),
+        flat=np.array([look.flat for look in looks]),
+        across_x=np.array([look.across_x for look in looks]),
         column_scale=mapping[:, 0].astype(np.float32),
         column_offset=mapping[:, 1].astype(np.float32),
         row_scale=mapping[:, 2].astype(np.float32),
         row_offset=mapping[:, 3].astype(np.float32),
-        brightness=np.array(
-            [1.24, 1.0, *wall_light, *(1.0,) * cylinders, *_GROUND_BRIGHTNESS * grounds],
-            dtype=np.float32,
-        ),
+        brightness=np.array([look.brightness for look in looks], dtype=np.float32),
         first_ground=first_ground,
         atlas=atlas,
     )
