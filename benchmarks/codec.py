@@ -17,10 +17,12 @@ import numpy.typing as npt
 
 from benchmarks.figures import median_ms, report
 from hub.gcm import map_coding, navigation, rle, vision
-from hub.gcm.geometry import TwistStamped
+from hub.gcm.geometry import Twist, TwistStamped
 from hub.ipc import ros_schema
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats import grammar as formats
+from hub.modules.driver.reports import drive_state
+from hub.robots.interfaces import Sensors
 
 
 def robot_state() -> navigation.RobotState:
@@ -192,6 +194,12 @@ def main() -> None:
     coding("codec.state_us", navigation.ROBOT_STATE, robot_state(), bar=3)
     picture = natural_picture()
     coding("codec.image_us", vision.IMAGE, image(picture.reshape(-1)), bar=15)
+    sensors = Sensors(
+        x=1.0, y=2.0, z=0.3, theta=0.5, roll=0.1, pitch=0.05, velocity=Twist.planar(0.3, 0.1)
+    )
+    coding("codec.drive_state_us", navigation.DRIVE_STATE, drive_state(sensors, 1e9), bar=20)
+    (made,) = microseconds(lambda: drive_state(sensors, 1e9))
+    report("codec.drive_state_made_us", made, "us", note="by the driver, 50 times a second")
     command = TwistStamped.planar(0.5, 0.2)
     coding("codec.command_us", navigation.VELOCITY_COMMAND, command, bar=6)
     flat_coding()

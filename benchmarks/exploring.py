@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 
 from hub.gcm.autonomy import AutonomyCommand, Behaviour
+from hub.gcm.battery import BatteryState
 from hub.gcm.beam_scans import ScanReader
 from hub.gcm.beams import beams_of
 from hub.gcm.navigation import GoalCommand, MotionState
@@ -96,7 +97,7 @@ class Exploration:
         readings = None if scans is None else RangeReadings(scans=scans)
         if readings is not None:
             self.navigator.scanned(readings, self.now, self.now)
-        state = robot_state(drive, self.navigator, self._governor, 0, 1, self.now)
+        state = robot_state(drive, BatteryState(), self.navigator, self._governor, 0, 1, self.now)
         self._reader.moved(state, self.now)
         scan = readings and self._reader.read(readings, self.now)
         evidence = scan and self._scans.evidence(scan)

@@ -5,7 +5,6 @@ They run in a process of their own, so that nothing they take is counted with th
 
 from __future__ import annotations
 
-import dataclasses
 import multiprocessing
 import threading
 import time
@@ -18,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm import rle, vision
-from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, Measured, MotionState, RobotState
+from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, MotionState, RobotState
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
@@ -88,9 +87,23 @@ class StandInRobot:
         self._body.set_velocity(*self._speeds)
         self._body.advance(DRIVE_S)
         state = self._body.drive_state(time.time())
-        measured = {each.name: getattr(state, each.name) for each in dataclasses.fields(Measured)}
         self._client.publish(
-            ROBOT_STATE, RobotState(**measured, motion=MotionState.MOVING, refused=0)
+            ROBOT_STATE,
+            RobotState(
+                stamp=state.odometry.header.stamp.seconds,
+                x=state.x,
+                y=state.y,
+                theta=state.theta,
+                linear=state.linear,
+                angular=state.angular,
+                commanded_linear=state.commanded.linear.x,
+                commanded_angular=state.commanded.angular.z,
+                bumpers=state.bumpers,
+                battery_voltage=24.0,
+                battery_fraction=1.0,
+                motion=MotionState.MOVING,
+                refused=0,
+            ),
         )
 
 

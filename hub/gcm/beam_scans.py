@@ -10,9 +10,8 @@ import numpy.typing as npt
 from hub.gcm.beams import Beams, beams_of
 from hub.gcm.body import RobotBody
 from hub.gcm.flight import Attitude
-from hub.gcm.navigation import Measured
 from hub.gcm.outline import exits
-from hub.gcm.pose_history import UNKNOWN, PoseHistory
+from hub.gcm.pose_history import UNKNOWN, Moving, PoseHistory
 from hub.gcm.ranges import RangeReadings
 from hub.gcm.standard import Time
 from hub.pose import Pose
@@ -84,7 +83,7 @@ class ScanReader:
         """Forget the poses: their frame is another one now."""
         self._poses = PoseHistory()
 
-    def moved(self, state: Measured, measured: float) -> None:
+    def moved(self, state: Moving, measured: float) -> None:
         """Take a pose, measured at a monotonic time [s]; all poses are in one frame."""
         self._poses.add(state, measured)
 

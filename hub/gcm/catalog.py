@@ -6,6 +6,7 @@ from typing import Any
 
 from hub.gcm import (
     autonomy,
+    battery,
     body,
     common,
     control,
@@ -29,6 +30,7 @@ MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *body.MESSAGES,
     *navigation.MESSAGES,
     *ranges.MESSAGES,
+    *battery.MESSAGES,
     *flight.MESSAGES,
     *diagnostics.MESSAGES,
     *edges.MESSAGES,

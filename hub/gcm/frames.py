@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.body import BodyFrame
+from hub.gcm.orientation import rotation
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -40,17 +41,4 @@ def in_base(frames: tuple[BodyFrame, ...], name: str) -> BodyFrame | None:
         roll=math.atan2(turn[2][1], turn[2][2]),
         pitch=math.asin(min(1.0, max(-1.0, -turn[2][0]))),
         yaw=math.atan2(turn[1][0], turn[0][0]),
-    )
-
-
-def rotation(roll: float, pitch: float, yaw: float) -> Floats:
-    """The matrix that turns axes by yaw, then pitch, then roll, shape (3, 3)."""
-    cr, sr, cp, sp = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch)
-    cy, sy = math.cos(yaw), math.sin(yaw)
-    return np.array(
-        (
-            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
-            (-sp, cp * sr, cp * cr),
-        )
     )

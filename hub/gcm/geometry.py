@@ -1,15 +1,33 @@
-"""Types of geometry_msgs, field for field: velocities in the frame `base_link`."""
+"""Types of geometry_msgs, field for field."""
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+import math
+from dataclasses import field
+from typing import Annotated, Final, TypeAlias
 
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm import orientation
+from hub.gcm.fields import Metres
 from hub.gcm.standard import BASE_LINK, Header
 from hub.ipc.formats.ranges import Range
+from hub.ipc.formats.wire_types import Fixed
 from hub.values import dataclass
 
 Axis: TypeAlias = Annotated[float, Range(-100.0, 100.0, unit="m/s or rad/s")]
 """A velocity along or about one axis [m/s or rad/s]."""
+UnitPart: TypeAlias = Annotated[float, Range(-1.001, 1.001)]
+"""A part of a unit quaternion, with rounding errors."""
+AnyNumber: TypeAlias = Annotated[
+    npt.NDArray[np.float64], Range(-math.inf, math.inf, nan=True, infinite=True)
+]
+Covariance36: TypeAlias = Annotated[AnyNumber, Fixed(36)]
+
+COVARIANCE_NOT_KNOWN: Final = np.zeros(36)
+"""Covariances that are not known, as ROS has them; shape (36,)."""
+COVARIANCE_NOT_KNOWN.flags.writeable = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,3 +103,101 @@ class TwistStamped:
     def neutral(self) -> bool:
         """Whether all velocities are 0."""
         return self.twist.neutral
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point3D:
+    """geometry_msgs/Point.
+
+    Attributes:
+        x: Along x of its frame [m].
+        y: Along y [m].
+        z: Along z [m].
+    """
+
+    ros_type = "geometry_msgs/msg/Point"
+
+    x: Metres = 0.0
+    y: Metres = 0.0
+    z: Metres = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quaternion:
+    """geometry_msgs/Quaternion: an orientation; `hub.gcm.orientation` says its sense.
+
+    Attributes:
+        x: First imaginary part.
+        y: Second imaginary part.
+        z: Third imaginary part.
+        w: Real part.
+    """
+
+    ros_type = "geometry_msgs/msg/Quaternion"
+
+    x: UnitPart = 0.0
+    y: UnitPart = 0.0
+    z: UnitPart = 0.0
+    w: UnitPart = 1.0
+
+    @classmethod
+    def of(cls, roll: float, pitch: float, yaw: float) -> Quaternion:
+        """The orientation with these angles [rad]."""
+        w, x, y, z = orientation.quaternion(roll, pitch, yaw)
+        return cls(x=x, y=y, z=z, w=w)
+
+    @property
+    def roll_pitch_yaw(self) -> orientation.Angles:
+        """Its angles [rad]."""
+        return orientation.roll_pitch_yaw(self.w, self.x, self.y, self.z)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pose3D:
+    """geometry_msgs/Pose.
+
+    Attributes:
+        position: Its place.
+        orientation: Of its axes.
+    """
+
+    ros_type = "geometry_msgs/msg/Pose"
+
+    position: Point3D = Point3D()
+    orientation: Quaternion = Quaternion()
+
+
+def _not_known() -> npt.NDArray[np.float64]:
+    return COVARIANCE_NOT_KNOWN
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PoseWithCovariance:
+    """geometry_msgs/PoseWithCovariance.
+
+    Attributes:
+        pose: The pose.
+        covariance: Of x, y, z [m], and the rotations about x, y and z [rad], row by row, shape
+            (36,); all 0: not known.
+    """
+
+    ros_type = "geometry_msgs/msg/PoseWithCovariance"
+
+    pose: Pose3D = Pose3D()
+    covariance: Covariance36 = field(default_factory=_not_known)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TwistWithCovariance:
+    """geometry_msgs/TwistWithCovariance.
+
+    Attributes:
+        twist: The velocity.
+        covariance: Of the linear velocities [m/s] and the angular ones [rad/s], row by row, shape
+            (36,); all 0: not known.
+    """
+
+    ros_type = "geometry_msgs/msg/TwistWithCovariance"
+
+    twist: Twist = Twist()
+    covariance: Covariance36 = field(default_factory=_not_known)

@@ -28,9 +28,10 @@ from hub.gcm.fields import (
     Stamp,
     TurnRate,
 )
-from hub.gcm.geometry import TwistStamped
+from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 - an export
 from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 - an export
+from hub.gcm.odometry import Odometry
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
 from hub.ipc.formats.wire_types import FLOAT32, Counted
@@ -93,16 +94,16 @@ class Assistance(enum.IntEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
-    """The measurements of the hardware, common to `DriveState` and `RobotState`.
+class RobotState:
+    """The present state of the robot: the summary that one glance needs.
 
     Attributes:
         stamp: Time of measurement [s since the epoch]; for records only.
-        x: Position [m], in `map` for a `RobotState` and in `odom` for a `DriveState`.
-        y: Position in the same frame [m].
-        theta: Heading in the same frame [rad], in (-pi, pi].
-        linear: Forward velocity from the encoders [m/s].
-        angular: Turn rate from the encoders [rad/s].
+        x: Position in `map` [m].
+        y: Position in `map` [m].
+        theta: Heading in `map` [rad], in (-pi, pi].
+        linear: Measured forward velocity [m/s].
+        angular: Measured turn rate [rad/s].
         commanded_linear: Commanded forward velocity [m/s].
         commanded_angular: Commanded turn rate [rad/s].
         bumpers: Bit i is set while bumper i of the description is pressed.
@@ -110,6 +111,17 @@ class Measured:
         battery_fraction: Charge left, 0 to 1; NaN when not known.
         sway: Measured velocity to the left [m/s].
         heave: Measured velocity upward [m/s].
+        motion: The state of velocity commands.
+        refused: Commands refused since the module's start: late, out of order, not finite, not
+            from neutral, or not from the owner of control.
+        assistance: Whether the robot slows down before obstacles.
+        held_back: Withheld part of the commanded velocity now, 0 (none) to 1.
+        frame: Number of the frame `map`; 0: not known. After a change, earlier positions are in
+            another frame: the robot has lost its place.
+        position_off: Standard deviation of the position in the map [m]; NaN: not known.
+        heading_off: Standard deviation of the heading in the map [rad]; NaN: not known.
+        stops: Counts the events after which a driver has to become neutral first: stops,
+            silences, hand-overs, other drivers.
     """
 
     stamp: Stamp
@@ -125,26 +137,6 @@ class Measured:
     battery_fraction: Annotated[ShareIfKnown, FLOAT32]
     sway: Speed = 0.0
     heave: Speed = 0.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RobotState(Measured):
-    """The present state of the robot.
-
-    Attributes:
-        motion: The state of velocity commands.
-        refused: Commands refused since the module's start: late, out of order, not finite, not
-            from neutral, or not from the owner of control.
-        assistance: Whether the robot slows down before obstacles.
-        held_back: Withheld part of the commanded velocity now, 0 (none) to 1.
-        frame: Number of the frame `map`; 0: not known. After a change, earlier positions are in
-            another frame: the robot has lost its place.
-        position_off: Standard deviation of the position in the map [m]; NaN: not known.
-        heading_off: Standard deviation of the heading in the map [rad]; NaN: not known.
-        stops: Counts the events after which a driver has to become neutral first: stops,
-            silences, hand-overs, other drivers.
-    """
-
     motion: MotionState
     refused: Number
     assistance: Assistance = Assistance.ON
@@ -162,19 +154,55 @@ ROBOT_STATE = MessageDefinition(
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DriveState(Measured):
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DriveState:
     """The report of the hardware.
 
     Attributes:
-        odometry: Number of this dead reckoning; it changes with each restart. 0: the driver
+        odometry: Dead-reckoned pose in `odom`, and measured velocity in `base_link`.
+        commanded: The velocity that it follows now, within its limits.
+        bumpers: Bit i is set while bumper i of the description is pressed.
+        reckoning: Number of this dead reckoning; it changes with each restart. 0: the driver
             process gives it one.
         origin: Number of the origin of `odom`; equal numbers mean equal places, even after a
             restart of the dead reckoning. 0: the robot's place at the restart.
     """
 
-    odometry: Number = 0
+    odometry: Odometry = Odometry()
+    commanded: Twist = Twist()
+    bumpers: Number = 0
+    reckoning: Number = 0
     origin: Number = 0
+
+    @property
+    def x(self) -> float:
+        """Position in `odom` [m]."""
+        return self.odometry.pose.pose.position.x
+
+    @property
+    def y(self) -> float:
+        """Position in `odom` [m]."""
+        return self.odometry.pose.pose.position.y
+
+    @property
+    def theta(self) -> float:
+        """Heading in `odom` [rad], in (-pi, pi]."""
+        return self.odometry.pose.pose.orientation.roll_pitch_yaw[2]
+
+    @property
+    def velocity(self) -> Twist:
+        """Measured velocity in `base_link`."""
+        return self.odometry.twist.twist
+
+    @property
+    def linear(self) -> float:
+        """Measured forward velocity [m/s]."""
+        return self.odometry.twist.twist.linear.x
+
+    @property
+    def angular(self) -> float:
+        """Measured turn rate [rad/s]."""
+        return self.odometry.twist.twist.angular.z
 
 
 DRIVE_STATE = MessageDefinition(

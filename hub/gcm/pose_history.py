@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from typing import Protocol
 
 from hub.gcm.fields import FARTHEST_M
-from hub.gcm.navigation import Measured
 from hub.pose import Pose, wrapped
 from hub.values import dataclass
 
@@ -21,6 +21,30 @@ GAP_S = 1.0
 
 UNKNOWN = Pose(x=math.nan, y=math.nan, theta=math.nan)
 """A pose that is not known."""
+
+
+class Moving(Protocol):
+    """A report with the robot's pose and velocity: `RobotState` or `DriveState`."""
+
+    @property
+    def x(self) -> float:
+        """Position [m]."""
+
+    @property
+    def y(self) -> float:
+        """Position [m]."""
+
+    @property
+    def theta(self) -> float:
+        """Heading [rad]."""
+
+    @property
+    def linear(self) -> float:
+        """Forward velocity [m/s]."""
+
+    @property
+    def angular(self) -> float:
+        """Turn rate [rad/s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +63,7 @@ class PoseHistory:
     def __init__(self) -> None:
         self._entries: deque[_Entry] = deque(maxlen=_MOST)
 
-    def add(self, state: Measured, measured: float) -> None:
+    def add(self, state: Moving, measured: float) -> None:
         """Add the robot's pose at `measured` [s]; a pose that is not finite is ignored."""
         values = (measured, state.x, state.y, state.theta, state.linear, state.angular)
         if not all(map(math.isfinite, values)):

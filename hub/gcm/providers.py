@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from hub.gcm import (
     autonomy,
+    battery,
     body,
     common,
     control,
@@ -26,6 +27,7 @@ from hub.gcm.capability import Capability
 
 PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     navigation.ROBOT_STATE.name: (Capability.NAV_STATE,),
+    battery.BATTERY.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     flight.ATTITUDE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     flight.ALTITUDE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     navigation.NAVIGATION_STATUS.name: (

@@ -12,6 +12,10 @@ from hub.values import dataclass
 
 BASE_LINK = "base_link"
 """Name of the frame of the whole body, after REP 105."""
+ODOM = "odom"
+"""Name of the frame of dead reckoning, which drifts."""
+MAP = "map"
+"""Name of the frame of the map: `odom` corrected by what the robot sees."""
 _NANOSECONDS = 1_000_000_000
 
 
@@ -36,6 +40,11 @@ class Time:
             return cls()
         whole = math.floor(seconds)
         return cls(sec=whole, nanosec=min(int((seconds - whole) * 1e9), _NANOSECONDS - 1))
+
+    @property
+    def seconds(self) -> float:
+        """Seconds since the epoch."""
+        return self.sec + self.nanosec * 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -27,6 +27,7 @@ class Sensors:
     Attributes:
         x: Dead-reckoned position in `odom` [m].
         y: Dead-reckoned position in `odom` [m].
+        z: Dead-reckoned height in `odom` [m]; of a robot under water, below 0 by its depth.
         theta: Dead-reckoned heading in `odom` [rad], in (-pi, pi].
         velocity: Measured velocity in `base_link`.
         commanded: The velocity that it follows now, within its limits.
@@ -41,7 +42,7 @@ class Sensors:
         above_ground: Above the ground or the sea floor [m]; NaN: not measured.
         depth: Below the water's surface [m]; NaN: not measured.
         climb: Vertical velocity [m/s], positive up; NaN: not measured.
-        odometry: Number of this dead reckoning; it changes with each restart. 0: the driver
+        reckoning: Number of this dead reckoning; it changes with each restart. 0: the driver
             process gives it one.
         origin: Number of the origin of `odom`; equal numbers mean equal places, even after a
             restart of the dead reckoning. 0: the robot's place at the restart.
@@ -53,6 +54,7 @@ class Sensors:
 
     x: float = 0.0
     y: float = 0.0
+    z: float = 0.0
     theta: float = 0.0
     velocity: Twist = Twist()
     commanded: Twist = Twist()
@@ -67,7 +69,7 @@ class Sensors:
     above_ground: float = math.nan
     depth: float = math.nan
     climb: float = math.nan
-    odometry: int = 0
+    reckoning: int = 0
     origin: int = 0
     diagnostics: tuple[DiagnosticStatus, ...] = ()
     vehicle: VehicleState = VehicleState()

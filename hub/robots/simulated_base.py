@@ -20,7 +20,7 @@ from hub.sim.arena import Arena
 from hub.sim.battery import Battery
 from hub.sim.contact import ContactBody
 from hub.sim.kinematics import Accelerations, approach, limited, moved
-from hub.sim.odometry import Odometry
+from hub.sim.odometry import WheelOdometry
 from hub.sim.range_sensors import RangeSensors
 from hub.sim.solids import solids_of
 from hub.sim.steps import WholeSteps
@@ -50,7 +50,7 @@ class SimulatedBase:
         self._limits = {motion.freedom: motion.limit for motion in body.motions}
         self._changes = {motion.freedom: _changes(motion) for motion in body.motions}
         self._body = ContactBody(arena.footprints, body.radius, body.bumpers, corners(body))
-        self._odometry = Odometry(odometry_seed)
+        self._odometry = WheelOdometry(odometry_seed)
         self._groups = body.ranges
         beams = beams_of(body)
         solids = solids_of(arena) if beams.elevation.any() else None

@@ -121,12 +121,20 @@ class _FloatingBody(abc.ABC):
         """The part that both measure."""
         read, battery = self._vehicle.readings, self._vehicle.battery
         wanted, pose = self._vehicle.commanded, self._reckoned
+        surge, sway = self.speed
+        roll_rate, pitch_rate, yaw_rate = read.rates
         return Sensors(
             x=pose.x,
             y=pose.y,
             theta=pose.theta,
-            velocity=_twist(*self.speed, read.climb, read.rates[2]),
-            commanded=_twist(wanted.surge, wanted.sway, wanted.heave, wanted.yaw),
+            velocity=Twist(
+                linear=Vector3(x=surge, y=sway, z=read.climb),
+                angular=Vector3(x=roll_rate, y=pitch_rate, z=yaw_rate),
+            ),
+            commanded=Twist(
+                linear=Vector3(x=wanted.surge, y=wanted.sway, z=wanted.heave),
+                angular=Vector3(z=wanted.yaw),
+            ),
             battery_voltage=battery.voltage,
             battery_fraction=battery.fraction,
             roll=read.roll,
@@ -182,6 +190,7 @@ class BlimpBody(_FloatingBody):
         activity = _FLIGHTS.get(self._blimp.flight, common.vehicle.activity)
         return replace(
             common,
+            z=read.height,
             height=read.height,
             above_ground=read.altitude,
             vehicle=replace(common.vehicle, activity=activity),
@@ -246,6 +255,7 @@ class RovBody(_FloatingBody):
             vehicle = replace(vehicle, activity="surfaces")
         return replace(
             common,
+            z=-read.depth,
             depth=read.depth,
             above_ground=read.altitude,
             diagnostics=(LEAK,) if read.leak else (),
@@ -271,7 +281,3 @@ def start_of(arena: Arena, robot: str, height: float) -> SpatialPose:
 def origin_of(arena: Arena, start: SpatialPose) -> int:
     """Number of a start: its world restarts with a robot, so it is the same place again."""
     return zlib.crc32(repr((arena.name, start)).encode()) | 1
-
-
-def _twist(surge: float, sway: float, heave: float, yaw: float) -> Twist:
-    return Twist(linear=Vector3(x=surge, y=sway, z=heave), angular=Vector3(z=yaw))

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from hub.errors import RobotFileError
 from hub.files import read_regular
 from hub.gcm.body import MOST_CORNERS, BodyFrame
-from hub.gcm.frames import rotation
+from hub.gcm.orientation import rotation
 from hub.gcm.standard import BASE_LINK
 from hub.plain_text import is_plain
 from hub.robots.footprint import footprint_fault

@@ -38,7 +38,7 @@ A shorter time would average them out: after n chunks a relative error has shrun
 """
 
 
-class Odometry:
+class WheelOdometry:
     """The pose by the encoders, in `odom`: the start pose is its origin.
 
     Attributes:

@@ -16,7 +16,7 @@ from hub.sim.ground.footing import TIPPED, Footing, Stance
 from hub.sim.ground.map_builder import level_ground
 from hub.sim.ground.toppling import fallen, way_of_fall
 from hub.sim.kinematics import ANGULAR, LINEAR, approach, limited, moved
-from hub.sim.odometry import Odometry
+from hub.sim.odometry import WheelOdometry
 from hub.sim.spatial_pose import SpatialPose
 from hub.sim.steps import GRAVITY, WholeSteps
 from hub.sim.storeys import Storeys
@@ -92,7 +92,7 @@ class RoughBase:
         field = arena.ground or level_ground()
         self.chassis = chassis
         self._limits = linear_limit, angular_limit
-        self._odometry = Odometry(odometry_seed)
+        self._odometry = WheelOdometry(odometry_seed)
         self._walls = Storeys(arena, field, chassis, bumpers, outline)
         self._angles = flippers or tuple(pair.home for pair in chassis.flippers)
         self._wanted_angles = self._angles

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.orientation import rotation
 from hub.pose import Pose
 from hub.values import dataclass
 
@@ -44,24 +45,7 @@ class SpatialPose:
 
     def rotation(self) -> npt.NDArray[np.float64]:
         """The body's axes in the arena's frame as columns, shape (3, 3)."""
-        cos_r, sin_r = math.cos(self.roll), math.sin(self.roll)
-        cos_p, sin_p = math.cos(self.pitch), math.sin(self.pitch)
-        cos_y, sin_y = math.cos(self.yaw), math.sin(self.yaw)
-        return np.array(
-            (
-                (
-                    cos_y * cos_p,
-                    cos_y * sin_p * sin_r - sin_y * cos_r,
-                    cos_y * sin_p * cos_r + sin_y * sin_r,
-                ),
-                (
-                    sin_y * cos_p,
-                    sin_y * sin_p * sin_r + cos_y * cos_r,
-                    sin_y * sin_p * cos_r - cos_y * sin_r,
-                ),
-                (-sin_p, cos_p * sin_r, cos_p * cos_r),
-            )
-        )
+        return rotation(self.roll, self.pitch, self.yaw)
 
     @property
     def lean(self) -> float:

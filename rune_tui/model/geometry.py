@@ -33,7 +33,7 @@ from typing import Final, Self
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.frames import rotation
+from hub.gcm.orientation import rotation
 from hub.gcm.vision import CameraState
 from hub.values import dataclass
 from rune_tui.model.sightings import Floats, GroundPoints, SeenPoints, Spread

@@ -6,20 +6,13 @@ from typing import Any
 
 from hub.gcm.navigation import DriveState, MotionState, RobotState
 from hub.gcm.vision import CameraState
+from hub.modules.driver import reports
+from hub.robots.interfaces import Sensors
 
 
 def robot_state(**changes: Any) -> RobotState:
     """Standing, with a battery that is nearly full."""
-    return RobotState(**_measured() | {"motion": MotionState.STANDING, "refused": 0} | changes)
-
-
-def drive_state(**changes: Any) -> DriveState:
-    """The same, as the driver reports it."""
-    return DriveState(**_measured() | changes)
-
-
-def _measured() -> dict[str, Any]:
-    return {
+    values: dict[str, Any] = {
         "stamp": 0.0,
         "x": 0.0,
         "y": 0.0,
@@ -31,7 +24,15 @@ def _measured() -> dict[str, Any]:
         "bumpers": 0,
         "battery_voltage": 24.1,
         "battery_fraction": 0.87,
+        "motion": MotionState.STANDING,
+        "refused": 0,
     }
+    return RobotState(**values | changes)
+
+
+def drive_state(**changes: Any) -> DriveState:
+    """Standing, as the driver reports what a body with these `Sensors` measures."""
+    return reports.drive_state(Sensors(**changes), 0.0)
 
 
 def camera_state(**changes: Any) -> CameraState:

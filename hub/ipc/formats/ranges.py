@@ -66,7 +66,14 @@ class Range:
     infinite: bool = False
     nearest: bool = False
 
+    @property
+    def any_number(self) -> bool:
+        """Whether every number is allowed."""
+        return self.nan and self.infinite and self.low == -math.inf and self.high == math.inf
+
     def __str__(self) -> str:
+        if self.any_number:
+            return "any number" + ", in " * bool(self.unit) + self.unit
         others = ", infinite" * self.infinite + " or NaN" * self.nan
         return f"{self.low:g} to {self.high:g}{' ' * bool(self.unit)}{self.unit}{others}"
 
@@ -178,7 +185,7 @@ def _check(each: Declared, node: formats.Format, where: str, *, strict: bool) ->
         and isinstance(node, (formats.FixedArray, formats.VariableArray))
         and getattr(node.element, "name", "") in _FLOATS
     ):
-        return _array_check(each, node, where, strict=strict)
+        return None if each.any_number else _array_check(each, node, where, strict=strict)
     text = f"{where}: {each} does not fit {node}"
     raise TypeError(text)
 

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from hub.gcm import diagnostics, flight, joints, navigation, ranges, vehicle
+from hub.gcm import battery, diagnostics, flight, joints, navigation, ranges, vehicle
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
@@ -51,7 +51,7 @@ class Driver:
         self._measured: list[Time] = []
         self._due: dict[str, float] = {}
         # Each process has its own number: after a crash the dead reckoning starts elsewhere.
-        self._odometry = secrets.randbelow(2**32 - 1) + 1
+        self._reckoning = secrets.randbelow(2**32 - 1) + 1
         client.directory.follow(self._navigator.name, self._navigator.connected)
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
         self._orders = VehicleOrders(
@@ -63,6 +63,7 @@ class Driver:
         client.define(
             navigation.DRIVE_STATE,
             ranges.RANGES,
+            battery.BATTERY,
             flight.ATTITUDE,
             flight.ALTITUDE,
             navigation.GROUND_TRUTH,
@@ -130,13 +131,14 @@ class Driver:
         now = time.monotonic()
         stamp = time.time()
         sensors = self._body.sensors(stamp)
-        state = reports.drive_state(sensors, stamp, self._odometry)
+        state = reports.drive_state(sensors, stamp, self._reckoning)
         self._client.publish(navigation.DRIVE_STATE, state, measured=now)
         measured = [scan.header.stamp for scan in sensors.scans]
         if measured != self._measured:
             self._measured = measured
             readings = ranges.RangeReadings(scans=sensors.scans)
             self._client.publish(ranges.RANGES, readings, measured=now)
+        self._publish_slowly(battery.BATTERY, reports.battery(sensors, stamp), now)
         self._publish_slowly(flight.ATTITUDE, reports.attitude(sensors, stamp), now)
         self._publish_slowly(flight.ALTITUDE, reports.altitude(sensors, stamp), now)
         self._publish_vehicle(sensors, stamp, now)

@@ -5,40 +5,62 @@ from __future__ import annotations
 import dataclasses
 import math
 
+from hub.gcm.battery import BatteryState
 from hub.gcm.diagnostics import Diagnostics
 from hub.gcm.flight import Altitude, Attitude
+from hub.gcm.geometry import (
+    Point3D,
+    Pose3D,
+    PoseWithCovariance,
+    Quaternion,
+    TwistWithCovariance,
+)
 from hub.gcm.joints import JointStates
 from hub.gcm.navigation import DriveState
-from hub.gcm.standard import Header, Time
+from hub.gcm.odometry import Odometry
+from hub.gcm.standard import ODOM, Header, Time
 from hub.gcm.vehicle import Arming, VehicleState
 from hub.modules.driver.problems import problems
 from hub.robots.interfaces import Sensors
 
 
-def drive_state(sensors: Sensors, stamp: float, odometry: int = 0) -> DriveState:
+def drive_state(sensors: Sensors, stamp: float, reckoning: int = 0) -> DriveState:
     """The state of the base.
 
     Args:
         sensors: The measurements.
         stamp: Their time [s since the epoch].
-        odometry: Number of the dead reckoning, if the body gives it none.
+        reckoning: Number of the dead reckoning, if the body gives it none.
     """
+    roll, pitch = (
+        angle if math.isfinite(angle) else 0.0 for angle in (sensors.roll, sensors.pitch)
+    )
+    yaw = sensors.theta if math.isfinite(sensors.theta) else math.nan  # receivers refuse NaN
+    pose = Pose3D(
+        position=Point3D(x=sensors.x, y=sensors.y, z=sensors.z),
+        orientation=Quaternion.of(roll, pitch, yaw),
+    )
     return DriveState(
-        stamp=stamp,
-        x=sensors.x,
-        y=sensors.y,
-        theta=sensors.theta,
-        linear=sensors.velocity.linear.x,
-        angular=sensors.velocity.angular.z,
-        commanded_linear=sensors.commanded.linear.x,
-        commanded_angular=sensors.commanded.angular.z,
+        odometry=Odometry(
+            header=Header(stamp=Time.of(stamp), frame_id=ODOM),
+            pose=PoseWithCovariance(pose=pose),
+            twist=TwistWithCovariance(twist=sensors.velocity),
+        ),
+        commanded=sensors.commanded,
         bumpers=sensors.bumpers,
-        battery_voltage=sensors.battery_voltage,
-        battery_fraction=sensors.battery_fraction,
-        sway=sensors.velocity.linear.y,
-        heave=sensors.velocity.linear.z,
-        odometry=sensors.odometry or odometry,
+        reckoning=sensors.reckoning or reckoning,
         origin=sensors.origin,
+    )
+
+
+def battery(sensors: Sensors, stamp: float) -> BatteryState | None:
+    """The battery; None: the body does not measure it."""
+    if math.isnan(sensors.battery_voltage) and math.isnan(sensors.battery_fraction):
+        return None
+    return BatteryState(
+        header=Header(stamp=Time.of(stamp)),
+        voltage=sensors.battery_voltage,
+        percentage=sensors.battery_fraction,
     )
 
 

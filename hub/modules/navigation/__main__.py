@@ -10,7 +10,7 @@ import time
 
 from hub.control_gate import ControlGate
 from hub.errors import CodecError, HubError
-from hub.gcm import diagnostics, edges, flight, mapping, navigation, ranges
+from hub.gcm import battery, diagnostics, edges, flight, mapping, navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
@@ -69,6 +69,7 @@ class Navigation:
         self._had_edges = False
         self._frames = FrameMemory(for_pose(robot.name))
         self._commanded = Twist()
+        self._battery = battery.BatteryState()
         self._newest: tuple[navigation.DriveState, float] | None = None
         self._published: tuple[object, ...] = ()
         self._driver: int | None = None
@@ -78,6 +79,7 @@ class Navigation:
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
         client.subscribe(navigation.DRIVE_STATE, self.reported)
+        client.subscribe(battery.BATTERY, self._powered)
         client.subscribe(ranges.RANGES, self._scanned)
         client.subscribe(flight.ATTITUDE, self._tilted)
         client.subscribe(navigation.GOAL_COMMAND, self.go)
@@ -152,6 +154,9 @@ class Navigation:
         self._newest = (state, reception.measured)
         self._governor.driver_reported(now)
         self.pilot.reported(state, reception.measured, now)
+
+    def _powered(self, state: battery.BatteryState, _reception: MessageInfo) -> None:
+        self._battery = state
 
     def _scanned(self, readings: ranges.RangeReadings, reception: MessageInfo) -> None:
         """Take ranges of the driver whose poses are known."""
@@ -309,7 +314,7 @@ class Navigation:
         refused += sum(counts[reason] for reason in _NOT_TAKEN)
         self._frames.corrected(self.pilot.correction.odom)
         frame = self._frames.frame.number
-        state = robot_state(drive, self.pilot, self._governor, refused, frame, now)
+        state = robot_state(drive, self._battery, self.pilot, self._governor, refused, frame, now)
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
 
     def _publish_problems(self) -> None:

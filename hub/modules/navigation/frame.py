@@ -37,26 +37,26 @@ class MapFrame:
     """The transform of a dead reckoning to `map`.
 
     Attributes:
-        odometry: Number of the dead reckoning; 0: the driver does not report one.
+        reckoning: Number of the dead reckoning; 0: the driver does not report one.
         number: Number of the frame `map`; 0: not known.
         odom: The origin of `odom` in `map`.
     """
 
-    odometry: int = 0
+    reckoning: int = 0
     number: int = 0
     odom: Pose = field(default_factory=Pose)
 
 
 def chosen(drive: DriveState, remembered: MapFrame) -> MapFrame:
     """The frame of a dead reckoning that is new; pure."""
-    if drive.odometry == 0:
+    if drive.reckoning == 0:
         return MapFrame()
-    if drive.odometry == remembered.odometry:
+    if drive.reckoning == remembered.reckoning:
         return remembered
     apart = (drive.x, drive.y, drive.theta)
     if max(map(abs, apart)) <= AT_BEGINNING:
-        return MapFrame(odometry=drive.odometry, number=drive.origin or drive.odometry)
-    return MapFrame(odometry=drive.odometry, number=secrets.randbelow(_MOST) + 1)
+        return MapFrame(reckoning=drive.reckoning, number=drive.origin or drive.reckoning)
+    return MapFrame(reckoning=drive.reckoning, number=secrets.randbelow(_MOST) + 1)
 
 
 class FrameMemory:
@@ -74,7 +74,7 @@ class FrameMemory:
 
     def reported(self, drive: DriveState) -> MapFrame | None:
         """Take a report of the driver; returns the frame if it changed."""
-        if drive.odometry == self.frame.odometry:
+        if drive.reckoning == self.frame.reckoning:
             return None
         self.frame = chosen(drive, self._before)
         self._save()
@@ -83,15 +83,17 @@ class FrameMemory:
     def corrected(self, odom: Pose) -> None:
         """Remember a new origin of `odom` in `map`."""
         if odom != self.frame.odom:
-            self.frame = MapFrame(odometry=self.frame.odometry, number=self.frame.number, odom=odom)
+            self.frame = MapFrame(
+                reckoning=self.frame.reckoning, number=self.frame.number, odom=odom
+            )
             self._save()
 
     def _save(self) -> None:
         frame, odom = self.frame, self.frame.odom
         self._before = frame
-        values = [frame.odometry, frame.number, odom.x, odom.y, odom.theta]
+        values = [frame.reckoning, frame.number, odom.x, odom.y, odom.theta]
         try:
-            # No fsync: the robot drives meanwhile, and another boot has another odometry.
+            # No fsync: the robot drives meanwhile, and another boot has another dead reckoning.
             files.replace(self._path, json.dumps(values).encode(), sync=False)
         except OSError as fault:
             _logger.warning("%s cannot be written: %s", self._path, fault.strerror or fault)
@@ -106,10 +108,10 @@ def _read(path: Path) -> MapFrame:
             raw = os.read(file, _MAX_BYTES)
         finally:
             os.close(file)
-        odometry, number, x, y, theta = json.loads(raw)
-        numbers = all(type(each) is int and 0 < each <= _MOST for each in (odometry, number))
+        reckoning, number, x, y, theta = json.loads(raw)
+        numbers = all(type(each) is int and 0 < each <= _MOST for each in (reckoning, number))
         places = all(math.isfinite(each) and abs(each) <= _FARTHEST for each in (x, y, theta))
         if own and numbers and places:
             odom = Pose(x=float(x), y=float(y), theta=float(theta))
-            return MapFrame(odometry=odometry, number=number, odom=odom)
+            return MapFrame(reckoning=reckoning, number=number, odom=odom)
     return MapFrame()

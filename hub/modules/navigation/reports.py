@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
-from hub.gcm.navigation import DriveState, Measured, NavigationStatus, Point, RobotState
+from hub.gcm.battery import BatteryState
+from hub.gcm.navigation import DriveState, NavigationStatus, Point, RobotState
 from hub.modules.navigation.path_follower import PathFollower
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.modules.navigation.task import NavigationTask
@@ -13,19 +13,31 @@ from hub.modules.navigation.task import NavigationTask
 
 def robot_state(
     drive: DriveState,
+    battery: BatteryState,
     pilot: PathFollower,
     governor: SpeedGovernor,
     refused: int,
     frame: int,
     now: float,
 ) -> RobotState:
-    """The state of the robot, from a report of its hardware."""
+    """The state of the robot, from reports of its hardware."""
     spread = pilot.spread
     pose = pilot.correction.pose(drive.x, drive.y, drive.theta)
-    measured = {each.name: getattr(drive, each.name) for each in dataclasses.fields(Measured)}
-    in_map = {"x": pose.x, "y": pose.y, "theta": pose.theta}
+    moves, commanded = drive.velocity, drive.commanded
     return RobotState(
-        **(measured | in_map),
+        stamp=drive.odometry.header.stamp.seconds,
+        x=pose.x,
+        y=pose.y,
+        theta=pose.theta,
+        linear=moves.linear.x,
+        angular=moves.angular.z,
+        commanded_linear=commanded.linear.x,
+        commanded_angular=commanded.angular.z,
+        bumpers=drive.bumpers,
+        battery_voltage=battery.voltage,
+        battery_fraction=battery.percentage,
+        sway=moves.linear.y,
+        heave=moves.linear.z,
         motion=governor.state(now),
         refused=refused,
         assistance=pilot.assistance(now),

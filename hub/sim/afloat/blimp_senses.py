@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from hub.sim.afloat.attitude import Vector, into_body, roll_pitch_yaw
+from hub.gcm.orientation import roll_pitch_yaw
+from hub.sim.afloat.attitude import Vector, into_body
 from hub.sim.afloat.estimators import (
     AirspeedObserver,
     ClimbObserver,
@@ -90,7 +91,7 @@ class BlimpSenses:
         )
         self._echoes = EchoReference()
         self._airspeed = AirspeedObserver(body.hull, least=Anemometer.LEAST)
-        roll, pitch, yaw = roll_pitch_yaw(body.attitude)
+        roll, pitch, yaw = roll_pitch_yaw(*body.attitude)
         self._headings = HeadingFilter(self._compass.measure(x, y, yaw))
         self._pressure_height = self._barometer.measure(z, 0.0)
         self._pressure_offset = self._pressure_height - self.vertical.height
@@ -112,7 +113,7 @@ class BlimpSenses:
             propellers: Their thrust is known to the estimates.
         """
         x, y, _ = body.position
-        angles = roll_pitch_yaw(body.attitude)
+        angles = roll_pitch_yaw(*body.attitude)
         self.vertical.predict(propellers.up, STEP)
         if self._steps % STEPS_PER_ECHO == 0:
             self._sense_height(body.position, math.hypot(angles[0], angles[1]))

@@ -18,9 +18,9 @@ rights the body. A and J are diagonal: the equations fall into two blocks of two
 
 from __future__ import annotations
 
+from hub.gcm.orientation import Quaternion
 from hub.sim.afloat.attitude import (
     LEVEL,
-    Quaternion,
     Vector,
     into_body,
     into_world,

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from hub.sim.afloat.attitude import Vector, roll_pitch_yaw
+from hub.gcm.orientation import roll_pitch_yaw
+from hub.sim.afloat.attitude import Vector
 from hub.sim.afloat.estimators import ClimbObserver, HeadingFilter
 from hub.sim.afloat.floating_body import FloatingBody
 from hub.sim.afloat.sensors import (
@@ -94,7 +95,7 @@ class RovSenses:
         self.vertical = ClimbObserver(
             body.hull, height=z - water.surface, rate=_OBSERVER_RATE, most_trim=_MOST_TRIM
         )
-        angles = roll_pitch_yaw(body.attitude)
+        angles = roll_pitch_yaw(*body.attitude)
         self._headings = HeadingFilter(self._compass.measure(x, y, angles[2]))
         self._altitude = self._sounder.measure(surroundings, x, y, z)
         self._speed = self._logged(body, angles)
@@ -113,7 +114,7 @@ class RovSenses:
             moving: Whether a motion is commanded.
         """
         x, y, z = body.position
-        angles = roll_pitch_yaw(body.attitude)
+        angles = roll_pitch_yaw(*body.attitude)
         self.vertical.predict(self._lift(thrusters), STEP)
         if self._steps % STEPS_PER_PING == 0:
             self._altitude = self._sounder.measure(self._surroundings, x, y, z)

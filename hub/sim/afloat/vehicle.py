@@ -6,9 +6,10 @@ import abc
 import math
 
 from hub.gcm.body import HoldKind
+from hub.gcm.orientation import quaternion, roll_pitch_yaw
 from hub.gcm.vehicle import HoldPhase, HoldState
 from hub.pose import wrapped
-from hub.sim.afloat.attitude import Vector, from_roll_pitch_yaw, roll_pitch_yaw
+from hub.sim.afloat.attitude import Vector
 from hub.sim.afloat.body_contact import BodyContact, ContactShape
 from hub.sim.afloat.floating_body import FloatingBody, HullSpec, Six
 from hub.sim.afloat.holds import (
@@ -84,7 +85,7 @@ class FloatingVehicle(abc.ABC):
         self._body = FloatingBody(
             hull,
             (start.x, start.y, start.z),
-            from_roll_pitch_yaw(start.roll, start.pitch, start.yaw),
+            quaternion(start.roll, start.pitch, start.yaw),
         )
         self._surroundings = surroundings
         self._contact = BodyContact(surroundings, shape)
@@ -212,7 +213,7 @@ class FloatingVehicle(abc.ABC):
     def pose(self) -> SpatialPose:
         """The true pose in the arena's frame."""
         x, y, z = self._body.position
-        roll, pitch, yaw = roll_pitch_yaw(self._body.attitude)
+        roll, pitch, yaw = roll_pitch_yaw(*self._body.attitude)
         return SpatialPose(x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=yaw)
 
     @property

@@ -6,8 +6,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from hub.gcm.orientation import rotation
 from hub.sim.camera.view import View
 from hub.values import dataclass
 
@@ -84,9 +84,9 @@ def mounted_view(
             pitch=tilt,
             horizontal_fov=horizontal_fov,
         )
-    turn = _rotation(stand.theta, stand.pitch, stand.roll)
+    turn = rotation(stand.roll, stand.pitch, stand.theta)
     # Tilt is positive up, and pitch is positive down.
-    head = turn @ _rotation(mount.yaw, mount.pitch, mount.roll) @ _rotation(pan, -tilt, 0.0)
+    head = turn @ rotation(mount.roll, mount.pitch, mount.yaw) @ rotation(0.0, -tilt, pan)
     x, y, z = turn @ np.array((mount.forward, mount.left, mount.height))
     ahead, up = head[:, 0], head[:, 2]
     level = View(
@@ -100,15 +100,3 @@ def mounted_view(
     level_right, level_up, _ = level.basis()
     roll = math.atan2(float(up @ level_right), float(up @ level_up))
     return replace(level, roll=roll)
-
-
-def _rotation(yaw: float, pitch: float, roll: float) -> npt.NDArray[np.float64]:
-    """Matrix whose columns are the turned axes: forward, left, up; pitch is positive nose down."""
-    cos_yaw, sin_yaw = math.cos(yaw), math.sin(yaw)
-    cos_pitch, sin_pitch = math.cos(pitch), math.sin(pitch)
-    cos_roll, sin_roll = math.cos(roll), math.sin(roll)
-    about_z = ((cos_yaw, -sin_yaw, 0.0), (sin_yaw, cos_yaw, 0.0), (0.0, 0.0, 1.0))
-    about_y = ((cos_pitch, 0.0, sin_pitch), (0.0, 1.0, 0.0), (-sin_pitch, 0.0, cos_pitch))
-    about_x = ((1.0, 0.0, 0.0), (0.0, cos_roll, -sin_roll), (0.0, sin_roll, cos_roll))
-    turned: npt.NDArray[np.float64] = np.array(about_z) @ np.array(about_y) @ np.array(about_x)
-    return turned

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from hub.gcm.beams import beams_of
 from hub.gcm.body import BodyFrame, RangeGroup, RangeKind, RobotBody
-from hub.gcm.frames import poses_of, rotation
+from hub.gcm.frames import poses_of
+from hub.gcm.orientation import rotation
 from hub.gcm.ranges import RangeReadings, scan_of
 from hub.gcm.standard import Time
 

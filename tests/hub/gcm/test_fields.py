@@ -51,7 +51,9 @@ def undeclared(tree: Any, kind: Any, where: str) -> list[str]:
         elif isinstance(node, formats.Enum):
             if not extremes.is_enum(hint):
                 found.append(name)
-        elif not (member.counts or ranges.declared(hint) or extremes.is_enum(hint)):
+        elif hint is bool or extremes.is_enum(hint):
+            continue  # the type has no other values
+        elif not member.counts and not ranges.declared(hint):
             found.append(name)
     return found
 

@@ -101,7 +101,7 @@ def test_messages_without_a_dataclass_work_alike() -> None:
 
 
 def test_every_value_is_json() -> None:
-    state = value_from_text(navigation.DRIVE_STATE, ["battery_voltage=nan"])
+    state = value_from_text(navigation.ROBOT_STATE, ["battery_voltage=nan"])
     told = json.loads(json.dumps(plain(state)))
     assert told["battery_voltage"] == "nan"
     readings = value_from_text(RANGES, [])
@@ -123,7 +123,7 @@ def test_lines_are_one_a_field_and_indent_inner_ones() -> None:
 
 
 def test_lines_show_a_time_of_day_to_the_millisecond() -> None:
-    state = value_from_text(navigation.DRIVE_STATE, ["stamp=1795255732.1234"])
+    state = value_from_text(navigation.ROBOT_STATE, ["stamp=1795255732.1234"])
     assert next(lines(state)) == "stamp: 1795255732.123"
 
 

@@ -5,23 +5,51 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from hub.gcm.geometry import Twist, Vector3
-from hub.modules.driver.reports import altitude, attitude, drive_state, stands
+import pytest
+
+from hub.gcm.geometry import Point3D, Pose3D, Twist, Vector3
+from hub.gcm.standard import Header, Time
+from hub.modules.driver.reports import altitude, attitude, battery, drive_state, stands
 from hub.robots.interfaces import Sensors
 
 NOTHING = Sensors()
 
 
 def test_a_body_that_measures_nothing_has_a_state() -> None:
-    state = drive_state(NOTHING, 5.0, odometry=7)
-    assert (state.stamp, state.odometry, state.bumpers) == (5.0, 7, 0)
-    assert math.isnan(state.battery_voltage)
+    state = drive_state(NOTHING, 5.0, reckoning=7)
+    assert state.odometry.header == Header(stamp=Time(sec=5), frame_id="odom")
+    assert (state.reckoning, state.bumpers) == (7, 0)
+    assert state.odometry.pose.pose == Pose3D()
+    assert battery(NOTHING, 5.0) is None
     assert attitude(NOTHING, 5.0) is None
     assert altitude(NOTHING, 5.0) is None
 
 
 def test_a_body_numbers_its_own_dead_reckoning() -> None:
-    assert drive_state(dataclasses.replace(NOTHING, odometry=3), 5.0, odometry=7).odometry == 3
+    numbered = dataclasses.replace(NOTHING, reckoning=3)
+    assert drive_state(numbered, 5.0, reckoning=7).reckoning == 3
+
+
+def test_pose_and_velocity_are_reported_in_space() -> None:
+    moves = Twist(linear=Vector3(x=0.3, y=-0.1, z=0.2), angular=Vector3(z=0.5))
+    place = {"x": 1.0, "y": 2.0, "z": -3.0, "theta": 2.5}
+    tilted = dataclasses.replace(NOTHING, roll=0.1, pitch=-0.2, velocity=moves, **place)
+    state = drive_state(tilted, 5.0)
+    pose = state.odometry.pose.pose
+    assert pose.position == Point3D(x=1.0, y=2.0, z=-3.0)
+    assert pose.orientation.roll_pitch_yaw == pytest.approx((0.1, -0.2, 2.5))
+    assert (state.x, state.y, state.theta) == pytest.approx((1.0, 2.0, 2.5))
+    assert (state.velocity, state.linear, state.angular) == (moves, 0.3, 0.5)
+    assert (state.odometry.header.frame_id, state.odometry.child_frame_id) == ("odom", "base_link")
+    assert not state.odometry.pose.covariance.any()
+
+
+def test_battery_is_reported_where_it_is_measured() -> None:
+    state = battery(dataclasses.replace(NOTHING, battery_voltage=24.5), 5.0)
+    assert state is not None
+    assert state.voltage == 24.5
+    assert math.isnan(state.percentage)
+    assert math.isnan(state.current)
 
 
 def test_tilt_and_height_are_reported_where_they_are_measured() -> None:

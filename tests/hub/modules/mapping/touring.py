@@ -145,7 +145,7 @@ def state_of(report: Report, pose: Pose) -> RobotState:
     """What navigation reports with this pose."""
     drive = report.drive
     return RobotState(
-        stamp=drive.stamp,
+        stamp=drive.odometry.header.stamp.seconds,
         x=pose.x,
         y=pose.y,
         theta=pose.theta,

@@ -14,6 +14,7 @@ from hub.modules.navigation.frame import FrameMemory, MapFrame, chosen
 from hub.pose import Pose
 from tests.hub.sim.arenas import arena_of
 from tests.support.magellan import SimulatedMagellan
+from tests.support.messages import drive_state
 
 ROOM = """
 name = "room"
@@ -32,34 +33,36 @@ def state() -> DriveState:
     return SimulatedMagellan(arena_of(ROOM), seed=1).drive_state(1.0)
 
 
+def _numbered(state: DriveState, number: int, *, x: float = 0.0, **changes: int) -> DriveState:
+    """The report with another dead reckoning, perhaps elsewhere."""
+    where = drive_state(x=x) if x else state
+    return dataclasses.replace(state, odometry=where.odometry, **{"reckoning": number, **changes})
+
+
 def test_navigation_that_begins_anew_finds_frame_and_correction(
     state: DriveState, tmp_path: Path
 ) -> None:
     path = tmp_path / "pose"
     before = FrameMemory(path)
-    first = before.reported(dataclasses.replace(state, odometry=7, origin=0))
-    assert first == MapFrame(odometry=7, number=7)
-    assert before.reported(dataclasses.replace(state, odometry=7, x=3.0)) is None
+    first = before.reported(_numbered(state, 7, origin=0))
+    assert first == MapFrame(reckoning=7, number=7)
+    assert before.reported(_numbered(state, 7, x=3.0)) is None
     before.corrected(ODOM)
     after = FrameMemory(path)
-    assert after.reported(dataclasses.replace(state, odometry=7, x=3.0)) == MapFrame(
-        odometry=7, number=7, odom=ODOM
-    )
+    assert after.reported(_numbered(state, 7, x=3.0)) == MapFrame(reckoning=7, number=7, odom=ODOM)
 
 
 def test_a_driver_that_begins_anew_has_another_frame(state: DriveState, tmp_path: Path) -> None:
     memory = FrameMemory(tmp_path / "pose")
-    memory.reported(dataclasses.replace(state, odometry=7, origin=0))
+    memory.reported(_numbered(state, 7, origin=0))
     memory.corrected(ODOM)
-    assert memory.reported(dataclasses.replace(state, odometry=8, origin=0)) == MapFrame(
-        odometry=8, number=8
-    )
+    assert memory.reported(_numbered(state, 8, origin=0)) == MapFrame(reckoning=8, number=8)
 
 
 def test_where_the_hardware_knows_its_place_the_frame_stays(state: DriveState) -> None:
     again = SimulatedMagellan(arena_of(ROOM), seed=1).drive_state(2.0)
-    first = chosen(dataclasses.replace(state, odometry=7), MapFrame())
-    second = chosen(dataclasses.replace(again, odometry=8), first)
+    first = chosen(_numbered(state, 7), MapFrame())
+    second = chosen(_numbered(again, 8), first)
     assert first.number == second.number == state.origin != 0
     elsewhere = arena_of(ROOM.replace("[0.6, 0.6]", "[1.6, 0.6]"))
     assert SimulatedMagellan(elsewhere, seed=1).drive_state(1.0).origin != state.origin
@@ -68,10 +71,10 @@ def test_where_the_hardware_knows_its_place_the_frame_stays(state: DriveState) -
 def test_a_pose_that_may_have_been_corrected_before_is_of_an_unknown_frame(
     state: DriveState,
 ) -> None:
-    driven = dataclasses.replace(state, odometry=7, x=3.0)
+    driven = _numbered(state, 7, x=3.0)
     first, second = chosen(driven, MapFrame()), chosen(driven, MapFrame())
     assert 0 != first.number != second.number != 0
-    assert chosen(dataclasses.replace(driven, odometry=0), MapFrame()) == MapFrame()
+    assert chosen(_numbered(driven, 0), MapFrame()) == MapFrame()
 
 
 @given(raw=st.binary(max_size=200) | st.text(max_size=60).map(str.encode))
@@ -86,5 +89,5 @@ def test_a_file_elsewhere_is_not_followed(tmp_path: Path, state: DriveState) -> 
     (tmp_path / "other").write_text("[7, 7, 0.0, 0.0, 0.0]")
     (tmp_path / "pose").symlink_to(tmp_path / "other")
     memory = FrameMemory(tmp_path / "pose")
-    assert memory.reported(dataclasses.replace(state, odometry=7, x=3.0)).number != 7
+    assert memory.reported(_numbered(state, 7, x=3.0)).number != 7
     assert (tmp_path / "other").read_text() == "[7, 7, 0.0, 0.0, 0.0]"

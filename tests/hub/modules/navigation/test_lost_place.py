@@ -17,25 +17,12 @@ from hub.robots.robot_file import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus
 
 OPERATOR, DRIVER, NEXT_DRIVER = 2, 3, 4
-AT_ORIGIN = DriveState(
-    stamp=0.0,
-    x=0.0,
-    y=0.0,
-    theta=0.0,
-    linear=0.0,
-    angular=0.0,
-    commanded_linear=0.0,
-    commanded_angular=0.0,
-    bumpers=0,
-    battery_voltage=24.0,
-    battery_fraction=1.0,
-    odometry=11,
-)
+AT_ORIGIN = DriveState(reckoning=11)
 
 
-@pytest.mark.parametrize(("odometry", "lost"), [(11, False), (12, True)])
+@pytest.mark.parametrize(("reckoning", "lost"), [(11, False), (12, True)])
 def test_a_goal_ends_when_its_frame_does(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, odometry: int, *, lost: bool
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reckoning: int, *, lost: bool
 ) -> None:
     ticks = itertools.count(100_000)
     monkeypatch.setattr(time, "monotonic", lambda: next(ticks) * 1e-4)
@@ -52,7 +39,7 @@ def test_a_goal_ends_when_its_frame_does(
     task = navigation.pilot.task
     assert task.active
     # The driver was started again where its wheels counted from: no jump shows it.
-    anew = dataclasses.replace(AT_ORIGIN, odometry=odometry)
+    anew = dataclasses.replace(AT_ORIGIN, reckoning=reckoning)
     navigation.reported(anew, heard(NEXT_DRIVER))
     assert task.active is not lost
     if lost:

@@ -10,12 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.orientation import quaternion, roll_pitch_yaw
 from hub.sim.afloat import blimp, rov
 from hub.sim.afloat.attitude import (
-    from_roll_pitch_yaw,
     into_body,
     into_world,
-    roll_pitch_yaw,
     up_in_body,
 )
 from hub.sim.afloat.floating_body import STILL, FloatingBody, HullSpec, Six
@@ -127,11 +126,11 @@ def test_a_body_swings_with_the_period_of_its_reduced_inertia(
     closed = math.tau * math.sqrt(inertia / (moment * GRAVITY))
     assert closed == pytest.approx(period, rel=EXACT)
     tilt = [0.05, 0.0, 0.0] if axis == 0 else [0.0, 0.05, 0.0]
-    body = FloatingBody(hull, attitude=from_roll_pitch_yaw(*tilt))
+    body = FloatingBody(hull, attitude=quaternion(*tilt))
     crossings, last = [], 0.05
     for number in range(1, 1000):
         body.step(STILL, STEP)
-        angle = roll_pitch_yaw(body.attitude)[axis]
+        angle = roll_pitch_yaw(*body.attitude)[axis]
         if last * angle < 0.0:
             crossings.append((number - angle / (angle - last)) * STEP)
         last = angle
@@ -142,7 +141,7 @@ def test_a_body_swings_with_the_period_of_its_reduced_inertia(
 @for_each(("name", "roll"), [("blimp", 0.3), ("rov", 0.2)])
 def test_the_weight_rights_the_body(name: str, roll: float) -> None:
     hull = HULLS[name]
-    body = FloatingBody(neutral(hull), attitude=from_roll_pitch_yaw(roll, 0.0, 0.0))
+    body = FloatingBody(neutral(hull), attitude=quaternion(roll, 0.0, 0.0))
     change = body.acceleration(STILL, body.attitude, STILL)
     moment = hull.inertia[0] * change[3] + hull.mass * hull.sag * change[1]
     assert moment == pytest.approx(-hull.weight * hull.sag * math.sin(roll), rel=EXACT)
@@ -151,7 +150,7 @@ def test_the_weight_rights_the_body(name: str, roll: float) -> None:
 @for_each("name", HULLS)
 def test_energy_is_nearly_kept_without_drag(name: str) -> None:
     hull = undamped(HULLS[name])
-    body = FloatingBody(hull, attitude=from_roll_pitch_yaw(0.3, -0.4, 1.0))
+    body = FloatingBody(hull, attitude=quaternion(0.3, -0.4, 1.0))
     body.velocity = (0.5, -0.2, 0.1, 0.4, -0.3, 0.5)
     start = energy(body)
     kinetic = start - energy(FloatingBody(hull, attitude=body.attitude))
@@ -168,7 +167,7 @@ def test_energy_is_nearly_kept_without_drag(name: str) -> None:
 def test_energy_never_rises_without_thrust(
     name: str, angles: tuple[float, float, float], speeds: Six
 ) -> None:
-    body = FloatingBody(HULLS[name], attitude=from_roll_pitch_yaw(*angles))
+    body = FloatingBody(HULLS[name], attitude=quaternion(*angles))
     body.velocity = speeds
     before = energy(body)
     for _ in range(100):
@@ -186,10 +185,10 @@ def test_energy_never_rises_without_thrust(
 def test_a_strike_ends_the_motion_against_it_and_adds_no_energy(
     angles: tuple[float, float, float], speeds: Six, normal: tuple[float, float], share: float
 ) -> None:
-    body = FloatingBody(BLIMP, attitude=from_roll_pitch_yaw(*angles))
+    body = FloatingBody(BLIMP, attitude=quaternion(*angles))
     body.velocity = speeds
     before = energy(body)
-    direction = into_world(from_roll_pitch_yaw(0.0, *normal), (1.0, 0.0, 0.0))
+    direction = into_world(quaternion(0.0, *normal), (1.0, 0.0, 0.0))
     against = sum(a * b for a, b in zip(direction, body.world_velocity, strict=True))
     body.strike(direction, share)
     after = sum(a * b for a, b in zip(direction, body.world_velocity, strict=True))
@@ -204,7 +203,7 @@ def test_a_body_drifts_with_the_fluid_and_a_draft_does_not_turn_a_still_one() ->
         body.step(STILL, STEP, flow=(0.3, 0.0, 0.0))
     grown = BLIMP.quadratic[0] * 60.0 / (BLIMP.mass + BLIMP.added[0])
     assert body.velocity[0] == pytest.approx(0.3 - 1.0 / (1.0 / 0.3 + grown), rel=EXACT)
-    assert abs(roll_pitch_yaw(body.attitude)[2]) < 1e-9
+    assert abs(roll_pitch_yaw(*body.attitude)[2]) < 1e-9
     assert BLIMP.mass == pytest.approx(BLIMP.volume * AIR_DENSITY)
 
 
@@ -221,8 +220,8 @@ def test_a_body_that_moves_with_a_current_turns_in_it_undisturbed() -> None:
 def test_a_strike_changes_the_velocity_as_a_force_there_does(
     angles: tuple[float, float, float], normal: tuple[float, float]
 ) -> None:
-    body = FloatingBody(BLIMP, attitude=from_roll_pitch_yaw(*angles))
-    direction = into_world(from_roll_pitch_yaw(0.0, *normal), (1.0, 0.0, 0.0))
+    body = FloatingBody(BLIMP, attitude=quaternion(*angles))
+    direction = into_world(quaternion(0.0, *normal), (1.0, 0.0, 0.0))
     force = into_body(body.attitude, direction)
     pushed = body.acceleration(STILL, body.attitude, (*force, 0.0, 0.0, 0.0))
     free = body.acceleration(STILL, body.attitude, STILL)
@@ -239,14 +238,14 @@ def test_a_strike_changes_the_velocity_as_a_force_there_does(
 def test_attitudes_turn_vectors_there_and_back(
     angles: tuple[float, float, float], vector: tuple[float, float, float]
 ) -> None:
-    attitude = from_roll_pitch_yaw(*angles)
-    assert roll_pitch_yaw(attitude) == pytest.approx(angles, abs=1e-9)
+    attitude = quaternion(*angles)
+    assert roll_pitch_yaw(*attitude) == pytest.approx(angles, abs=1e-9)
     assert into_body(attitude, into_world(attitude, vector)) == pytest.approx(vector, abs=1e-9)
     assert up_in_body(attitude) == pytest.approx(into_body(attitude, (0.0, 0.0, 1.0)), abs=1e-9)
 
 
 def test_pitch_lowers_the_nose_and_yaw_turns_left() -> None:
     ahead = (1.0, 0.0, 0.0)
-    assert into_world(from_roll_pitch_yaw(0.0, 0.5, 0.0), ahead)[2] < 0.0
-    assert into_world(from_roll_pitch_yaw(0.0, 0.0, 0.5), ahead)[1] > 0.0
-    assert into_world(from_roll_pitch_yaw(0.5, 0.0, 0.0), (0.0, 1.0, 0.0))[2] > 0.0
+    assert into_world(quaternion(0.0, 0.5, 0.0), ahead)[2] < 0.0
+    assert into_world(quaternion(0.0, 0.0, 0.5), ahead)[1] > 0.0
+    assert into_world(quaternion(0.5, 0.0, 0.0), (0.0, 1.0, 0.0))[2] > 0.0

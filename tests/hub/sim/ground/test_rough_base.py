@@ -266,7 +266,7 @@ def test_on_a_level_floor_it_moves_as_the_base_without_a_height_map_to_the_last_
         flat.set_velocity(linear, angular)
         rough.advance(0.7)
         flat.advance(0.7)
-        truth, state = flat.ground_truth(), flat.drive_state(0.0)
+        truth, state = flat.ground_truth(), flat.sensors(0.0)
         assert (rough.pose.x, rough.pose.y, rough.pose.yaw) == (truth.x, truth.y, truth.theta)
         assert rough.odometry == type(rough.odometry)(x=state.x, y=state.y, theta=state.theta)
         assert (rough.linear, rough.angular) == (truth.linear, truth.angular)
