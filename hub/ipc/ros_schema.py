@@ -8,6 +8,7 @@ wire decides:
 | format | in the schema |
 | --- | --- |
 | `byte`, `ubyte`, `char` | int8, uint8, byte |
+| array of `char` | array of uint8: in arrays, tools differ on the sign of a byte |
 | enum | int32 |
 | array of several dimensions, or of arrays | one array of all elements |
 | pointer | sequence of at most one |
@@ -235,6 +236,8 @@ class _Schema:
         self, node: formats.Format, record: DataclassCodec | None, owner: str
     ) -> str | _Kind:
         """The type of one element; an inner array gets a type of its own."""
+        if node == formats.Primitive("char"):
+            return "ubyte"
         kind, count, bounded = self._shape(node, record, owner)
         if count is None:
             return kind
