@@ -13,7 +13,7 @@ from hub.gcm.beam_scans import ATTITUDE_S, LARGEST_TILT, TILTED_REACH, BeamScan,
 from hub.gcm.beams import beams_of
 from hub.gcm.body import RobotBody
 from hub.gcm.flight import Attitude
-from hub.gcm.frames import rotation
+from hub.gcm.orientation import rotation
 from hub.gcm.ranges import RangeReadings, scan_of
 from hub.pose import Pose
 from tests.hub.modules.navigation.bodies import HALF_WIDTH, LONG
