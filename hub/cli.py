@@ -79,7 +79,7 @@ def run_command(options: argparse.Namespace) -> int:
         return _run_daemon(options)
     if options.command == "keys":
         return _run_key_command(options)
-    if options.command == "mission" and options.task in ("list", "show", "export"):
+    if options.command == "mission" and options.task in ("list", "show", "export", "score"):
         return _run_mission_command(options)
     if options.command in ("check", "doctor", "service"):
         return _run_machine_command(options)
@@ -165,11 +165,15 @@ def _run_mission_command(options: argparse.Namespace) -> int:
 
     if options.task == "list":
         return mission_commands.list_all(options.robot, options.folder, as_json=options.json)
+    which = options.id, options.robot, options.folder
     if options.task == "show":
-        return mission_commands.show(
-            options.id, options.robot, options.folder, as_json=options.json
-        )
-    return mission_commands.export(options.id, options.robot, options.folder, options.output)
+        return mission_commands.show(*which, as_json=options.json)
+    if options.task == "export":
+        return mission_commands.export(*which, options.output)
+    from hub.inspection import score_command
+
+    how = {"arena": options.arena, "berth": options.berth, "operators": options.operators}
+    return score_command.show(*which, **how, as_json=options.json)
 
 
 def _order_mission(client: Client, options: argparse.Namespace) -> int:
@@ -447,9 +451,17 @@ def _add_missions(commands: Commands, look: CommandParser) -> None:
     listing = tasks.add_parser("list", parents=[where], help="all missions, the oldest first")
     show = tasks.add_parser("show", parents=[where], help="marks and events of a mission")
     export = tasks.add_parser("export", parents=[where], help="write a mission into files")
-    for command in (show, export):
+    score = tasks.add_parser(
+        "score", parents=[where], help="compare the marks of a mission with an arena's victims"
+    )
+    score.add_argument("--arena", required=True, help="a shipped arena, or an arena file")
+    score.add_argument(
+        "--berth", default="", help="kind of the robot that started at its berth; without: [start]"
+    )
+    score.add_argument("--operators", type=_whole, default=1, help="how many (%(default)s)")
+    for command in (show, export, score):
         command.add_argument("id", nargs="?", default="", help="which; without: the newest")
-    for command in (listing, show):
+    for command in (listing, show, score):
         command.add_argument("--json", action="store_true", help="JSON, one line a mission")
     export.add_argument("-o", "--output", type=Path, help="folder for the files; without: ./ID")
     begin = tasks.add_parser("begin", parents=[look], help="have the robot begin a mission")

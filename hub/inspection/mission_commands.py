@@ -62,7 +62,7 @@ def show(mission: str, robot: str, folder: str, *, as_json: bool) -> int:
     Raises:
         MissionError: There is none, or it cannot be read.
     """
-    each, mission = _chosen(mission, robot, folder)
+    each, mission = chosen(mission, robot, folder)
     facts = mission_facts(each, mission)
     book, _ = each.read(mission)
     if as_json:
@@ -89,7 +89,7 @@ def export(mission: str, robot: str, folder: str, output: Path | None) -> int:
     Raises:
         MissionError: There is none, it cannot be read, or the files cannot be written.
     """
-    each, mission = _chosen(mission, robot, folder)
+    each, mission = chosen(mission, robot, folder)
     target = output or Path(mission)
     written = export_files(each, mission, target)
     put(f"{len(written)} files are in {target}")
@@ -107,23 +107,17 @@ def order(client: Client, action: MissionAction, name: str) -> int:
     return report(result)
 
 
-def _folders(robot: str, folder: str) -> list[MissionFolder]:
-    """The folders of the robots that are meant."""
-    if robot:
-        described, problems = read_description(find_robot_file(robot))
-        if problems:
-            raise MissionError(problems[0])
-        return [MissionFolder(for_missions(folder or described.mission_folder), described.name)]
-    root = for_missions(folder)
-    try:
-        names = sorted(entry.name for entry in root.iterdir() if entry.is_dir())
-    except OSError:
-        return []
-    return [MissionFolder.of(root / name) for name in names]
+def chosen(mission: str, robot: str, folder: str) -> tuple[MissionFolder, str]:
+    """The one mission that is meant.
 
+    Args:
+        mission: Its id; empty: the newest.
+        robot: Robot file or name; empty: any robot.
+        folder: Folder of the missions; empty: the usual one.
 
-def _chosen(mission: str, robot: str, folder: str) -> tuple[MissionFolder, str]:
-    """The one mission that is meant."""
+    Raises:
+        MissionError: There is none, or several robots have one of this id.
+    """
     found = [(each, known) for each in _folders(robot, folder) for known in each.missions()]
     if mission:
         found = [(each, known) for each, known in found if known == mission]
@@ -137,6 +131,21 @@ def _chosen(mission: str, robot: str, folder: str) -> tuple[MissionFolder, str]:
         text = f"several robots have a mission {newest}; say whose with --robot FILE"
         raise MissionError(text)
     return meant[0], newest
+
+
+def _folders(robot: str, folder: str) -> list[MissionFolder]:
+    """The folders of the robots that are meant."""
+    if robot:
+        described, problems = read_description(find_robot_file(robot))
+        if problems:
+            raise MissionError(problems[0])
+        return [MissionFolder(for_missions(folder or described.mission_folder), described.name)]
+    root = for_missions(folder)
+    try:
+        names = sorted(entry.name for entry in root.iterdir() if entry.is_dir())
+    except OSError:
+        return []
+    return [MissionFolder.of(root / name) for name in names]
 
 
 def _facts(folder: MissionFolder, mission: str) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from hub.cli import command_parser, run_command
-from hub.errors import MissionError
+from hub.errors import ArenaError, MissionError
 from hub.gcm.mapping import InterestPoint, PointKind
 from hub.missions.export import export
 from hub.missions.folder import MissionFolder
@@ -150,3 +150,42 @@ def test_half_of_a_letter_in_a_journal_is_a_record_that_cannot_be_read(tmp_path:
         file.write(encode({"is": "named", "name": "\ud800", "by": "Eve", "stamp": 1.6e9}))
     book, _ = folder.read(name)
     assert (book.name, book.unreadable) == ("search of rover", 1)
+
+
+def test_a_mission_is_scored_against_an_arena(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The robot starts in the arena at (1, 2) and looks north."""
+    arena = tmp_path / "arena.toml"
+    arena.write_text(
+        'name = "hut"\n[start]\nat = [1.0, 2.0]\nheading_deg = 90\n[scoring]\nweight = 0.5\n'
+        '[[victim]]\nname = "near"\nat = [-1.0, 3.5]\nfacing = "west"\n'
+        '[[victim]]\nname = "far"\nat = [8.0, 8.0]\nfacing = "west"\n'
+    )
+    keeper = MissionKeeper(MissionFolder(tmp_path, "rover"), MissionLimits(least_free_mb=0.0))
+    keeper.open()
+    keeper.begin("search", "Ada")
+    for x, y in ((1.5, 2.2), (-6.0, 0.0)):
+        keeper.mark(
+            InterestPoint(kind=PointKind.VICTIM, x=x, y=y, by="Ada", thumbnail=PICTURE), "Ada"
+        )
+    keeper.close()
+    command = ["mission", "score", "--folder", str(tmp_path), "--arena", str(arena)]
+    assert main([*command, "--json"]) == 0
+    made = json.loads(capsys.readouterr().out)
+    assert made["victims"] == [
+        {"name": "near", "mark": 1, "error": 0.2, "points": 30.0},
+        {"name": "far", "mark": None, "error": None, "points": 0.0},
+    ]
+    assert (made["found"], made["missed"], made["false"]) == (1, 1, [2])
+    assert made["score"] == 0.5 * 20.0 / 4.0
+    assert main(command) == 0
+    shown = capsys.readouterr().out
+    assert "1 of 2 found" in shown
+    assert "score 2.5, with weight 0.5 and 1 operator" in shown
+
+
+def test_a_berth_that_an_arena_lacks_is_named(root: Path) -> None:
+    command = ["mission", "score", "--folder", str(root), "--arena", "pool", "--berth", "rof"]
+    with pytest.raises(ArenaError, match="did you mean 'rov'"):
+        main(command)
