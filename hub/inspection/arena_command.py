@@ -72,10 +72,9 @@ def show(name: str, output: Path | None, *, size: int, as_json: bool) -> int:
 def _things(spec: ArenaSpec, ground: HeightField | None) -> Iterator[Row]:
     """What an operator looks for, and where robots start; victims in the order of their numbers."""
     height = 0.0 if ground is None else ground.height(*spec.start.at)
-    yield "start", "", *spec.start.at, height, _heading(spec.start.heading_deg)
+    yield "start", "", *spec.start.at, height, _heading(spec.start.heading)
     for berth in spec.berths:
-        heading = _heading(math.degrees(berth.heading))
-        yield "berth", berth.robot, *berth.at, berth.height, heading
+        yield "berth", berth.robot, *berth.at, berth.height, _heading(berth.heading)
     for number, victim in enumerate(spec.victims, start=1):
         more = f"{victim.pose}, {_facing(victim.facing)}, counts {spec.scoring.weight:g}"
         yield f"victim {number}", victim.name, *victim.at, ground_under(victim, ground), more
@@ -91,8 +90,8 @@ def _things(spec: ArenaSpec, ground: HeightField | None) -> Iterator[Row]:
         yield "water", "", *at, spec.water.surface, more
 
 
-def _heading(degrees: float) -> str:
-    return f"heading {degrees:g} degrees"
+def _heading(heading: float) -> str:
+    return f"heading {math.degrees(heading):g} degrees"
 
 
 def _facing(side: Side) -> str:

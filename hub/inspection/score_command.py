@@ -88,9 +88,7 @@ def facts(made: Score) -> dict[str, object]:
 def _start(spec: ArenaSpec, berth: str) -> Pose:
     """Where `map` has its origin in the arena."""
     if not berth:
-        return Pose(
-            x=spec.start.at[0], y=spec.start.at[1], theta=math.radians(spec.start.heading_deg)
-        )
+        return Pose(x=spec.start.at[0], y=spec.start.at[1], theta=spec.start.heading)
     for each in spec.berths:
         if each.robot == berth:
             return Pose(x=each.at[0], y=each.at[1], theta=each.heading)

@@ -175,6 +175,7 @@ class RobotDescription:
         Arming.NONE,
         "whether its motors can be disarmed, and how they start: `armed` or `disarmed`",
         at="body.",
+        without="`none`: they cannot",
     )
     step: float = key(
         number(0.0, 5.0),

@@ -145,9 +145,7 @@ def arena_from_spec(spec: ArenaSpec) -> Arena:
     start_height = 0.0 if ground is None else ground.height(*spec.start.at)
     return Arena(
         name=spec.name,
-        start=Pose(
-            x=spec.start.at[0], y=spec.start.at[1], theta=math.radians(spec.start.heading_deg)
-        ),
+        start=Pose(x=spec.start.at[0], y=spec.start.at[1], theta=spec.start.heading),
         boxes=boxes,
         cylinders=cylinders,
         footprints=footprints_of(boxes, cylinders, origins, ground=start_height),

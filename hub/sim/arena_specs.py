@@ -48,8 +48,6 @@ III are oceans, 1C to 9C coasts."""
 
 Area = tuple[Point, Point]
 """South-west and north-east corner."""
-
-
 MAX_DOORWAYS = 16
 
 
@@ -61,6 +59,13 @@ def _as_written(value: object) -> object:
 _PLACE = numbers(2, -FARTHEST, FARTHEST)
 _TEXTURE = choice(SURFACE_TEXTURES)
 _FACING = choice(FACINGS)
+_ON_WALL = key(
+    _PLACE, meaning="x and y of the middle of its back: a point on the surface of a wall"
+)
+_BASE = key(number(0.0, 5.0), 0.0, "height of its bottom above the floor")
+_MIDDLE = key(number(0.05, 5.0), 0.6, "of its middle above the floor")
+_ON_DECK = key(truth, default=False, meaning="it is on the deck there, not on the ground below it")
+_HEADING = key(degrees(-360.0, 360.0), 0.0, "direction of its front", at="heading_deg")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +73,7 @@ class StartSpec:
     """Where the robot starts."""
 
     at: Point = key(_PLACE, meaning="x and y")
-    heading_deg: float = key(number(-360.0, 360.0), 0.0, "the way the robot looks")
+    heading: float = _HEADING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,10 +146,10 @@ class AirSpec:
 class BerthSpec:
     """Where a robot of another kind than the rover starts."""
 
-    robot: str = key(text(64), meaning="kind of the robot, such as `blimp`, which stands once")
+    robot: str = key(text(64), meaning="kind of the robot, such as `blimp`; no other berth has it")
     at: Point = key(_PLACE, meaning="x and y")
     height: float = key(number(0.0, 20.0), 0.0, "of the robot's origin above the floor")
-    heading: float = key(degrees(-360.0, 360.0), 0.0, "the way it looks", at="heading_deg")
+    heading: float = _HEADING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,7 +187,7 @@ class BoxSpec:
 
     at: Point = key(_PLACE, meaning="x and y of its middle")
     size: tuple[float, float, float] = key(numbers(3, 0.01, 20.0), meaning="along x, y and z")
-    base: float = key(number(0.0, 5.0), 0.0, "height of its bottom above the floor")
+    base: float = _BASE
     colour: Colour = key(read_colour, COLOURS["brown"])
     texture: str = key(_TEXTURE, "plain")
 
@@ -194,7 +199,7 @@ class CylinderSpec:
     at: Point = key(_PLACE, meaning="x and y of its axis")
     radius: float = key(number(0.01, 5.0))
     height: float = key(number(0.02, 5.0))
-    base: float = key(number(0.0, 5.0), 0.0, "height of its bottom above the floor")
+    base: float = _BASE
     colour: Colour = key(read_colour, COLOURS["grey"])
     texture: str = key(_TEXTURE, "plain")
 
@@ -203,58 +208,46 @@ class CylinderSpec:
 class VictimSpec:
     """A person to be found."""
 
-    name: str = key(text(64), meaning="its name, which stands once")
+    name: str = key(text(64), meaning="its name; no other has it")
     at: Point = key(_PLACE, meaning="x and y of the middle")
     facing: Side = key(_FACING, meaning="where the face looks, or, lying, where the head points")
     pose: str = key(
         choice(POSES), "sitting", "`sitting` (0.9 m deep, 0.6 m wide) or `lying` (1.6 m long)"
     )
     colour: Colour = key(read_colour, COLOURS["blue"], "of the clothes")
-    deck: bool = key(
-        truth, default=False, meaning="it is on the deck there, not on the ground below it"
-    )
+    deck: bool = _ON_DECK
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LandmarkSpec:
     """A square coloured sign with a white diamond."""
 
-    name: str = key(text(64), meaning="its name, which stands once")
-    at: Point = key(
-        _PLACE, meaning="x and y of the middle of its back: a point on the surface of a wall"
-    )
+    name: str = key(text(64), meaning="its name; no other has it")
+    at: Point = _ON_WALL
     facing: Side = key(_FACING)
-    height: float = key(number(0.05, 5.0), 0.6, "of its middle above the floor")
+    height: float = _MIDDLE
     size: float = key(number(0.05, 3.0), 0.4, "its side")
     colour: Colour = key(read_colour)
-    deck: bool = key(
-        truth, default=False, meaning="it is on the deck there, not on the ground below it"
-    )
+    deck: bool = _ON_DECK
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RingSpec:
     """A Landolt C, an open ring, on a white panel."""
 
-    at: Point = key(
-        _PLACE, meaning="x and y of the middle of its back: a point on the surface of a wall"
-    )
+    at: Point = _ON_WALL
     facing: Side = key(_FACING)
-    height: float = key(number(0.05, 5.0), 0.6, "of its middle above the floor")
+    height: float = _MIDDLE
     gap_mm: float = key(number(1.0, 200.0), meaning="width of the gap in millimetres")
-    gap: str = key(choice(GAPS), meaning="where the gap is, for who looks at it")
-    deck: bool = key(
-        truth, default=False, meaning="it is on the deck there, not on the ground below it"
-    )
+    gap: str = key(choice(GAPS), meaning="where the gap is, seen from in front")
+    deck: bool = _ON_DECK
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScoringSpec:
-    """What finding victims here counts."""
+    """The score of a victim that is found here."""
 
-    weight: float = key(
-        number(0.0, 10.0), 1.0, "what a victim counts: yellow 0.5, orange 0.75, red 1"
-    )
+    weight: float = key(number(0.0, 10.0), 1.0, "score of a victim: yellow 0.5, orange 0.75, red 1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
