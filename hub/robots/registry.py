@@ -59,20 +59,11 @@ def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
     from hub.gcm.frames import in_base
     from hub.robots.simulated_camera import SimulatedCamera
     from hub.sim.arena import load_arena
-    from hub.sim.camera.mount import Mount
 
-    frame = in_base(robot.body.frames, table.name) or table.frame
     return SimulatedCamera(
         load_arena(robot.arena),
         body=table.camera,
-        mount=Mount(
-            forward=frame.x,
-            left=frame.y,
-            height=frame.z,
-            roll=frame.roll,
-            pitch=frame.pitch,
-            yaw=frame.yaw,
-        ),
+        mount=in_base(robot.body.frames, table.name) or table.frame,
         light=robot.light,
         headlight=table.headlight,
         seed=robot.seed,

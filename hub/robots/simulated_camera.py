@@ -8,17 +8,18 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.body import CameraBody
+from hub.gcm.body import BodyFrame, CameraBody
 from hub.gcm.vision import CameraCommand, CameraMotion, CameraState
 from hub.robots.cropping import cropped_fov, size_within, vertical_fov
 from hub.robots.interfaces import Picture
 from hub.sim.arena import Arena
 from hub.sim.camera.image_noise import SensorNoise
 from hub.sim.camera.lighting import Lighting
-from hub.sim.camera.mount import Mount, Stand, mounted_view
+from hub.sim.camera.mount import mounted_view
 from hub.sim.camera.pan_tilt_zoom import PanTiltZoom, horizontal_fov
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.kinematics import limited
+from hub.sim.spatial_pose import SpatialPose
 
 SENSOR_WIDTH_PX = 320
 SENSOR_HEIGHT_PX = 240
@@ -41,7 +42,7 @@ class SimulatedCamera:
         arena: Arena,
         *,
         body: CameraBody,
-        mount: Mount,
+        mount: BodyFrame,
         light: float | None = None,
         headlight: bool = True,
         seed: int = 0,
@@ -63,7 +64,7 @@ class SimulatedCamera:
         self._head = PanTiltZoom(
             body.pan_limit, body.tilt_lowest, body.tilt_highest, zooms=body.zoom > 1.0
         )
-        self._robot = Stand(x=arena.start.x, y=arena.start.y, theta=arena.start.theta)
+        self._robot = SpatialPose().at(arena.start)
         self._placed = -math.inf
         self._has_headlight = headlight
         self._lighting = Lighting(ambient=arena.light if light is None else light)
@@ -97,8 +98,8 @@ class SimulatedCamera:
             zoom=self._head.zoom,
             horizontal_fov=self._fov(),
             vertical_fov=vertical_fov(self._fov()),
-            mount_forward=self._mount.forward,
-            mount_height=self._mount.height,
+            mount_forward=self._mount.x,
+            mount_height=self._mount.z,
             pan_limit=self._body.pan_limit,
             tilt_limit=max(-self._body.tilt_lowest, self._body.tilt_highest),
             slewing=int(self._head.slewing),
@@ -117,10 +118,10 @@ class SimulatedCamera:
         pitch: float = 0.0,
     ) -> None:
         """Set the robot's pose in the arena's frame; ignored when not finite."""
-        stand = Stand(x=x, y=y, theta=theta, z=z, roll=roll, pitch=pitch)
-        if stand.finite:
+        pose = SpatialPose(x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=theta)
+        if pose.finite:
             self._robot = replace(
-                stand, x=limited(x, _FARTHEST_PLACE), y=limited(y, _FARTHEST_PLACE)
+                pose, x=limited(x, _FARTHEST_PLACE), y=limited(y, _FARTHEST_PLACE)
             )
             self._placed = measured
 

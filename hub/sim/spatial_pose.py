@@ -33,6 +33,12 @@ class SpatialPose:
     yaw: float = 0.0
 
     @property
+    def finite(self) -> bool:
+        """Whether all its numbers are."""
+        numbers = (self.x, self.y, self.z, self.roll, self.pitch, self.yaw)
+        return all(map(math.isfinite, numbers))
+
+    @property
     def plan(self) -> Pose:
         """Place and heading, seen from above."""
         return Pose(x=self.x, y=self.y, theta=self.yaw)

@@ -8,7 +8,7 @@ import functools
 import numpy as np
 
 from hub.gcm.beams import beams_of
-from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.body import BodyFrame, Freedom, RobotBody
 from hub.gcm.frames import in_base
 from hub.gcm.geometry import Twist
 from hub.gcm.navigation import DriveState
@@ -18,7 +18,6 @@ from hub.robots.robot_file import find_robot_file, read_description
 from hub.robots.simulated_base import SimulatedBase
 from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import Arena, Footprints
-from hub.sim.camera.mount import Mount
 from hub.sim.range_sensors import RangeSensors
 
 
@@ -27,11 +26,11 @@ def magellan_body() -> RobotBody:
     return read_description(find_robot_file("magellan"))[0].body
 
 
-def magellan_mount() -> Mount:
+def magellan_mount() -> BodyFrame:
     """Where the camera is on the robot."""
     frame = in_base(magellan_body().frames, magellan_body().cameras[0].name)
     assert frame is not None
-    return Mount(forward=frame.x, left=frame.y, height=frame.z)
+    return frame
 
 
 def magellan_camera(

@@ -17,13 +17,15 @@ from typing import Any, Final
 import numpy as np
 from textual import events
 
+from hub.gcm.body import BodyFrame
 from hub.gcm.mapping import INTEREST_POINTS, POINT_COMMAND, InterestPoint, InterestPoints
 from hub.gcm.navigation import GROUND_TRUTH, STOP, VELOCITY_COMMAND, GroundTruth
 from hub.gcm.vision import CAMERA_COMMAND
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.sim.arena import SHIPPED
-from hub.sim.camera.mount import Mount, Stand, mounted_view
+from hub.sim.camera.mount import mounted_view
+from hub.sim.spatial_pose import SpatialPose
 from hub.values import dataclass
 from rune_tui.app import Console
 from rune_tui.layout.watching import LayoutSource
@@ -61,7 +63,7 @@ class Member:
     role: str
     key: str
     kind: str
-    mount: Mount
+    mount: BodyFrame
     degrees: int
     victim: tuple[float, float]
 
@@ -71,7 +73,7 @@ TEAM: Final = (
         role="rover",
         key="1",
         kind="simulated-magellan",
-        mount=Mount(forward=0.05, height=0.37),
+        mount=BodyFrame(name="camera", x=0.05, z=0.37),
         degrees=49,
         victim=(1.4, 7.6),
     ),
@@ -79,7 +81,7 @@ TEAM: Final = (
         role="blimp",
         key="2",
         kind="simulated-blimp",
-        mount=Mount(forward=0.15),
+        mount=BodyFrame(name="camera", x=0.15),
         degrees=60,
         victim=(5.9, 8.0),
     ),
@@ -87,7 +89,7 @@ TEAM: Final = (
         role="submarine",
         key="3",
         kind="simulated-rov",
-        mount=Mount(forward=0.2),
+        mount=BodyFrame(name="camera", x=0.2),
         degrees=80,
         victim=(10.2, 7.4),
     ),
@@ -239,11 +241,11 @@ class Operator:
         """
         truth, picture = self.truth(member.role), self.picture(member.role)
         assert picture is not None
-        stand = Stand(
-            x=truth.x, y=truth.y, theta=truth.theta, z=truth.z, roll=truth.roll, pitch=truth.pitch
+        pose = SpatialPose(
+            x=truth.x, y=truth.y, z=truth.z, roll=truth.roll, pitch=truth.pitch, yaw=truth.theta
         )
         view = mounted_view(
-            stand,
+            pose,
             member.mount,
             pan=picture.camera.pan,
             tilt=picture.camera.tilt,

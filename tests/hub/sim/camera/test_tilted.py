@@ -10,10 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.body import BodyFrame
 from hub.sim.arena import load_arena
-from hub.sim.camera.mount import Mount, Stand, mounted_view
+from hub.sim.camera.mount import mounted_view
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import CameraFrame, View
+from hub.sim.spatial_pose import SpatialPose
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
 from tests.hub.sim.camera.slow_rays import rays_of, slow_depth
 from tests.support.magellan import magellan_camera, magellan_mount
@@ -114,8 +116,8 @@ def test_a_mounted_camera_looks_along_the_turned_axes(
     robot: Vector, mount: Vector, pan: float, tilt: float
 ) -> None:
     view = mounted_view(
-        Stand(x=1.0, y=2.0, z=0.5, roll=robot[0], pitch=robot[1], theta=robot[2]),
-        Mount(forward=0.3, left=0.1, height=0.4, roll=mount[0], pitch=mount[1], yaw=mount[2]),
+        SpatialPose(x=1.0, y=2.0, z=0.5, roll=robot[0], pitch=robot[1], yaw=robot[2]),
+        BodyFrame(name="camera", x=0.3, y=0.1, z=0.4, roll=mount[0], pitch=mount[1], yaw=mount[2]),
         pan=pan,
         tilt=tilt,
         horizontal_fov=FOV,
@@ -133,7 +135,8 @@ def test_a_mounted_camera_looks_along_the_turned_axes(
 def test_a_level_robot_and_one_that_hardly_tilts_see_the_same(
     theta: float, pan: float, tilt: float, yaw: float
 ) -> None:
-    stand, mount = Stand(x=1.0, y=2.0, theta=theta), Mount(forward=0.3, left=0.1, yaw=yaw)
+    stand = SpatialPose(x=1.0, y=2.0, yaw=theta)
+    mount = BodyFrame(name="camera", x=0.3, y=0.1, yaw=yaw)
     level, other = (
         mounted_view(each, mount, pan=pan, tilt=tilt, horizontal_fov=FOV)
         for each in (stand, replace(stand, pitch=1e-12))
@@ -159,10 +162,10 @@ def test_a_robot_nose_down_sees_more_floor_and_one_that_rolls_sees_it_slanted() 
 
 
 def test_the_camera_moves_with_the_robot_that_pitches() -> None:
-    stand = Stand(x=0.0, y=0.0, theta=0.0, pitch=math.pi / 2)
+    stand = SpatialPose(pitch=math.pi / 2)
     mount = magellan_mount()
     view = mounted_view(stand, mount, pan=0.0, tilt=0.0, horizontal_fov=FOV)
-    assert (view.x, view.z) == (pytest.approx(mount.height), pytest.approx(-mount.forward))
+    assert (view.x, view.z) == (pytest.approx(mount.z), pytest.approx(-mount.x))
     assert rays_of(view, 2, 2).mean(axis=(0, 1)) == pytest.approx((0.0, 0.0, -1.0), abs=1e-9)
 
 
