@@ -3,7 +3,7 @@
 | state | event | next state |
 | --- | --- | --- |
 | OPERATED | control ends: the robot has no owner any more | LOST |
-| LOST | a motion command, also of a task | LOST, and its time starts again |
+| LOST | a motion command, also of a task; a stop | LOST, and its time starts again |
 | LOST | a console takes control | OPERATED |
 
 It starts as OPERATED: a robot without an operator yet has lost none. While LOST, the action
@@ -51,7 +51,7 @@ class OperatorWatch:
         self._owner = owner
 
     def moved(self, now: float) -> None:
-        """Take a motion command, which postpones the action."""
+        """Take a motion command or a stop, which postpones the action."""
         if self._since < math.inf:
             self._since = now
 

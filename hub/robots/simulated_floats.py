@@ -263,10 +263,10 @@ class RovBody(_FloatingBody):
         )
 
     def left_alone(self, action: LeftAlone | None) -> None:
-        """Hold depth and heading, or surface."""
+        """Surface, or hold depth and heading, also for a new operator."""
         if action is LeftAlone.SURFACE:
             self._rov.surface()
-        elif action is not None:
+        else:
             self._rov.brake_and_hold()
 
 

@@ -55,7 +55,12 @@ class Driver:
         client.directory.follow(self._navigator.name, self._navigator.connected)
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
         self._orders = VehicleOrders(
-            client, self._body, robot, stop=self._halt, changed=self._control_changed
+            client,
+            self._body,
+            robot,
+            stop=self._halt,
+            stopped=self._stopped,
+            changed=self._control_changed,
         )
         self._vehicle_rate = PublishingRate(vehicle.VEHICLE_STATE.rate_hz)
         self._problems_rate = PublishingRate(diagnostics.DIAGNOSTICS.rate_hz)
@@ -87,6 +92,10 @@ class Driver:
             if not twist.neutral:
                 self._loss.watch.moved(now)
                 self._report_by(now + _PERIOD)
+
+    def _stopped(self) -> None:
+        """A robot without an operator that any client stops begins again to wait for one."""
+        self._loss.watch.moved(time.monotonic())
 
     def _control_changed(self, state: ControlState) -> None:
         self._loss.watch.controlled_by(state.owner, time.monotonic())

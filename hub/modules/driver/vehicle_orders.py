@@ -25,7 +25,7 @@ from hub.control_gate import ControlGate
 from hub.errors import RobotFileError
 from hub.gcm.body import HoldKind, JointBody
 from hub.gcm.control import ControlState
-from hub.gcm.navigation import STOP
+from hub.gcm.navigation import STOP, Stop
 from hub.gcm.vehicle import (
     VEHICLE_COMMAND,
     Arming,
@@ -60,6 +60,7 @@ class VehicleOrders:
         robot: RobotDescription,
         *,
         stop: Callable[[], None],
+        stopped: Callable[[], None],
         changed: Callable[[ControlState], None],
     ) -> None:
         """Check that the body can do what the robot file describes.
@@ -69,6 +70,7 @@ class VehicleOrders:
             body: The hardware.
             robot: The robot file.
             stop: Stops the motion; after it, a neutral command must come first.
+            stopped: Called after `GCM_Stop`.
             changed: Called when the owner of control changes.
 
         Raises:
@@ -78,6 +80,7 @@ class VehicleOrders:
             raise RobotFileError(str(robot.path), lacks)
         self._body = body
         self._stop = stop
+        self._after_stop = stopped
         self._changed = changed
         self._holds = {table.kind for table in robot.holds}
         self._lights = {table.name for table in robot.lights}
@@ -91,7 +94,7 @@ class VehicleOrders:
         self._silence = client.alarm(self._watch)
         self._gate = ControlGate(client, self._on_owner_change)
         client.subscribe(VEHICLE_COMMAND, self._command)
-        client.subscribe(STOP, lambda _message, _reception: self._stopped())
+        client.subscribe(STOP, self._on_stop)
 
     def seen(self, state: VehicleState) -> None:
         """Take the newest state of the body."""
@@ -189,6 +192,12 @@ class VehicleOrders:
         with contextlib.ExitStack() as stack:
             for name in names:
                 stack.callback(self._turn, name, 0.0)
+
+    def _on_stop(self, _message: Stop, _reception: MessageInfo) -> None:
+        try:
+            self._stopped()
+        finally:
+            self._after_stop()
 
     def _stopped(self) -> None:
         try:

@@ -79,7 +79,8 @@ class Dive(enum.Enum):
     | state | event | next |
     | --- | --- | --- |
     | DIVING | `surface()` or a leak | SURFACING |
-    | SURFACING | a command that is not neutral, without a leak | DIVING |
+    | SURFACING, no leak | a command that is not neutral | DIVING |
+    | SURFACING, no leak | `brake_and_hold()`, a hold of the depth | DIVING |
 
     Attributes:
         DIVING: It follows commands, and holds depth and heading while they are neutral.
@@ -149,6 +150,7 @@ class SimulatedRov(FloatingVehicle):
 
     def brake_and_hold(self) -> None:
         """Brake, level the body, hold depth and heading."""
+        self._end_surfacing()
         self._keep()
         self._tilt_hold.level()
 
@@ -159,6 +161,8 @@ class SimulatedRov(FloatingVehicle):
 
     def start_hold(self, kind: HoldKind, target: float = math.nan) -> None:
         """Hold a depth below the surface or a heading."""
+        if kind is HoldKind.DEPTH:
+            self._end_surfacing()
         super().start_hold(kind, max(target, SURFACED) if kind is HoldKind.DEPTH else target)
 
     @property
@@ -205,6 +209,9 @@ class SimulatedRov(FloatingVehicle):
         return self._senses.vertical.height
 
     def _moved(self) -> None:
+        self._end_surfacing()
+
+    def _end_surfacing(self) -> None:
         if not self.leaking:
             self._dive = Dive.DIVING
 

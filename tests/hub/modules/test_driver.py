@@ -7,11 +7,13 @@ from types import SimpleNamespace
 
 import pytest
 
+from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.geometry import Twist, TwistStamped
-from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, GroundTruth
+from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, STOP, GroundTruth, Stop
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.watchdog import SILENCE_S
 from hub.robots.interfaces import Sensors
+from hub.robots.left_alone import LeftAlone
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import load_arena
 from tests.hub.modules.timed_bus import TimedBus
@@ -57,15 +59,32 @@ class Wheels:
         return self.truth
 
 
+class Diver(Wheels):
+    """A base that can surface.
+
+    Attributes:
+        actions: What it does left alone, in order.
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        super().__init__(clock)
+        self.actions: list[LeftAlone | None] = []
+
+    def left_alone(self, action: LeftAlone | None) -> None:
+        self.actions.append(action)
+
+
 class Scene:
     """A driver and its wheels."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(
+        self, monkeypatch: pytest.MonkeyPatch, base: type[Wheels] = Wheels, *settings: str
+    ) -> None:
         self.bus = TimedBus(monkeypatch)
-        self.wheels = Wheels(lambda: self.bus.now)
+        self.wheels = base(lambda: self.bus.now)
         kind = SimpleNamespace(open_body=lambda _: self.wheels)
         monkeypatch.setattr(driver, "kind_of", lambda _: kind)
-        robot, _ = read_description(find_robot_file("magellan"))
+        robot, _ = read_description(find_robot_file("magellan"), settings)
         driver.build(self.bus, robot)  # type: ignore[arg-type]
 
     def command(self, twist: Twist) -> None:
@@ -157,3 +176,19 @@ def test_the_reports_go_on_after_a_reading_that_failed(scene: Scene) -> None:
     assert 10 <= faults <= 50, "neither silent nor a flood of errors"
     scene.wheels.broken = False
     assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
+
+
+def test_a_stop_keeps_a_robot_without_an_operator_from_surfacing_for_a_while(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = Scene(monkeypatch, Diver, "safety.left_alone=surface")
+    assert isinstance(scene.wheels, Diver)
+    owner = ControlState(owner=scene.bus.number("anna"), operator="anna")
+    scene.bus.send(CONTROL_STATE, owner, "robomon")
+    scene.bus.send(CONTROL_STATE, ControlState(), "robomon")
+    scene.bus.wait(11.0)
+    scene.bus.send(STOP, Stop(), "ben")
+    scene.bus.wait(9.0)
+    assert scene.wheels.actions == [LeftAlone.STAND, LeftAlone.SURFACE, LeftAlone.STAND]
+    scene.bus.wait(2.0)
+    assert scene.wheels.actions[-1] is LeftAlone.SURFACE

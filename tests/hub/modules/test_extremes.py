@@ -24,8 +24,8 @@ from hub.modules.vision.__main__ import Vision
 from hub.robomon.control_service import ControlService
 from hub.robomon.policy import ModulePolicy
 from hub.robomon.reporting import Reporting
-from hub.robots.robot_file import find_robot_file, read_description
 from tests.hub.modules.extremes_bus import ExtremesBus
+from tests.support.bodies import BODIES, robot_of
 
 EACH = int(os.environ.get("RUNE_EXTREMES", "30"))
 
@@ -57,6 +57,10 @@ MODULES: dict[str, Callable[[Any, Any], Any]] = {
 }
 
 
+OF_BODIES = "driver", "navigation", "mapping", "vision"
+"""Modules that do something else for another body."""
+
+
 @pytest.fixture
 def steps(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A clock that makes steps, and no files of a user's own."""
@@ -68,9 +72,15 @@ def steps(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 @pytest.mark.filterwarnings("ignore:.*encountered in:RuntimeWarning")
 @pytest.mark.usefixtures("steps")
 @pytest.mark.timeout(3600 if EACH > 100 else 60)
-@pytest.mark.parametrize("module", MODULES)
-def test_no_handler_fails_and_nothing_is_said_that_is_out_of_range(module: str) -> None:
-    robot, _ = read_description(find_robot_file("magellan"))
+@pytest.mark.parametrize(
+    ("module", "body"),
+    [
+        *((module, "magellan") for module in MODULES),
+        *itertools.product(OF_BODIES, [name for name in BODIES if name != "magellan"]),
+    ],
+)
+def test_no_handler_fails_and_nothing_is_said_that_is_out_of_range(module: str, body: str) -> None:
+    robot = robot_of(body)
     bus = ExtremesBus(time.monotonic, Random(7))
     MODULES[module](bus, robot)
     through = {}

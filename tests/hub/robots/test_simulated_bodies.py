@@ -113,6 +113,20 @@ def test_a_body_can_do_what_its_file_says_of_it_left_alone(robot: str) -> None:
     assert isinstance(opened(robot), BodyLeftAlone) == (robot in LEFT_ALONE)
 
 
+def test_a_new_operator_ends_the_way_up_of_the_rov() -> None:
+    rov = opened("rov")
+    assert isinstance(rov, BodyLeftAlone)
+    rov.command(Twist(linear=Vector3(z=-0.3)))
+    rov.advance(4.0)
+    rov.command(Twist())
+    rov.left_alone(LeftAlone.SURFACE)
+    rov.advance(1.0)
+    assert velocity(rov)[2] > 0.3
+    rov.left_alone(None)
+    rov.advance(2.0)
+    assert abs(velocity(rov)[2]) < 0.05
+
+
 def test_the_blimp_holds_its_height_and_the_rov_surfaces() -> None:
     rov = opened("rov")
     assert isinstance(rov, BodyLeftAlone)

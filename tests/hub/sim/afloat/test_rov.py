@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -221,6 +222,19 @@ def test_it_surfaces_by_thrusters_within_10_s_and_stays_there() -> None:
     assert SURFACE - robot.pose.z > 0.5
 
 
+@for_each("order", [SimulatedRov.brake_and_hold, lambda robot: robot.start_hold(HoldKind.DEPTH)])
+def test_an_order_to_hold_ends_its_way_up(order: Callable[[SimulatedRov], None]) -> None:
+    robot = rov(depth=5.0)
+    dive(robot, 1.0)
+    robot.surface()
+    dive(robot, 3.0)
+    assert robot.velocity.heave > 0.3
+    order(robot)
+    dive(robot, 3.0)
+    assert abs(robot.velocity.heave) < 0.02
+    assert SURFACE - robot.pose.z > 3.0
+
+
 def test_a_leak_brings_it_up_at_once_whatever_is_commanded() -> None:
     robot = rov(leaks_at=2.0)
     robot.command(heave=-0.3)
@@ -228,6 +242,9 @@ def test_a_leak_brings_it_up_at_once_whatever_is_commanded() -> None:
     assert not robot.readings.leak
     dive(robot, 0.2)
     assert robot.readings.leak
+    robot.brake_and_hold()
+    robot.start_hold(HoldKind.DEPTH)
+    dive(robot, 0.1)
     assert robot.dive is Dive.SURFACING
     for _ in range(100):
         robot.command(surge=0.2, heave=-0.5)
