@@ -28,6 +28,8 @@ WARM_S, MEASURED_S = 4.0, 12.0
 PICTURES = 90
 STEP = math.radians(4.0)
 ROUNDS = 3
+SHAPES = {1: (1, 1), 4: (2, 2), 8: (4, 2)}
+"""Viewports across and down, by the number of robots."""
 
 ROBOT = """<robot name="r{n}" hub="{hub}">
     <capability name="VIS_VID" interval_ms="{interval}"/><capability name="VIS_PTZ"/>
@@ -69,9 +71,9 @@ def recorded_robots(count: int, size: tuple[int, int]) -> list[StandInRobot]:
 
 
 def layout(hubs: Sequence[str], interval: int) -> str:
-    """One robot over the whole view, or four side by side."""
-    across = 1 if len(hubs) == 1 else 2
-    width, height = COLUMNS // across, 2 * ROWS // across
+    """One robot over the whole view, or several side by side."""
+    across, down = SHAPES[len(hubs)]
+    width, height = COLUMNS // across, 2 * ROWS // down
     panes, named = [], []
     for n, hub in enumerate(hubs):
         x, y = n % across * width, n // across * height
@@ -97,7 +99,7 @@ def layout(hubs: Sequence[str], interval: int) -> str:
 
 def measured(count: int, interval: int) -> tuple[float, float, float]:
     """Share of a core that the console takes, pictures a second of each robot, bytes a second."""
-    size = (128, 96) if count == 1 else (64, 48)
+    size = {1: (128, 96), 4: (64, 48), 8: (40, 30)}[count]
     with (
         tempfile.TemporaryDirectory() as folder,
         fleet(recorded_robots, count, size) as robots,
@@ -138,6 +140,7 @@ def main() -> None:
     figures = {
         "console.cpu_30fps": (0.5, 1, 0, 30.0),
         "console.cpu_4_robots_10fps": (0.6, 4, 100, 10.0),
+        "console.cpu_8_robots_5fps": (0.6, 8, 200, 5.0),
     }
     for name in sys.argv[1:] or figures:
         figure(name, *figures[name])

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
 import sys
 import threading
 import time
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -298,21 +299,29 @@ class Operator:
         return truth.x + x * cos - y * sin, truth.y + x * sin + y * cos
 
 
-def run_team(folder: Path, script: Callable[[Operator], Any]) -> None:
-    """Start three robots in one hall, and a console; run a script at it."""
+@contextlib.contextmanager
+def team_hubs(folder: Path) -> Iterator[list[HubProcess]]:
+    """The hubs of the three robots in one hall."""
     arena = arena_file(folder)
+
+    def start(member: Member) -> HubProcess:
+        own = folder / member.role
+        own.mkdir()
+        modules = ("driver", "navigation", "vision", "mapping")
+        return HubProcess(own, kind=member.kind, arena=str(arena), modules=modules)
+
     with ExitStack() as stack:
-
-        def start(member: Member) -> HubProcess:
-            own = folder / member.role
-            own.mkdir()
-            modules = ("driver", "navigation", "vision", "mapping")
-            return HubProcess(own, kind=member.kind, arena=str(arena), modules=modules)
-
         with ThreadPoolExecutor(len(TEAM)) as pool:
             hubs = [*pool.map(start, TEAM)]
         for hub in hubs:
             stack.enter_context(closing(hub))
+        yield hubs
+
+
+def run_team(folder: Path, script: Callable[[Operator], Any]) -> None:
+    """Start three robots in one hall, and a console; run a script at it."""
+    with ExitStack() as stack:
+        hubs = stack.enter_context(team_hubs(folder))
         witnesses = {member.role: Witness(hub) for member, hub in zip(TEAM, hubs, strict=True)}
         for witness in witnesses.values():
             stack.enter_context(closing(witness))

@@ -147,9 +147,9 @@ class Driver:
             self._measured = measured
             readings = ranges.RangeReadings(scans=sensors.scans)
             self._client.publish(ranges.RANGES, readings, measured=now)
-        self._publish_slowly(battery.BATTERY, reports.battery(sensors, stamp), now)
-        self._publish_slowly(flight.ATTITUDE, reports.attitude(sensors, stamp), now)
-        self._publish_slowly(flight.ALTITUDE, reports.altitude(sensors, stamp), now)
+        self._publish_slowly(battery.BATTERY, lambda: reports.battery(sensors, stamp), now)
+        self._publish_slowly(flight.ATTITUDE, lambda: reports.attitude(sensors, stamp), now)
+        self._publish_slowly(flight.ALTITUDE, lambda: reports.altitude(sensors, stamp), now)
         self._publish_vehicle(sensors, stamp, now)
         rests = reports.stands(sensors)
         truth = self._body.ground_truth()
@@ -172,11 +172,11 @@ class Driver:
             self._client.publish(joints.JOINT_STATES, states, measured=now)
 
     def _publish_slowly(
-        self, definition: MessageDefinition[T], value: T | None, now: float
+        self, definition: MessageDefinition[T], report: Callable[[], T | None], now: float
     ) -> None:
         """Publish a message at its own rate, if the body measures what it has."""
         due = self._due.get(definition.name, 0.0)
-        if value is not None and now >= due:
+        if now >= due and (value := report()) is not None:
             self._due[definition.name] = max(due + 1.0 / definition.rate_hz, now)
             self._client.publish(definition, value, measured=now)
 
