@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.body import BodyFrame
-from hub.gcm.orientation import rotation
+from hub.gcm.orientation import angles, rotation
 
 Floats: TypeAlias = npt.NDArray[np.float64]
 
@@ -32,13 +31,5 @@ def in_base(frames: tuple[BodyFrame, ...], name: str) -> BodyFrame | None:
     found = poses_of(frames).get(name)
     if found is None:
         return None
-    turn, (x, y, z) = found[0].tolist(), found[1].tolist()
-    return BodyFrame(
-        name=name,
-        x=x,
-        y=y,
-        z=z,
-        roll=math.atan2(turn[2][1], turn[2][2]),
-        pitch=math.asin(min(1.0, max(-1.0, -turn[2][0]))),
-        yaw=math.atan2(turn[1][0], turn[0][0]),
-    )
+    (roll, pitch, yaw), (x, y, z) = angles(found[0]), found[1].tolist()
+    return BodyFrame(name=name, x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=yaw)

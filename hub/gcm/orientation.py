@@ -20,6 +20,8 @@ Angles: TypeAlias = tuple[float, float, float]
 
 _UPRIGHT = 1.0 - 1e-12
 """Sine of the pitch beyond which roll and yaw are the same turn."""
+_LEAST_LEVEL = 1e-9
+"""Cosine of the pitch below which they are."""
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> npt.NDArray[np.float64]:
@@ -33,6 +35,16 @@ def rotation(roll: float, pitch: float, yaw: float) -> npt.NDArray[np.float64]:
             (-sp, cp * sr, cp * cr),
         )
     )
+
+
+def angles(turn: npt.NDArray[np.float64]) -> Angles:
+    """The angles of a rotation matrix, shape (3, 3) [rad]; straight up or down the roll is 0."""
+    (ahead_x, left_x, _), (ahead_y, left_y, _), (ahead_z, left_z, up_z) = turn.tolist()
+    level = math.hypot(ahead_x, ahead_y)
+    pitch = math.atan2(-ahead_z, level)
+    if level < _LEAST_LEVEL:
+        return 0.0, pitch, math.atan2(-left_x, left_y)
+    return math.atan2(left_z, up_z), pitch, math.atan2(ahead_y, ahead_x)
 
 
 def quaternion(roll: float, pitch: float, yaw: float) -> Quaternion:

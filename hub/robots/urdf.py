@@ -18,7 +18,7 @@ import numpy.typing as npt
 from hub.errors import RobotFileError
 from hub.files import read_regular
 from hub.gcm.body import MOST_CORNERS, BodyFrame
-from hub.gcm.orientation import rotation
+from hub.gcm.orientation import angles, rotation
 from hub.gcm.standard import BASE_LINK
 from hub.plain_text import is_plain
 from hub.robots.footprint import footprint_fault
@@ -187,15 +187,8 @@ def _origin(element: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
 
 
 def _frame(name: str, pose: Matrix) -> BodyFrame:
-    x, y, z = pose[:3, 3]
-    level = math.hypot(pose[0, 0], pose[1, 0])
-    if level > 1e-9:
-        roll, yaw = math.atan2(pose[2, 1], pose[2, 2]), math.atan2(pose[1, 0], pose[0, 0])
-    else:  # straight up or down: only the sum of roll and yaw counts
-        roll, yaw = math.atan2(-pose[1, 2], pose[1, 1]), 0.0
-    return BodyFrame(
-        name=name, x=x, y=y, z=z, roll=roll, pitch=math.atan2(-pose[2, 0], level), yaw=yaw
-    )
+    (roll, pitch, yaw), (x, y, z) = angles(pose[:3, :3]), pose[:3, 3].tolist()
+    return BodyFrame(name=name, x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=yaw)
 
 
 def _footprint(

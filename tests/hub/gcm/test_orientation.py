@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hub.gcm.geometry import Quaternion
-from hub.gcm.orientation import quaternion, roll_pitch_yaw, rotation
+from hub.gcm.orientation import angles, quaternion, roll_pitch_yaw, rotation
 
 ANGLES = st.tuples(
     st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi)
@@ -40,6 +40,19 @@ def test_angles_of_a_quaternion_are_the_same_orientation(
     back = roll_pitch_yaw(*quaternion(*angles))
     assert abs(back[1]) <= math.pi / 2.0
     assert rotation(*back) == pytest.approx(rotation(*angles), abs=2e-6)
+
+
+UPRIGHT = st.sampled_from((-math.pi / 2.0, math.pi / 2.0))
+
+
+@given(outer=ANGLES, inner=ANGLES, upright=st.none() | UPRIGHT)
+def test_angles_of_a_matrix_are_the_same_orientation(
+    outer: tuple[float, float, float], inner: tuple[float, float, float], upright: float | None
+) -> None:
+    turn = rotation(*outer) @ rotation(*inner)
+    if upright is not None:  # on a mast that stands, straight up or down
+        turn = rotation(0.0, 0.0, outer[2]) @ rotation(inner[0], upright, inner[2])
+    assert rotation(*angles(turn)) == pytest.approx(turn, abs=1e-7)
 
 
 @given(yaw=st.floats(-3.1, 3.1), pitch=st.sampled_from((-1.0, 1.0)))
