@@ -6,7 +6,8 @@ obstacle. Two methods choose among these: one for an operator's command, one for
 
 A round body is a disc, which meets nothing by turning on the spot. Any other body is the convex
 hull of its footprint. A body that also moves sideways is looked at in a frame whose x axis is the
-direction of its command; a goal is approached ahead only.
+direction of its command. A goal is approached ahead. A long body that has no room to turn to it
+backs towards it, until there is room.
 """
 
 from __future__ import annotations
@@ -43,6 +44,8 @@ _AHEAD_S = 0.6
 """Time for which a velocity is simulated to see where it leads [s]."""
 _TURN_FIRST = 1.2
 """The robot turns on the spot to a goal at a larger bearing than this [rad]."""
+_BACKING = 0.2
+"""Largest velocity back towards a goal [m/s]: many bodies see less behind than ahead."""
 _LONG_S = 100.0
 """A free time of this length is as good as any longer one [s]."""
 _SPINS = np.linspace(0.125, 1.0, 8)
@@ -219,7 +222,42 @@ class DynamicWindow:
         bearing = math.atan2(carrot[1], carrot[0])
         scene = self._scene(now, points, 0.0, 0.0)
         if abs(bearing) > _TURN_FIRST or (now[0] < _CREEP and abs(bearing) > _TURN_FIRST / 2.0):
-            return 0.0, self._spin(self._turn_rate(bearing), scene)
+            return self._round_to(bearing, now, carrot, points, scene)
+        best = self._best(now, carrot, fastest, scene)
+        return best if best[0] else (0.0, self._spin(self._turn_rate(bearing), scene))
+
+    def _round_to(
+        self,
+        bearing: float,
+        now: tuple[float, float],
+        carrot: tuple[float, float],
+        points: tuple[Floats, Floats],
+        scene: _Scene,
+    ) -> tuple[float, float]:
+        """A turn on the spot to a bearing [rad], by either side; without room for it, a way back.
+
+        Args:
+            bearing: Direction of the carrot.
+            now: The present velocity [m/s, rad/s].
+            carrot: The point to head for, in `base_link` [m].
+            points: Obstacles in `base_link` [m], x and y of shape (n,) each.
+            scene: The same, ahead.
+        """
+        other = bearing - math.copysign(math.tau, bearing)
+        for angle in (bearing, other):
+            if self._has_room(angle, scene):
+                return 0.0, self._spin(self._turn_rate(angle), scene)
+        if abs(bearing) > math.pi - _TURN_FIRST:
+            behind = self._scene((-now[0], now[1]), points, math.pi, 0.0)
+            back = self._best((-now[0], now[1]), (-carrot[0], -carrot[1]), _BACKING, behind)
+            if back[0]:
+                return -back[0], back[1]
+        return 0.0, self._spin(self._turn_rate(bearing), scene)
+
+    def _best(
+        self, now: tuple[float, float], carrot: tuple[float, float], fastest: float, scene: _Scene
+    ) -> tuple[float, float]:
+        """The velocity along the scene's axis with the best score; 0: none leads on."""
         top = self._reachable(now[0], min(fastest, self.body.linear_limit))
         linear, angular = self._samples(top, now[1], 0.0)
         spare, admissible = self._judged(linear, angular, scene)
@@ -227,7 +265,7 @@ class DynamicWindow:
         score[~admissible] = -np.inf
         best = int(score.argmax())
         if linear[best] < _CREEP or not admissible[best]:
-            return 0.0, self._spin(self._turn_rate(bearing), scene)
+            return 0.0, 0.0
         return float(linear[best]), float(angular[best])
 
     def turn(self, now: tuple[float, float], angle: float, points: tuple[Floats, Floats]) -> float:
@@ -298,24 +336,42 @@ class DynamicWindow:
             Lengths [m] and flags, shape (m,) each.
         """
         body, speed = self.body, np.abs(linear)
-        ahead = body.margin + body.margin_s * speed + scene.drift
-        side = scene.side + 0.5 * body.margin_s * speed + scene.drift
         if scene.outline is None:
             # Turn rates need no limit of their own: a round body meets nothing by turning.
+            ahead, side = self._margins(speed, scene)
             radius = body.radius + ahead
             half_width = np.minimum(body.radius + side, radius)
             ways = free_ways(linear, angular, scene.x, scene.y, radius, half_width)
             stopping = body.stopping(speed)
             return ways - stopping, stopping <= ways
-        rim = scene.outline.radius
+        times = self._free_times(scene.outline, speed, angular, scene)
+        braking = np.maximum(speed / body.linear_braking, np.abs(angular) / body.angular_braking)
+        stopping = body.reaction + 0.5 * braking
+        return np.minimum(times - stopping, _LONG_S) * speed, stopping <= times
+
+    def _margins(self, speed: Floats, scene: _Scene) -> tuple[Floats, Floats]:
+        """Distances to keep ahead and beside, without a turn [m], shape (m,) each."""
+        body = self.body
+        ahead = body.margin + body.margin_s * speed + scene.drift
+        return ahead, scene.side + 0.5 * body.margin_s * speed + scene.drift
+
+    def _free_times(self, outline: Sweep, speed: Floats, angular: Floats, scene: _Scene) -> Floats:
+        """The time until the outline meets something at each velocity [s], shape (m,)."""
+        body, rim = self.body, outline.radius
+        ahead, side = self._margins(speed, scene)
         # Until the turn rate has changed the heading differs, and the ends are elsewhere.
         swing = rim * np.square(scene.turning - angular) / (2.0 * body.angular_braking)
         side += 0.5 * body.margin_s * rim * np.abs(angular) + swing
         ahead = np.maximum(ahead + swing, side)
-        times = scene.outline.free_times(speed, angular, scene.x, scene.y, ahead, side)
-        braking = np.maximum(speed / body.linear_braking, np.abs(angular) / body.angular_braking)
-        stopping = body.reaction + 0.5 * braking
-        return np.minimum(times - stopping, _LONG_S) * speed, stopping <= times
+        return outline.free_times(speed, angular, scene.x, scene.y, ahead, side)
+
+    def _has_room(self, angle: float, scene: _Scene) -> bool:
+        """Whether the body can turn by an angle on the spot [rad]."""
+        if scene.outline is None or not angle:
+            return True
+        rates = self._turn_rate(angle) * _SPINS
+        times = self._free_times(scene.outline, np.zeros(len(rates)), rates, scene)
+        return bool((times >= np.abs(angle / rates)).any())
 
     def _spin(self, rate: float, scene: _Scene) -> float:
         """The largest admissible share of a turn rate on the spot [rad/s]."""

@@ -45,7 +45,10 @@ HEAD = 'name = "walls"\n[start]\nat = [0.0, 0.0]\n'
 
 def boxes(*spans: tuple[float, float, float, float]) -> Arena:
     """Boxes of half a metre, each from x, y to x, y [m]."""
-    text = (f"[[box]]\nat = [{x}, {y}]\nsize = [{u - x}, {v - y}, 0.5]\n" for x, y, u, v in spans)
+    text = (
+        f"[[box]]\nat = [{(x + u) / 2}, {(y + v) / 2}]\nsize = [{u - x}, {v - y}, 0.5]\n"
+        for x, y, u, v in spans
+    )
     return arena_of(HEAD + "".join(text))
 
 
