@@ -210,6 +210,8 @@ class DynamicWindow:
         carrot: tuple[float, float],
         fastest: float,
         points: tuple[Floats, Floats],
+        *,
+        way_back: tuple[float, float] | None = None,
     ) -> tuple[float, float]:
         """The admissible velocity with the best score for a place.
 
@@ -218,41 +220,25 @@ class DynamicWindow:
             carrot: The point to head for, in `base_link` [m].
             fastest: Largest forward velocity [m/s].
             points: Obstacles in `base_link` [m], x and y of shape (n,) each.
+            way_back: The point to back to where it has no room to turn, in `base_link` [m]; None:
+                it must not back.
         """
         bearing = math.atan2(carrot[1], carrot[0])
         scene = self._scene(now, points, 0.0, 0.0)
         if abs(bearing) > _TURN_FIRST or (now[0] < _CREEP and abs(bearing) > _TURN_FIRST / 2.0):
-            return self._round_to(bearing, now, carrot, points, scene)
-        best = self._best(now, carrot, fastest, scene)
+            for angle in (bearing, bearing - math.copysign(math.tau, bearing)):
+                if self._has_room(angle, scene):
+                    return 0.0, self._spin(self._turn_rate(angle), scene)
+            if way_back is not None and abs(bearing) > math.pi - _TURN_FIRST:
+                behind = self._scene((-now[0], now[1]), points, math.pi, 0.0)
+                there = -way_back[0], -way_back[1]
+                back = self._best((-now[0], now[1]), there, _BACKING, behind)
+                if back[0]:
+                    return -back[0], back[1]
+            best = 0.0, 0.0
+        else:
+            best = self._best(now, carrot, fastest, scene)
         return best if best[0] else (0.0, self._spin(self._turn_rate(bearing), scene))
-
-    def _round_to(
-        self,
-        bearing: float,
-        now: tuple[float, float],
-        carrot: tuple[float, float],
-        points: tuple[Floats, Floats],
-        scene: _Scene,
-    ) -> tuple[float, float]:
-        """A turn on the spot to a bearing [rad], by either side; without room for it, a way back.
-
-        Args:
-            bearing: Direction of the carrot.
-            now: The present velocity [m/s, rad/s].
-            carrot: The point to head for, in `base_link` [m].
-            points: Obstacles in `base_link` [m], x and y of shape (n,) each.
-            scene: The same, ahead.
-        """
-        other = bearing - math.copysign(math.tau, bearing)
-        for angle in (bearing, other):
-            if self._has_room(angle, scene):
-                return 0.0, self._spin(self._turn_rate(angle), scene)
-        if abs(bearing) > math.pi - _TURN_FIRST:
-            behind = self._scene((-now[0], now[1]), points, math.pi, 0.0)
-            back = self._best((-now[0], now[1]), (-carrot[0], -carrot[1]), _BACKING, behind)
-            if back[0]:
-                return -back[0], back[1]
-        return 0.0, self._spin(self._turn_rate(bearing), scene)
 
     def _best(
         self, now: tuple[float, float], carrot: tuple[float, float], fastest: float, scene: _Scene

@@ -36,6 +36,7 @@ from hub.modules.navigation.obstacle_memory import ObstacleMemory
 from hub.modules.navigation.pose_uncertainty import Spread
 from hub.modules.navigation.route import Way
 from hub.modules.navigation.task import LARGEST_TURN, Aim, NavigationTask, refusal
+from hub.modules.navigation.trail import Trail
 from hub.modules.navigation.unmapped_obstacles import UnmappedObstacles, with_obstacles
 from hub.pose import Pose, each_wrapped
 
@@ -88,6 +89,7 @@ class PathFollower:
         self._rules = BeamRules(body, self._reader.beams)
         self._obstacles = ObstacleMemory(body, self._rules, self._goal_reach)
         self._ground = GroundMemory(body, self._reader.beams, limits.step)
+        self._trail = Trail(self._reader.beams)
         self._was_tilted = False
         self._unmapped = UnmappedObstacles()
         self._drift = DriftWatch(self.correction, self._rules)
@@ -136,6 +138,7 @@ class PathFollower:
         self._drive = drive
         self._reader.moved(drive, measured)
         self._obstacles.moved(drive, now)
+        self._trail.moved(Pose(x=drive.x, y=drive.y, theta=drive.theta))
         self._drift.moved(drive, now)
 
     def scanned(self, readings: RangeReadings, measured: float, now: float) -> None:
@@ -164,6 +167,7 @@ class PathFollower:
         self._reader.restart()
         self._obstacles = ObstacleMemory(self._body, self._rules, self._goal_reach)
         self._ground = GroundMemory(self._body, self._reader.beams, self._limits.step)
+        self._trail = Trail(self._reader.beams)
         self._unmapped.forget()
         self._map = None
 
@@ -301,7 +305,10 @@ class PathFollower:
         carrot = self.pose.inward(aim.x, aim.y)
         points = self._points(drive, self._goal_reach)
         fastest = min(aim.limit, math.sqrt(2.0 * SLOW_DOWN * aim.left))
-        return self._window.to_goal((drive.linear, drive.angular), carrot, fastest, points)
+        here, now = Pose(x=drive.x, y=drive.y, theta=drive.theta), (drive.linear, drive.angular)
+        # A round body always has room to turn.
+        way_back = self._trail.way_back(here, carrot) if self._limits.outline else None
+        return self._window.to_goal(now, carrot, fastest, points, way_back=way_back)
 
     def _check_for_blockage(self, aim: Aim, drive: DriveState, given: Velocity, now: float) -> None:
         """Plan again round obstacles that block a robot which heads for its path already."""
