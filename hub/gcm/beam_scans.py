@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from hub.gcm.beams import Beams, beams_of
 from hub.gcm.body import RobotBody
-from hub.gcm.flight import Attitude
+from hub.gcm.imu import Imu
 from hub.gcm.outline import exits
 from hub.gcm.pose_history import UNKNOWN, Moving, PoseHistory
 from hub.gcm.ranges import RangeReadings
@@ -87,9 +87,11 @@ class ScanReader:
         """Take a pose, measured at a monotonic time [s]; all poses are in one frame."""
         self._poses.add(state, measured)
 
-    def tilted(self, attitude: Attitude, measured: float) -> None:
-        """Take an attitude, measured at a monotonic time [s]."""
-        self._attitude = attitude.roll, attitude.pitch, measured
+    def tilted(self, imu: Imu, measured: float) -> None:
+        """Take a tilt, measured at a monotonic time [s]."""
+        roll, pitch, _ = imu.roll_pitch_yaw
+        if not math.isnan(roll):
+            self._attitude = roll, pitch, measured
 
     def read(self, readings: RangeReadings, measured: float) -> BeamScan | None:
         """The beams of groups that have measured since the last call; None: there are none.

@@ -1,35 +1,15 @@
-"""Messages of robots that tilt, fly or dive; frames as in `hub.gcm.navigation`."""
+"""Messages of robots that fly or dive: height and depth, and the pressure around them."""
 
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from hub.gcm.fields import MetresIfKnown, Radians, RadiansIfKnown, SpeedIfKnown, Stamp
+from hub.gcm.fields import MetresIfKnown, SpeedIfKnown, Stamp
+from hub.gcm.standard import BASE_LINK, Header
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats.ranges import Range
 from hub.values import dataclass
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Attitude:
-    """The tilt of the robot: the rotations from `map` to `base_link`.
-
-    Each rotation turns the axes of the next one: yaw first, then pitch, then roll.
-    sensor_msgs/Imu has more than most sensors measure: covariances and accelerations.
-
-    Attributes:
-        stamp: Time of measurement [s since the epoch]; for records only.
-        roll: About x [rad], in (-pi, pi], positive right side down.
-        pitch: About y [rad], in [-pi/2, pi/2], positive nose down.
-        yaw: About z [rad], in (-pi, pi], counter-clockwise; NaN when not measured.
-    """
-
-    stamp: Stamp
-    roll: Radians
-    pitch: Radians
-    yaw: RadiansIfKnown = math.nan
-
-
-ATTITUDE = MessageDefinition(name="GCM_Attitude", type=Attitude, rate_hz=20.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,4 +33,24 @@ class Altitude:
 
 ALTITUDE = MessageDefinition(name="GCM_Altitude", type=Altitude, rate_hz=10.0)
 
-MESSAGES = (ATTITUDE, ALTITUDE)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FluidPressure:
+    """sensor_msgs/FluidPressure: the absolute pressure of the air or the water.
+
+    Attributes:
+        header: When it was measured.
+        fluid_pressure: [Pa].
+        variance: [Pa^2]; 0: not known.
+    """
+
+    ros_type = "sensor_msgs/msg/FluidPressure"
+
+    header: Header = Header(frame_id=BASE_LINK)
+    fluid_pressure: Annotated[float, Range(0.0, 1e9, unit="Pa")]
+    variance: Annotated[float, Range(0.0, 1e18, unit="Pa^2")] = 0.0
+
+
+FLUID_PRESSURE = MessageDefinition(name="GCM_FluidPressure", type=FluidPressure, rate_hz=10.0)
+
+MESSAGES = (ALTITUDE, FLUID_PRESSURE)

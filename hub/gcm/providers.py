@@ -13,6 +13,7 @@ from hub.gcm import (
     diagnostics,
     edges,
     flight,
+    imu,
     joints,
     mapping,
     mission,
@@ -28,8 +29,9 @@ from hub.gcm.capability import Capability
 PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     navigation.ROBOT_STATE.name: (Capability.NAV_STATE,),
     battery.BATTERY.name: (Capability.DRV_BASE, Capability.NAV_STATE),
-    flight.ATTITUDE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
+    imu.IMU.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     flight.ALTITUDE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
+    flight.FLUID_PRESSURE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     navigation.NAVIGATION_STATUS.name: (
         Capability.NAV_STATE,
         Capability.NAV_MOVE,

@@ -101,7 +101,7 @@ class CameraState:
         mount_yaw: Direction in which it looks at pan 0, from straight ahead [rad].
         mount_pitch: Pitch of its mount [rad], positive down.
         mount_roll: Roll of its mount [rad], positive right side down.
-        robot_roll: The robot's roll then [rad], as in `GCM_Attitude`; NaN: not measured.
+        robot_roll: The robot's roll then [rad], as in `GCM_Imu`; NaN: not measured.
         robot_pitch: Its pitch then [rad]; NaN: not measured.
         robot_above_ground: Its origin above the ground then [m]; 0: it stands; NaN: not known.
     """

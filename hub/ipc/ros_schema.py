@@ -7,8 +7,8 @@ wire decides:
 
 | format | in the schema |
 | --- | --- |
-| `byte`, `ubyte`, `char` | int8, uint8, byte |
-| array of `char` | array of uint8: in arrays, tools differ on the sign of a byte |
+| `byte`, `ubyte`, `char` | int8, uint8, uint8 |
+| enum that a `Wire` makes a `char` | byte: tools differ on its sign, so only for small numbers |
 | enum | int32 |
 | array of several dimensions, or of arrays | one array of all elements |
 | pointer | sequence of at most one |
@@ -34,10 +34,12 @@ from hub.values import dataclass
 PACKAGE = "rune_msgs"
 """ROS package of each type that is none of ROS 2's own."""
 
+_SMALL_ENUM = "char of an enum"
 _ROS = {
     "byte": "int8",
     "ubyte": "uint8",
-    "char": "byte",
+    "char": "uint8",
+    _SMALL_ENUM: "byte",
     "short": "int16",
     "ushort": "uint16",
     "int": "int32",
@@ -49,7 +51,7 @@ _ROS = {
     "boolean": "bool",
     "string": "string",
 }
-_IDL = _ROS | {"char": "octet", "float": "float", "double": "double", "boolean": "boolean"}
+_IDL = _ROS | {_SMALL_ENUM: "octet", "float": "float", "double": "double", "boolean": "boolean"}
 _FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9])*", re.ASCII)
 _ROS_TYPE = re.compile(r"([a-z]\w*)/msg/([A-Z][A-Za-z0-9]*)", re.ASCII)
 
@@ -193,7 +195,9 @@ class _Schema:
         self, tree: formats.Struct, record: DataclassCodec, owner: str
     ) -> tuple[_Field, ...]:
         return tuple(
-            self._field(member.name, node, member.record, owner)
+            _Field(member.name, _SMALL_ENUM)
+            if member.inward is not None and node == formats.Primitive("char")
+            else self._field(member.name, node, member.record, owner)
             for member, node in zip(record.members, tree.members, strict=True)
             if not isinstance(node, formats.SelfPointer)
         )
@@ -236,8 +240,6 @@ class _Schema:
         self, node: formats.Format, record: DataclassCodec | None, owner: str
     ) -> str | _Kind:
         """The type of one element; an inner array gets a type of its own."""
-        if node == formats.Primitive("char"):
-            return "ubyte"
         kind, count, bounded = self._shape(node, record, owner)
         if count is None:
             return kind

@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from hub.gcm.body import HoldKind
 from hub.gcm.diagnostics import DiagnosticStatus
-from hub.gcm.geometry import Twist
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.imu import Acceleration
 from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import LaserScan
@@ -41,6 +42,9 @@ class Sensors:
         height: Above the origin of `map` [m]; NaN: not measured.
         above_ground: Above the ground or the sea floor [m]; NaN: not measured.
         depth: Below the water's surface [m]; NaN: not measured.
+        turning: Turn rates about x, y and z of `base_link`, by a gyro; None: not measured.
+        acceleration: By an accelerometer, with gravity; None: not measured.
+        pressure: Of the air or the water around it [Pa]; NaN: not measured.
         climb: Vertical velocity [m/s], positive up; NaN: not measured.
         reckoning: Number of this dead reckoning; it changes with each restart. 0: the driver
             process gives it one.
@@ -68,6 +72,9 @@ class Sensors:
     height: float = math.nan
     above_ground: float = math.nan
     depth: float = math.nan
+    turning: Vector3 | None = None
+    acceleration: Acceleration | None = None
+    pressure: float = math.nan
     climb: float = math.nan
     reckoning: int = 0
     origin: int = 0

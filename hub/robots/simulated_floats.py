@@ -18,6 +18,7 @@ from hub.robots.interfaces import Sensors
 from hub.robots.left_alone import LeftAlone
 from hub.robots.simulation_faults import NO_WATER
 from hub.sim.afloat.blimp import Flight, SimulatedBlimp
+from hub.sim.afloat.fluid import pressure_at
 from hub.sim.afloat.motion import NEUTRAL
 from hub.sim.afloat.rov import Dive, SimulatedRov
 from hub.sim.afloat.surroundings import Surroundings
@@ -122,15 +123,12 @@ class _FloatingBody(abc.ABC):
         read, battery = self._vehicle.readings, self._vehicle.battery
         wanted, pose = self._vehicle.commanded, self._reckoned
         surge, sway = self.speed
-        roll_rate, pitch_rate, yaw_rate = read.rates
+        turning = Vector3(**dict(zip("xyz", read.rates, strict=True)))
         return Sensors(
             x=pose.x,
             y=pose.y,
             theta=pose.theta,
-            velocity=Twist(
-                linear=Vector3(x=surge, y=sway, z=read.climb),
-                angular=Vector3(x=roll_rate, y=pitch_rate, z=yaw_rate),
-            ),
+            velocity=Twist(linear=Vector3(x=surge, y=sway, z=read.climb), angular=turning),
             commanded=Twist(
                 linear=Vector3(x=wanted.surge, y=wanted.sway, z=wanted.heave),
                 angular=Vector3(z=wanted.yaw),
@@ -257,6 +255,7 @@ class RovBody(_FloatingBody):
             common,
             z=-read.depth,
             depth=read.depth,
+            pressure=pressure_at(read.depth),
             above_ground=read.altitude,
             diagnostics=(LEAK,) if read.leak else (),
             vehicle=vehicle,

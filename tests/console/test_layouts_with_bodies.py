@@ -16,8 +16,9 @@ from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.capability import Capability
 from hub.gcm.control import CONTROL_STATE
 from hub.gcm.diagnostics import DIAGNOSTICS
-from hub.gcm.flight import ALTITUDE, ATTITUDE
+from hub.gcm.flight import ALTITUDE
 from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.imu import IMU
 from hub.gcm.joints import JOINT_STATES
 from hub.gcm.navigation import ROBOT_STATE, MotionState
 from hub.gcm.ranges import RANGES, RangeReadings
@@ -48,22 +49,20 @@ def messages_of(name: str) -> dict[str, object]:
     body.advance(1.5)
     sensors = body.sensors(NOW)
     drive = reports.drive_state(sensors, NOW)
-    measured = {field.name: getattr(drive, field.name) for field in dataclasses.fields(drive)}
-    navigation = robot_state()
-    shared = measured.keys() & {field.name for field in dataclasses.fields(navigation)}
+    shared = ("x", "y", "theta", "linear", "angular", "bumpers")
     return {
         CONTROL_STATE.name: MINE,
         ROBOT_DESCRIPTION.name: robot.body,
         RANGES.name: RangeReadings(scans=sensors.scans) if sensors.scans else None,
-        ATTITUDE.name: reports.attitude(sensors, NOW),
+        IMU.name: reports.imu(sensors, NOW),
         ALTITUDE.name: reports.altitude(sensors, NOW),
         VEHICLE_STATE.name: reports.vehicle(sensors, NOW),
         JOINT_STATES.name: reports.joints(sensors, NOW),
         DIAGNOSTICS.name: reports.diagnostics(sensors, NOW),
         ROBOT_STATE.name: dataclasses.replace(
-            navigation,
+            robot_state(),
             motion=MotionState.MOVING,
-            **{each: measured[each] for each in shared},
+            **{each: getattr(drive, each) for each in shared},
         ),
     }
 

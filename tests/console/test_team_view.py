@@ -11,7 +11,8 @@ import os
 from typing import Any
 
 from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, HoldKind, Motion
-from hub.gcm.flight import ALTITUDE, ATTITUDE, Altitude, Attitude
+from hub.gcm.flight import ALTITUDE, Altitude
+from hub.gcm.imu import IMU, Imu
 from hub.gcm.ranges import RANGES
 from hub.gcm.vehicle import VEHICLE_STATE, HoldPhase, HoldState, VehicleState
 from rune_tui.compositor.picture import plain_text
@@ -38,7 +39,7 @@ def afloat(role: str, name: str, *freedoms: Freedom, **state: Any) -> RobotState
     messages = {
         ROBOT_DESCRIPTION.name: body,
         ALTITUDE.name: Altitude(stamp=0.0, climb=0.0, **state.pop("level")),
-        ATTITUDE.name: Attitude(stamp=0.0, roll=0.02, pitch=-0.05),
+        IMU.name: Imu.of(roll=0.02, pitch=-0.05),
         VEHICLE_STATE.name: VehicleState(activity="holds", holds=state.pop("holds")),
     }
     made = robot(role, **state)

@@ -6,9 +6,9 @@ import secrets
 import sys
 import time
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeAlias
 
-from hub.gcm import battery, diagnostics, flight, joints, navigation, ranges, vehicle
+from hub.gcm import battery, diagnostics, flight, imu, joints, navigation, ranges, vehicle
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
@@ -27,14 +27,22 @@ from hub.robots.interfaces import Sensors
 from hub.robots.registry import kind_of
 from hub.runtime import run_module
 
-T = TypeVar("T")
-
 _PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
 """Time between two reports of the hardware [s]."""
 _RESTING_PERIOD = 0.05
 """The same while the robot stands and its true pose has no subscriber [s]."""
 _LONGEST_STEP = 0.25
 """Longest time that the hardware advances in one step; the rest of a pause is left out [s]."""
+
+_Report: TypeAlias = Callable[[Sensors, float], object]
+"""From measurements and their time [s since the epoch] to a message; None: not measured."""
+_MEASUREMENTS: tuple[tuple[MessageDefinition[Any], _Report], ...] = (
+    (battery.BATTERY, reports.battery),
+    (imu.IMU, reports.imu),
+    (flight.ALTITUDE, reports.altitude),
+    (flight.FLUID_PRESSURE, reports.fluid_pressure),
+)
+"""Messages at rates of their own, each only from bodies that measure it."""
 
 
 class Driver:
@@ -68,9 +76,7 @@ class Driver:
         client.define(
             navigation.DRIVE_STATE,
             ranges.RANGES,
-            battery.BATTERY,
-            flight.ATTITUDE,
-            flight.ALTITUDE,
+            *(definition for definition, _ in _MEASUREMENTS),
             navigation.GROUND_TRUTH,
             vehicle.VEHICLE_STATE,
             diagnostics.DIAGNOSTICS,
@@ -147,9 +153,7 @@ class Driver:
             self._measured = measured
             readings = ranges.RangeReadings(scans=sensors.scans)
             self._client.publish(ranges.RANGES, readings, measured=now)
-        self._publish_slowly(battery.BATTERY, lambda: reports.battery(sensors, stamp), now)
-        self._publish_slowly(flight.ATTITUDE, lambda: reports.attitude(sensors, stamp), now)
-        self._publish_slowly(flight.ALTITUDE, lambda: reports.altitude(sensors, stamp), now)
+        self._publish_measurements(sensors, stamp, now)
         self._publish_vehicle(sensors, stamp, now)
         rests = reports.stands(sensors)
         truth = self._body.ground_truth()
@@ -171,14 +175,13 @@ class Driver:
             states = reports.joints(sensors, stamp)
             self._client.publish(joints.JOINT_STATES, states, measured=now)
 
-    def _publish_slowly(
-        self, definition: MessageDefinition[T], report: Callable[[], T | None], now: float
-    ) -> None:
-        """Publish a message at its own rate, if the body measures what it has."""
-        due = self._due.get(definition.name, 0.0)
-        if now >= due and (value := report()) is not None:
-            self._due[definition.name] = max(due + 1.0 / definition.rate_hz, now)
-            self._client.publish(definition, value, measured=now)
+    def _publish_measurements(self, sensors: Sensors, stamp: float, now: float) -> None:
+        """Publish each message of `_MEASUREMENTS` at its own rate, if the body measures it."""
+        for definition, report in _MEASUREMENTS:
+            due = self._due.get(definition.name, 0.0)
+            if now >= due and (value := report(sensors, stamp)) is not None:
+                self._due[definition.name] = max(due + 1.0 / definition.rate_hz, now)
+                self._client.publish(definition, value, measured=now)
 
     def finish(self) -> None:
         """Stop the wheels and the joints."""

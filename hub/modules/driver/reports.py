@@ -7,7 +7,7 @@ import math
 
 from hub.gcm.battery import BatteryState
 from hub.gcm.diagnostics import Diagnostics
-from hub.gcm.flight import Altitude, Attitude
+from hub.gcm.flight import Altitude, FluidPressure
 from hub.gcm.geometry import (
     Point3D,
     Pose3D,
@@ -15,10 +15,11 @@ from hub.gcm.geometry import (
     Quaternion,
     TwistWithCovariance,
 )
+from hub.gcm.imu import Imu
 from hub.gcm.joints import JointStates
 from hub.gcm.navigation import DriveState
 from hub.gcm.odometry import Odometry
-from hub.gcm.standard import ODOM, Header, Time
+from hub.gcm.standard import BASE_LINK, ODOM, Header, Time
 from hub.gcm.vehicle import Arming, VehicleState
 from hub.modules.driver.problems import problems
 from hub.robots.interfaces import Sensors
@@ -64,16 +65,27 @@ def battery(sensors: Sensors, stamp: float) -> BatteryState | None:
     )
 
 
-def attitude(sensors: Sensors, stamp: float) -> Attitude | None:
-    """The tilt; None: the body does not measure it."""
-    if math.isnan(sensors.roll) or math.isnan(sensors.pitch):
+def imu(sensors: Sensors, stamp: float) -> Imu | None:
+    """Tilt, heading, turn rates and acceleration; None: the body measures none of them."""
+    tilts = not (math.isnan(sensors.roll) or math.isnan(sensors.pitch))
+    if not tilts and sensors.turning is None and sensors.acceleration is None:
         return None
-    return Attitude(
-        stamp=stamp,
+    return Imu.of(
+        Header(stamp=Time.of(stamp), frame_id=BASE_LINK),
         roll=sensors.roll,
         pitch=sensors.pitch,
-        yaw=math.remainder(sensors.heading, math.tau),
+        heading=sensors.heading,
+        turning=sensors.turning,
+        acceleration=sensors.acceleration,
     )
+
+
+def fluid_pressure(sensors: Sensors, stamp: float) -> FluidPressure | None:
+    """The pressure around the body; None: it does not measure it."""
+    if math.isnan(sensors.pressure):
+        return None
+    header = Header(stamp=Time.of(stamp), frame_id=BASE_LINK)
+    return FluidPressure(header=header, fluid_pressure=sensors.pressure)
 
 
 def altitude(sensors: Sensors, stamp: float) -> Altitude | None:

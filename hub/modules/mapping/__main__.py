@@ -12,7 +12,7 @@ import numpy as np
 
 from hub.bucket import Bucket
 from hub.errors import HandlerFailedError, MapFileError, MissionError, RobotFileError
-from hub.gcm import flight, mapping, navigation, ranges
+from hub.gcm import imu, mapping, navigation, ranges
 from hub.gcm.beam_scans import LARGEST_TILT, ScanReader
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
@@ -79,7 +79,7 @@ class Mapping:
             ending=self._save,
         )
         client.subscribe(navigation.ROBOT_STATE, self._state)
-        client.subscribe(flight.ATTITUDE, self._attitude)
+        client.subscribe(imu.IMU, self._attitude)
         client.subscribe(ranges.RANGES, self._ranges)
         client.respond(mapping.MAP_REQUEST, mapping.MAP, self._map)
         client.respond(mapping.MAP_COMMAND, COMMON_RESULT, self._command)
@@ -139,8 +139,8 @@ class Mapping:
         self._keeper.trace(state.x, state.y, state.theta)
         self._reader.moved(state, reception.measured)
 
-    def _attitude(self, attitude: flight.Attitude, reception: MessageInfo) -> None:
-        self._reader.tilted(attitude, reception.measured)
+    def _attitude(self, value: imu.Imu, reception: MessageInfo) -> None:
+        self._reader.tilted(value, reception.measured)
 
     def _ranges(self, readings: ranges.RangeReadings, reception: MessageInfo) -> None:
         scan = self._reader.read(readings, reception.measured)

@@ -10,7 +10,7 @@ import time
 
 from hub.control_gate import ControlGate
 from hub.errors import CodecError, HubError
-from hub.gcm import battery, diagnostics, edges, flight, mapping, navigation, ranges
+from hub.gcm import battery, diagnostics, edges, imu, mapping, navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
@@ -81,7 +81,7 @@ class Navigation:
         client.subscribe(navigation.DRIVE_STATE, self.reported)
         client.subscribe(battery.BATTERY, self._powered)
         client.subscribe(ranges.RANGES, self._scanned)
-        client.subscribe(flight.ATTITUDE, self._tilted)
+        client.subscribe(imu.IMU, self._tilted)
         client.subscribe(navigation.GOAL_COMMAND, self.go)
         client.subscribe(navigation.TURN_COMMAND, self._turn)
         client.subscribe(navigation.ASSISTANCE_COMMAND, self._assist)
@@ -172,8 +172,8 @@ class Navigation:
             self._problems = names
             self._publish_problems()
 
-    def _tilted(self, attitude: flight.Attitude, reception: MessageInfo) -> None:
-        self.pilot.tilted(attitude, reception.measured)
+    def _tilted(self, value: imu.Imu, reception: MessageInfo) -> None:
+        self.pilot.tilted(value, reception.measured)
 
     def _lose_place(self, why: str, now: float) -> None:
         """End the task: coordinates from before the loss are wrong now."""

@@ -12,8 +12,8 @@ import numpy as np
 
 from hub.gcm.beam_scans import ScanReader
 from hub.gcm.body import RobotBody
-from hub.gcm.flight import Attitude
 from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.imu import Imu
 from hub.gcm.mapping import MapRequest
 from hub.gcm.navigation import (
     Assistance,
@@ -156,9 +156,9 @@ class PathFollower:
         if not scan.tilted:
             self._drift.scanned(scan, now)
 
-    def tilted(self, attitude: Attitude, measured: float) -> None:
+    def tilted(self, imu: Imu, measured: float) -> None:
         """Take the tilt of the robot, measured at a monotonic time [s]."""
-        self._reader.tilted(attitude, measured)
+        self._reader.tilted(imu, measured)
 
     def restart(self, odom: Pose) -> None:
         """Start again with a new dead reckoning, given its origin in `map`."""

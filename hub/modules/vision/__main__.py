@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from hub.control_gate import ControlGate
 from hub.errors import CameraError, HubError
-from hub.gcm import flight, navigation, vision
+from hub.gcm import flight, imu, navigation, vision
 from hub.gcm.body import Freedom
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.frames import in_base
@@ -60,7 +60,7 @@ class Vision:
         self._gate = ControlGate(client)
         sources = [
             PoseSource(definition=navigation.ROBOT_STATE, handler=self._remember),
-            PoseSource(definition=flight.ATTITUDE, handler=self._tilted, awaited=False),
+            PoseSource(definition=imu.IMU, handler=self._tilted, awaited=False),
             PoseSource(definition=flight.ALTITUDE, handler=self._rose, awaited=False),
         ]
         if self._simulated:
@@ -163,8 +163,8 @@ class Vision:
     def _remember(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         self._poses.add(state, reception.measured)
 
-    def _tilted(self, attitude: flight.Attitude, reception: MessageInfo) -> None:
-        self._stances.tilted(attitude, reception.measured)
+    def _tilted(self, value: imu.Imu, reception: MessageInfo) -> None:
+        self._stances.tilted(value, reception.measured)
 
     def _rose(self, altitude: flight.Altitude, reception: MessageInfo) -> None:
         self._stances.rose(altitude, reception.measured)

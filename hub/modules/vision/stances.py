@@ -7,7 +7,8 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 
-from hub.gcm.flight import Altitude, Attitude
+from hub.gcm.flight import Altitude
+from hub.gcm.imu import Imu
 from hub.values import dataclass
 
 _MOST = 100
@@ -44,9 +45,11 @@ class Stances:
         self._tilts: deque[tuple[float, float, float]] = deque(maxlen=_MOST)
         self._heights: deque[tuple[float, float]] = deque(maxlen=_MOST)
 
-    def tilted(self, attitude: Attitude, measured: float) -> None:
-        """Take an attitude, measured at a monotonic time [s]."""
-        self._tilts.append((measured, attitude.roll, attitude.pitch))
+    def tilted(self, imu: Imu, measured: float) -> None:
+        """Take a tilt, measured at a monotonic time [s]."""
+        roll, pitch, _ = imu.roll_pitch_yaw
+        if not math.isnan(roll):
+            self._tilts.append((measured, roll, pitch))
 
     def rose(self, altitude: Altitude, measured: float) -> None:
         """Take a height, measured at a monotonic time [s]."""

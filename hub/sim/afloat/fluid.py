@@ -8,9 +8,12 @@ import numpy as np
 
 from hub.sim.afloat.attitude import Vector
 from hub.sim.arena_specs import AirSpec
+from hub.sim.steps import GRAVITY
 
 AIR_DENSITY = 1.2
 """[kg/m^3], at 20 degrees Celsius."""
+AIR_PRESSURE = 101_325.0
+"""[Pa], the standard atmosphere."""
 SEA_WATER_DENSITY = 1026.0
 """[kg/m^3], von Benzon et al. 2022."""
 DRAFT_MEMORY = 4.0
@@ -21,6 +24,11 @@ AIRLESS_DEPTH = 0.1
 """Propellers in the middle of the robot draw no air below this depth [m]; our choice."""
 HULL_HEIGHT = 0.254
 """Height of the underwater robot [m]; as it leaves the water, it displaces less."""
+
+
+def pressure_at(depth: float) -> float:
+    """The pressure in the sea at a depth [m], in Pa."""
+    return AIR_PRESSURE + SEA_WATER_DENSITY * GRAVITY * depth
 
 
 def submerged(depth: float) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from hub.gcm import flight
+from hub.gcm.imu import IMU, Imu
 from hub.values import dataclass
 from rune_tui.layout.rules import NumberOption, VisualizerRule
 from rune_tui.model.robot_state import RobotState
@@ -33,12 +33,12 @@ class _Tilt:
     up: int | None
 
 
-class Attitude(MessageGauge[flight.Attitude, _Tilt]):
+class Attitude(MessageGauge[Imu, _Tilt]):
     """The ground below a horizon, as seen from the robot, and the angles in words."""
 
     rule: ClassVar = VisualizerRule(
         meaning="roll and pitch, as an artificial horizon and in words",
-        message=flight.ATTITUDE.name,
+        message=IMU.name,
         option=NumberOption(
             default=0.0,
             least=0.0,
@@ -48,12 +48,13 @@ class Attitude(MessageGauge[flight.Attitude, _Tilt]):
         ),
     )
     urgency: ClassVar[Urgency] = Urgency.DRIVE
-    definition = flight.ATTITUDE
+    definition = IMU
     subject = "attitude"
 
-    def reading(self, value: flight.Attitude, _robot: RobotState) -> _Tilt:
+    def reading(self, value: Imu, _robot: RobotState) -> _Tilt:
         """Right side down and nose up; positive pitch in the message is nose down."""
-        return _Tilt(_degrees(value.roll), _degrees(-value.pitch))
+        roll, pitch, _ = value.roll_pitch_yaw
+        return _Tilt(_degrees(roll), _degrees(-pitch))
 
     def show(self, canvas: Canvas, reading: _Tilt, theme: Theme) -> None:
         """The horizon above the words; in one row only the words."""

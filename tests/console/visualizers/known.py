@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, DrivingMode, Phase
-from hub.gcm.flight import ALTITUDE, ATTITUDE, Altitude, Attitude
+from hub.gcm.flight import ALTITUDE, Altitude
+from hub.gcm.imu import IMU, Imu
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
@@ -92,7 +93,7 @@ def autonomy(**changes: Any) -> AutonomyState:
 def everything() -> dict[MessageDefinition[Any], Any]:
     """Something of each kind."""
     return {
-        ATTITUDE: Attitude(stamp=0.0, roll=0.3, pitch=-0.1),
+        IMU: Imu.of(roll=0.3, pitch=-0.1),
         AUTONOMY_STATE: autonomy(),
         ALTITUDE: Altitude(stamp=0.0, depth=3.3, climb=-0.2),
         INTEREST_POINTS: points(point(1, note="under the table"), point(2, PointKind.LANDMARK)),

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from hub.gcm.autonomy import AUTONOMY_STATE
 from hub.gcm.fields import FARTHEST_M as LARGEST
-from hub.gcm.flight import ALTITUDE, ATTITUDE
+from hub.gcm.flight import ALTITUDE
+from hub.gcm.imu import IMU
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoints
 from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Point, Task
 from hub.gcm.occupancy_map import OccupancyMap
@@ -61,8 +62,9 @@ def robots(draw: st.DrawFn) -> RobotState:
         AUTONOMY_STATE: draw(changed(known.autonomy(why=CONTROL, sender=1))),
         CAPABILITY_REPORTS: known.capabilities(known.capability(CONTROL, module=CONTROL)),
     }
-    for definition in (ATTITUDE, ALTITUDE):
-        everything[definition] = draw(changed(everything[definition]))
+    everything[ALTITUDE] = draw(changed(everything[ALTITUDE]))
+    turned = draw(changed(everything[IMU].orientation))
+    everything[IMU] = dataclasses.replace(everything[IMU], orientation=turned)
     shape = draw(st.sampled_from(((6, 8), (1, 1), (1, 300), (300, 1), (0, 4))))
     camera = camera_state(robot_x=0.0, robot_y=0.0, robot_theta=0.0)
     grid = OccupancyMap(

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hub.gcm.beam_scans import ATTITUDE_S, LARGEST_TILT, TILTED_REACH, BeamScan, ScanReader
 from hub.gcm.beams import beams_of
 from hub.gcm.body import RobotBody
-from hub.gcm.flight import Attitude
+from hub.gcm.imu import Imu
 from hub.gcm.orientation import rotation
 from hub.gcm.ranges import RangeReadings, scan_of
 from hub.pose import Pose
@@ -77,12 +77,12 @@ def test_the_pose_is_that_of_the_measurement() -> None:
 
 def test_of_a_tilted_robot_only_near_ranges_are_used() -> None:
     made = reader()
-    made.tilted(Attitude(stamp=0.0, roll=0.0, pitch=-1.2 * LARGEST_TILT), 1.0)
+    made.tilted(Imu.of(roll=0.0, pitch=-1.2 * LARGEST_TILT), 1.0)
     scan = read(made, readings({"left": 0.4, "rear": 1.1 * TILTED_REACH}))
     assert scan.tilted
     assert fresh(made, scan) == {"left"}
     assert made.tilt == pytest.approx(1.2 * LARGEST_TILT)
-    made.tilted(Attitude(stamp=0.0, roll=0.9 * LARGEST_TILT, pitch=0.0), 1.0)
+    made.tilted(Imu.of(roll=0.9 * LARGEST_TILT, pitch=0.0), 1.0)
     scan = read(made, readings({"rear": 1.1 * TILTED_REACH}, 6.0))
     assert not scan.tilted
     assert "rear" in fresh(made, scan)
@@ -96,7 +96,7 @@ def test_a_range_is_not_used_where_the_beam_meets_the_floor() -> None:
     ahead = 90  # the laser looks to the left and counts clockwise
     for away, used in ((0.7 * floor, True), (floor, False)):
         made = reader()
-        made.tilted(Attitude(stamp=0.0, roll=0.0, pitch=pitch), 1.0)
+        made.tilted(Imu.of(roll=0.0, pitch=pitch), 1.0)
         scan = read(made, readings({"laser": away}))
         place = made.beams.groups["laser"]
         beam = place.start + 180 + ahead
@@ -122,7 +122,7 @@ def test_the_way_to_the_floor_ends_on_it(roll: float, pitch: float) -> None:
 
 def test_an_old_attitude_is_not_known() -> None:
     made = reader()
-    made.tilted(Attitude(stamp=0.0, roll=1.0, pitch=0.0), 0.9 - ATTITUDE_S)
+    made.tilted(Imu.of(roll=1.0, pitch=0.0), 0.9 - ATTITUDE_S)
     assert made.read(readings({}), 1.0) is not None
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hub.gcm.flight import ATTITUDE, Attitude
+from hub.gcm.imu import IMU, Imu
 from hub.gcm.mapping import MAP_REQUEST, Map, MapRequest
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.ranges import RANGES, RangeReadings, scan_of
@@ -69,13 +69,13 @@ def test_scans_of_a_tilted_robot_are_left_out_and_the_log_says_so_once(
         bus.send(RANGES, RangeReadings(scans=(scan,)))
 
     for tilt in (
-        Attitude(stamp=0.0, roll=0.1, pitch=0.0),
-        Attitude(stamp=0.0, roll=0.0, pitch=-0.1),
+        Imu.of(roll=0.1, pitch=0.0),
+        Imu.of(roll=0.0, pitch=-0.1),
     ):
-        bus.send(ATTITUDE, tilt)
-        drive(tilt.roll)
+        bus.send(IMU, tilt)
+        drive(tilt.roll_pitch_yaw[0])
         assert bus.map().width_cells == empty
-    bus.send(ATTITUDE, Attitude(stamp=0.0, roll=0.01, pitch=0.02))
+    bus.send(IMU, Imu.of(roll=0.01, pitch=0.02))
     drive(0.5)
     assert bus.map().width_cells > empty
     module.finish()

@@ -11,7 +11,7 @@ from hub.gcm.body import USUAL_RADIUS
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import RangeReadings
-from hub.modules.driver.reports import attitude, drive_state
+from hub.modules.driver.reports import drive_state, imu
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.path_follower import PathFollower
 from hub.pose import Pose
@@ -91,7 +91,7 @@ class Drive:
         if self._steps % STEPS_PER_REPORT == 0 or self._steps == 0:
             sensors = self.robot.sensors(self.now)
             self.pilot.reported(drive_state(sensors, self.now), self.now, self.now)
-            lean = attitude(sensors, self.now)
+            lean = imu(sensors, self.now)
             if lean is not None:
                 self.pilot.tilted(lean, self.now)
             self.pilot.scanned(RangeReadings(scans=sensors.scans), self.now, self.now)

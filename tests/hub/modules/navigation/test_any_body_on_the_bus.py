@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from hub.gcm.diagnostics import DIAGNOSTICS
-from hub.gcm.flight import ATTITUDE, Attitude
 from hub.gcm.geometry import Twist, TwistStamped, Vector3
+from hub.gcm.imu import IMU, Imu
 from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND
 from hub.gcm.ranges import RANGES, RangeReadings, scan_of
 from hub.modules.navigation.__main__ import Navigation
@@ -95,7 +95,7 @@ def test_a_tilted_robot_drives_slowly_and_says_so_once(
 ) -> None:
     with caplog.at_level(logging.WARNING):
         for _ in range(3):
-            scene.bus.send(ATTITUDE, Attitude(stamp=0.0, roll=0.2, pitch=0.0), "driver")
+            scene.bus.send(IMU, Imu.of(roll=0.2, pitch=0.0), "driver")
             scene.measure(1.5)
             scene.bus.wait(0.01)
     assert scene.commanded().linear.y == 0.2
@@ -109,7 +109,7 @@ def test_a_tilted_robot_drives_slowly_and_says_so_once(
     assert [(each.name, each.message) for each in sent[-1].status] == [("tilt", said)]
     scene.bus.wait(0.1)
     scene.bus.send(DRIVE_STATE, AT_ORIGIN, "driver")
-    scene.bus.send(ATTITUDE, Attitude(stamp=0.0, roll=0.2, pitch=0.0), "driver")
+    scene.bus.send(IMU, Imu.of(roll=0.2, pitch=0.0), "driver")
     scene.measure(0.25)
     scene.bus.wait(0.1)
     assert scene.commanded().linear.y == 0.0, "it is as near on a slope"

@@ -6,14 +6,15 @@ import math
 
 import pytest
 
-from hub.gcm.flight import Altitude, Attitude
+from hub.gcm.flight import Altitude
+from hub.gcm.imu import Imu
 from hub.modules.vision.stances import Stances
 
 
 def flying() -> Stances:
     stances = Stances(stands=False)
     for number in range(5):
-        stances.tilted(Attitude(stamp=0.0, roll=0.1 * number, pitch=-0.2), 10.0 + 0.05 * number)
+        stances.tilted(Imu.of(roll=0.1 * number, pitch=-0.2), 10.0 + 0.05 * number)
         stances.rose(Altitude(stamp=0.0, above_ground=1.0 + number), 10.0 + 0.1 * number)
     return stances
 
@@ -38,7 +39,7 @@ def test_the_newest_measurement_holds_for_a_moment() -> None:
 def test_a_robot_that_stands_is_on_the_ground_whatever_its_sensors_measure() -> None:
     stances = Stances(stands=True)
     assert (stances.at(1.0).above_ground, math.isnan(stances.at(1.0).roll)) == (0.0, True)
-    stances.tilted(Attitude(stamp=0.0, roll=0.3, pitch=0.1), 1.0)
+    stances.tilted(Imu.of(roll=0.3, pitch=0.1), 1.0)
     stances.rose(Altitude(stamp=0.0, above_ground=0.4), 1.0)
     assert (stances.at(1.1).roll, stances.at(1.1).above_ground) == (0.3, 0.0)
 
