@@ -16,11 +16,14 @@ from hub.gcm.imu import IMU, Imu
 from hub.gcm.ranges import RANGES
 from hub.gcm.vehicle import VEHICLE_STATE, HoldPhase, HoldState, VehicleState
 from rune_tui.compositor.picture import plain_text
+from rune_tui.controls.events import ControlEvent
+from rune_tui.dispatch import Dispatch
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import ChooseRobot, Peek
+from rune_tui.model.effects import ChooseRobot, Effect, Peek
 from rune_tui.model.robot_state import LinkPhase, Received, RobotState
 from rune_tui.model.state_changes import changed
 from rune_tui.view import View
+from tests.console.dispatching import stops
 from tests.console.situations import NOW, ROOT, robot, shipped
 from tests.support.cases import for_each
 from tests.support.magellan import magellan_body
@@ -128,6 +131,33 @@ def test_a_peek_is_said_beside_the_picture(size: tuple[int, int]) -> None:
     text = drawn(SCENES["peek"], size)
     assert "PEEK" in text
     assert "PEEK" not in drawn(CALM, size)
+
+
+def pressed(dispatch: Dispatch, name: str, shown: ConsoleState) -> tuple[Effect, ...]:
+    return dispatch.handle(ControlEvent(name=name, pressed=True), shown)
+
+
+def test_a_gamepad_chooses_goes_to_the_next_alarm_and_stops() -> None:
+    dispatch, view = Dispatch(LAYOUT), View(LAYOUT, spent=lambda: 0.0)
+    view.resize(120, 40)
+    view.render(SCENES["alarms"])
+    shown = dataclasses.replace(SCENES["alarms"], attention=view.attention)
+    choices = {"rightshoulder": "submarine", "leftshoulder": "rover"}
+    for button, robot_after in choices.items():
+        (choice,) = pressed(dispatch, f"joystick pad {button}", shown)
+        assert isinstance(choice, ChooseRobot)
+        assert changed(shown, choice).chosen == robot_after
+    assert stops(pressed(dispatch, "joystick pad b", shown)) == ["blimp"]
+    assert stops(pressed(dispatch, "joystick pad x", shown)) == ["rover", "blimp", "submarine"]
+
+
+def test_space_stops_the_chosen_robot_shift_and_a_digit_one_and_zero_all() -> None:
+    dispatch = Dispatch(LAYOUT)
+    assert stops(pressed(dispatch, "space", CALM)) == ["blimp"]
+    assert stops(pressed(dispatch, "0", CALM)) == ["rover", "blimp", "submarine"]
+    for role, keys in {"rover": "!", "blimp": '@"', "submarine": "#£§"}.items():
+        for key in keys:
+            assert stops(pressed(dispatch, key, CALM)) == [role]
 
 
 def test_keys_of_freedoms_that_the_robot_lacks_are_not_in_the_legend() -> None:
