@@ -7,9 +7,10 @@ from dataclasses import field
 
 import numpy as np
 
-from hub.gcm import autonomy, navigation, vision
+from hub.gcm import autonomy, navigation, vehicle, vision
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.fields import Count, Flag, Name, Number, Numbers, Seconds, Sentence
+from hub.gcm.geometry import TwistStamped
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.values import dataclass
 
@@ -39,9 +40,26 @@ RESTRICTED: frozenset[str] = DRIVING | {
         navigation.LANDMARK_CORRECTION,
         vision.CAMERA_COMMAND,
         vision.NIGHT_COMMAND,
+        vehicle.VEHICLE_COMMAND,
     )
 }
 """Messages of the owner alone, while there is one; `GCM_Stop` is not among them."""
+
+
+def is_restricted(message: str, value: object) -> bool:
+    """Whether only the owner may send this; zero speed and disarming are for all."""
+    if isinstance(value, TwistStamped):
+        return message in RESTRICTED and not value.neutral
+    if isinstance(value, vehicle.VehicleCommand):
+        return value.order is not vehicle.VehicleOrder.DISARM
+    return message in RESTRICTED
+
+
+def is_driving(message: str, value: object) -> bool:
+    """Whether this moves the robot, so that it takes control of a free one."""
+    if isinstance(value, vehicle.VehicleCommand):
+        return value.order not in (vehicle.VehicleOrder.DISARM, vehicle.VehicleOrder.LIGHT)
+    return message in DRIVING and is_restricted(message, value)
 
 
 class ControlAction(enum.IntEnum):

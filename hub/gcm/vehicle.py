@@ -142,7 +142,7 @@ class VehicleCommand:
             brightness, 0 to 1. `JOINT`: turn rate [rad/s]. Else without meaning.
     """
 
-    order: VehicleOrder
+    order: VehicleOrder = VehicleOrder.HOLD
     name: Name = ""
     hold: HoldKind = HoldKind.HEIGHT
     value: Annotated[float, Range(-1e6, 1e6, unit="m, rad or rad/s", nan=True)] = math.nan

@@ -19,7 +19,7 @@ from hub.errors import (
 )
 from hub.gcm.catalog import BY_NAME
 from hub.gcm.common import CommonResult
-from hub.gcm.control import CONTROL_STATE, RESTRICTED
+from hub.gcm.control import CONTROL_STATE, is_restricted
 from hub.inspection import value_text
 from hub.inspection.output import outcome, print_error, put
 from hub.ipc.client import Client
@@ -132,7 +132,7 @@ def send(
     value = value_text.value_from_text(definition, assignments, print_error)
     value_text.demand_within_ranges(definition, value)
     client.demand_right(definition)
-    owner = _owner(client) if name in RESTRICTED else ""
+    owner = _owner(client) if is_restricted(name, value) else ""
     if owner:
         text = f"{owner} has control, so the robot refuses this; `rune-hub control` says more"
         print_error(plain(text))

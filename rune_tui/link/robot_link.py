@@ -21,6 +21,7 @@ from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.capability import Capability
 from hub.gcm.catalog import BY_NAME
 from hub.gcm.control import CONTROL_STATE, ControlAction, ControlState
+from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.mission import MISSION_STATE, MissionAction
 from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.gcm.occupancy_map import OccupancyMap
@@ -53,6 +54,7 @@ from rune_tui.model.robot_state import (
     Received,
     RobotState,
 )
+from rune_tui.model.vehicle import with_message
 
 _logger = logging.getLogger(__name__)
 
@@ -66,7 +68,13 @@ _COUNT_S = 1.0
 _MOST_LETTERS = 1000
 _ALWAYS = frozenset(
     definition.name
-    for definition in (ROBOT_DESCRIPTION, CAPABILITY_REPORTS, CONTROL_STATE, MISSION_STATE)
+    for definition in (
+        ROBOT_DESCRIPTION,
+        CAPABILITY_REPORTS,
+        CONTROL_STATE,
+        MISSION_STATE,
+        DIAGNOSTICS,
+    )
 )
 """Messages that are subscribed to with every layout."""
 _ANSWERS = frozenset({vision.IMAGE.name, mapping.MAP.name})
@@ -247,7 +255,7 @@ class RobotLink:
         self.record(BY_NAME[name], value, reception.measured)
         received = self.received(value, reception)
         self._note_number()
-        self._state = self._state.with_(messages={**self._state.messages, name: received})
+        self._state = with_message(self._state, name, received, reception.publisher)
         if isinstance(value, CapabilityReports):
             self._note_lacking(value)
         elif isinstance(value, ControlState):

@@ -122,6 +122,7 @@ class ConsoleState:
         wishes: The requested kind of pictures, by the robot's name.
         cameras: The camera that the operator chose, by robot; default: the main one.
         night: Robots with night mode on, by name.
+        trims: The trim of each robot's controls [m/s or rad/s].
         speed_limits: Share of its speed at which each robot is driven, 0 to 1; default: 1.
         theme: The colours.
         notices: The reports, the newest last.
@@ -164,6 +165,7 @@ class ConsoleState:
     cameras: Mapping[str, str] = field(default_factory=dict)
     night: frozenset[str] = frozenset()
     speed_limits: Mapping[str, float] = field(default_factory=dict)
+    trims: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     theme: Theme = DARK
     notices: tuple[Notice, ...] = ()
     help: bool = False
@@ -237,6 +239,10 @@ class ConsoleState:
         """Speed limit of a robot, which may be `CHOSEN`, as a share of its speed, 0 to 1."""
         return self.speed_limits.get(self.chosen if robot == CHOSEN else robot, 1.0)
 
+    def trim(self, robot: str) -> Mapping[str, float]:
+        """The trim of each control of a robot, which may be `CHOSEN` [m/s or rad/s]."""
+        return self.trims.get(self.chosen if robot == CHOSEN else robot, {})
+
     def unconfirmed_marks(self, robot: str) -> int:
         """Number of marks that this robot has not confirmed."""
         return sum(count for (_, marked), count in self.unconfirmed.items() if marked == robot)
@@ -277,6 +283,7 @@ def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:
         wishes={name: wish for name, wish in state.wishes.items() if name in robots},
         cameras={name: each for name, each in state.cameras.items() if name in robots},
         night=state.night & robots,
+        trims={name: each for name, each in state.trims.items() if name in robots},
         speed_limits={name: limit for name, limit in state.speed_limits.items() if name in robots},
         trouble="",
         ghosts={},  # the widget that ends or confirms them is gone

@@ -7,8 +7,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 from hub.gcm.autonomy import AUTONOMY_COMMAND
-from hub.gcm.control import DRIVING, RESTRICTED, ControlAction
-from hub.gcm.geometry import TwistStamped
+from hub.gcm.control import ControlAction, is_driving, is_restricted
 from hub.gcm.mission import MissionAction
 from hub.gcm.navigation import GOAL_COMMAND, STOP, VELOCITY_COMMAND
 from hub.ipc.definition import MessageDefinition
@@ -21,6 +20,8 @@ SPEED_LIMITS = (0.1, 0.25, 0.5, 1.0)
 """Shares of the full speed that a robot is driven with."""
 
 
+MOST_TRIM = 0.3
+"""Largest trim of a control [m/s or rad/s]."""
 _SENDS_OFF = frozenset({GOAL_COMMAND.name, AUTONOMY_COMMAND.name})
 """Messages that start a robot's own task."""
 
@@ -49,14 +50,13 @@ class SendEffect(RobotEffect):
 
     @property
     def controlled(self) -> str:
-        """The robot, for messages that only its owner may send; any console may send zero speed."""
-        neutral = isinstance(self.value, TwistStamped) and self.value.neutral
-        return self.robot if self.definition.name in RESTRICTED and not neutral else ""
+        """The robot, for messages that only its owner may send."""
+        return self.robot if is_restricted(self.definition.name, self.value) else ""
 
     @property
     def takes_control(self) -> bool:
         """Whether it drives the robot, other than to rest."""
-        return bool(self.controlled) and self.definition.name in DRIVING
+        return is_driving(self.definition.name, self.value)
 
     @property
     def sent_off(self) -> str:
@@ -279,6 +279,19 @@ class LimitSpeed(RobotEffect):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class TrimSpeed(RobotEffect):
+    """Change the trim of a control: a small velocity that is added while a robot is driven.
+
+    Attributes:
+        control: The control of `widgetSetSpeed`; empty: all of them.
+        change: Added to its trim [m/s or rad/s]; 0: no trim any more.
+    """
+
+    control: str = ""
+    change: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ToggleNight(RobotEffect):
     """The report's local message `RuneToggleNightMode`: night mode on, or off again.
 
@@ -411,6 +424,7 @@ StateEffect = (
     | ToggleNight
     | MarksWaiting
     | LimitSpeed
+    | TrimSpeed
     | SetTheme
     | ShowGhost
     | Notify

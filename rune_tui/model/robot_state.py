@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
+from hub.gcm.diagnostics import Diagnostics
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.occupancy_map import OccupancyMap
@@ -178,6 +179,7 @@ class RobotState:
         pictures: Newest image of each other camera that is shown, by the camera's name.
         map: Newest map.
         messages: The newest of each other message, by its name.
+        diagnostics: The newest problems that each module reports, by its number at the hub.
     """
 
     name: str
@@ -186,6 +188,7 @@ class RobotState:
     pictures: Mapping[str, Received[Picture]] = field(default_factory=dict)
     map: Received[OccupancyMap] | None = None
     messages: Mapping[str, Received[Any]] = field(default_factory=dict)
+    diagnostics: Mapping[int, Received[Diagnostics]] = field(default_factory=dict)
 
     def newest(self, definition: MessageDefinition[T]) -> Received[T] | None:
         """The newest message of a kind; None: none arrived, or no viewport uses it."""

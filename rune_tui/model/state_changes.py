@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from rune_tui.model.console_state import MOST_NOTICES, ConsoleState
 from rune_tui.model.effects import (
+    MOST_TRIM,
     SPEED_LIMITS,
     AskToLeave,
     ChooseCamera,
@@ -25,6 +26,7 @@ from rune_tui.model.effects import (
     ToggleHelp,
     ToggleLog,
     ToggleNight,
+    TrimSpeed,
     TurnPage,
     WishPictures,
     Zoom,
@@ -55,7 +57,14 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
             zoom = state.zooms.get(name, 1.0) * factor if factor > 0.0 else 1.0
             zoom = min(MOST_ZOOM, max(LEAST_ZOOM, zoom))
             return dataclasses.replace(state, zooms=_with(state.zooms, name, zoom))
-        case WishPictures() | ChooseCamera() | ToggleNight() | LimitSpeed() | ShowGhost():
+        case (
+            WishPictures()
+            | ChooseCamera()
+            | ToggleNight()
+            | LimitSpeed()
+            | TrimSpeed()
+            | ShowGhost()
+        ):
             return _of_robot(state, effect)
         case MarksWaiting(source=source, robot=name, count=count, overdue=overdue):
             return dataclasses.replace(
@@ -99,7 +108,7 @@ def _covered(state: ConsoleState, effect: CoverEffect) -> ConsoleState:
 
 def _of_robot(
     state: ConsoleState,
-    effect: WishPictures | ChooseCamera | ToggleNight | LimitSpeed | ShowGhost,
+    effect: WishPictures | ChooseCamera | ToggleNight | LimitSpeed | TrimSpeed | ShowGhost,
 ) -> ConsoleState:
     """The state after an effect on one robot."""
     match effect:
@@ -114,10 +123,21 @@ def _of_robot(
         case LimitSpeed(robot=name):
             limits = _with(state.speed_limits, name, _limit(state.speed_limit(name), effect))
             return dataclasses.replace(state, speed_limits=limits)
+        case TrimSpeed(robot=name):
+            trims = _with(state.trims, name, _trimmed(state.trim(name), effect))
+            return dataclasses.replace(state, trims=trims)
         case ShowGhost(robot=name, ghost=ghost):
             others = {each: shown for each, shown in state.ghosts.items() if each != name}
             ghosts = others if ghost is None else {**others, name: ghost}
             return dataclasses.replace(state, ghosts=ghosts)
+
+
+def _trimmed(now: Mapping[str, float], effect: TrimSpeed) -> Mapping[str, float]:
+    """The trims of a robot after an effect, rounded so that steps back give 0 again."""
+    if not effect.control:
+        return {}
+    trim = round(now.get(effect.control, 0.0) + effect.change, 6) if effect.change else 0.0
+    return {**now, effect.control: max(-MOST_TRIM, min(MOST_TRIM, trim))}
 
 
 def _limit(now: float, effect: LimitSpeed) -> float:

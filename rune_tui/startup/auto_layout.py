@@ -8,6 +8,8 @@
 | a map, autonomy | the map, what it does by itself, and their keys |
 | a degree of freedom | its keys and sticks |
 | motion up and down | attitude and height |
+| holds, joints, motors that can be disarmed | the vehicle's state, and their keys |
+| lights | a key for the first one |
 
 The text is a layout file as people write it, to be edited further.
 """
@@ -33,6 +35,10 @@ _CAPABILITIES = (
     ("PRO_MAP", 2000),
     ("PRO_POINTS", 0),
     ("AUT_PILOT", 0),
+    ("DRV_HOLD", 0),
+    ("DRV_LIGHT", 0),
+    ("DRV_JOINT", 0),
+    ("DRV_ARM", 0),
 )
 """What a console asks of a robot that has it, and how often [ms]; 0: no period."""
 _ALWAYS = ("CON_REAL", "NAV_STATE", "NAV_MOVE")
@@ -48,6 +54,17 @@ _KEYS = {
     Freedom.HEAVE: ("climb", "pageup", "pagedown", "PageUp, PageDown"),
 }
 """Control of each degree of freedom, its keys for plus and minus, and their names."""
+_SPEED_OPTIONS = {
+    Freedom.SURGE: "linear",
+    Freedom.YAW: "angular",
+    Freedom.SWAY: "strafe",
+    Freedom.HEAVE: "climb",
+}
+"""The option with the speed of each degree of freedom."""
+_HOLD_KEYS = ("g", "y")
+"""Keys of the first holds."""
+_JOINT_KEYS = (("2", "1"), ("4", "3"), ("6", "5"), ("8", "7"))
+"""Keys of the first joints, for up and down."""
 _STICKS = {
     Freedom.SURGE: ("lefty", 1),
     Freedom.YAW: ("leftx", -1),
@@ -150,6 +167,9 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
     if any(motion.freedom is Freedom.HEAVE for motion in body.motions):
         yield _Panel(name="attitude", body=_shows("visualizeAttitude"), rows=18, title="attitude")
         yield _Panel(name="height", body=_shows("visualizeDepth"), rows=18, title="height")
+    if body.holds or body.joints or body.arms:
+        rows = 2 * (1 + len(body.holds) + len(body.joints) + len(body.lights))
+        yield _Panel(name="vehicle", body=_shows("visualizeVehicle"), rows=rows, title="vehicle")
     yield _Panel(name="alarms", body=_shows("visualizeAlarms"), title="problems")
     if "AUT_PILOT" in capabilities:
         yield _Panel(name="autonomy", body=_shows("visualizeAutonomy"), title="by itself")
@@ -193,6 +213,7 @@ def _controls(body: RobotBody, capabilities: Collection[str]) -> Iterator[str]:
     yield "</widget>"
     if _looks(body) and "VIS_PTZ" in capabilities:
         yield from _LOOKING
+    yield from _vehicle(body, capabilities)
     keys = [("widgetTakeControl", "t"), ("widgetReleaseControl", "c")]
     keys += [("widgetGrantControl", "p"), ("widgetDenyControl", "b")]
     keys += [("widgetMission", "m")] * ("PRO_POINTS" in capabilities)
@@ -224,10 +245,10 @@ def _driving(body: RobotBody) -> Iterator[str]:
     bound = dict(_bound(body))
     if not bound:
         return
-    linear = max((bound[each] for each in bound if each < Freedom.ROLL), default=0.5)
     yield '<widget handler="widgetSetSpeed">'
-    yield f'  <option name="linear" value="{linear:g}"/>'
-    yield f'  <option name="angular" value="{bound.get(Freedom.YAW, 1.0):g}"/>'
+    for freedom, limit in bound.items():
+        if freedom in _SPEED_OPTIONS:
+            yield f'  <option name="{_SPEED_OPTIONS[freedom]}" value="{limit:g}"/>'
     for freedom in bound:
         control, plus, minus, _ = _KEYS[freedom]
         yield f'  <event key="{plus}" control="{control}" value="1"/>'
@@ -236,6 +257,24 @@ def _driving(body: RobotBody) -> Iterator[str]:
         if not (_looks(body) and axis.startswith("right")):
             yield f'  <event joystick="pad" axis="{axis}" control="{control}" value="{sign}"/>'
     yield "</widget>"
+
+
+def _vehicle(body: RobotBody, capabilities: Collection[str]) -> Iterator[str]:
+    """Keys of holds, joints, the first light, and the power of the motors."""
+    for hold, key in zip(body.holds, _HOLD_KEYS, strict=False):
+        name = hold.kind.name.lower()
+        yield f'<widget handler="widgetHold"><option name="hold" value="{name}"/>'
+        yield f'  <event key="{key}"/>'
+        yield "</widget>"
+    for joint, (up, down) in zip(body.joints, _JOINT_KEYS, strict=False):
+        yield f'<widget handler="widgetJoint"><option name="joint" value={quoteattr(joint.name)}/>'
+        yield f'  <event key="{up}" value="1"/><event key="{down}" value="-1"/>'
+        yield "</widget>"
+    if body.lights and "DRV_LIGHT" in capabilities:
+        yield '<widget handler="widgetLight"><event key="o"/></widget>'
+    if body.arms:
+        yield '<widget handler="widgetArm"><event key="f8"/></widget>'
+        yield '<widget handler="widgetDisarm"><event key="f9"/></widget>'
 
 
 def _looks(body: RobotBody) -> bool:
@@ -252,6 +291,12 @@ def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
         parts.append("IJKL look")
     if len(body.cameras) > 1:
         parts.append("V camera")
+    for hold, key in zip(body.holds, _HOLD_KEYS, strict=False):
+        parts.append(f"{key.upper()} hold {hold.kind.name.lower()}")
+    for joint, (up, down) in zip(body.joints, _JOINT_KEYS, strict=False):
+        parts.append(f"{down} {up} {joint.name}")
+    if body.lights and "DRV_LIGHT" in capabilities:
+        parts.append("O light")
     parts.append("T control")
     if "AUT_PILOT" in capabilities:
         parts.append("E explore")

@@ -32,6 +32,7 @@ from rune_tui.visualizers.words.mission import VisualizeMission
 from rune_tui.visualizers.words.modules import Modules
 from rune_tui.visualizers.words.status import Status
 from rune_tui.visualizers.words.team import Team
+from rune_tui.visualizers.words.vehicle import VisualizeVehicle
 
 VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeCameraImage": CameraImage,
@@ -60,6 +61,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeLink": Link,
     "visualizeMarks": Marks,
     "visualizeMission": VisualizeMission,
+    "visualizeVehicle": VisualizeVehicle,
     "visualizeModules": Modules,
     "visualizeButton": Button,
     "visualizePlot": Plot,

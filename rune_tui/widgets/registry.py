@@ -16,7 +16,7 @@ from rune_tui.widgets.marks import SetLandmark, SetVictim
 from rune_tui.widgets.mission import Mission
 from rune_tui.widgets.orders import Autonomy, GoTo, Safety
 from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoom, HomePTZ
-from rune_tui.widgets.seeing import ChooseCameraWidget, Headlight, SetImageRequest, ToggleNightMode
+from rune_tui.widgets.seeing import ChooseCameraWidget, SetImageRequest, ToggleNightMode
 from rune_tui.widgets.session import Calibrate, NextLayout, Quit, RecordWidget, Screenshot
 from rune_tui.widgets.showing import (
     FullScreen,
@@ -29,12 +29,25 @@ from rune_tui.widgets.showing import (
 from rune_tui.widgets.speed import SetSpeed, StopRobot
 from rune_tui.widgets.speed_limit import SpeedLimit
 from rune_tui.widgets.team import ChooseRobotWidget, NextAlarm, PeekWidget
+from rune_tui.widgets.vehicle import (
+    ArmWidget,
+    DisarmWidget,
+    HoldWidget,
+    JointWidget,
+    LightWidget,
+    TrimWidget,
+)
 from rune_tui.widgets.widget import Widget
 
 WIDGETS: Mapping[str, type[Widget]] = {
     "widgetSetSpeed": SetSpeed,
     "widgetSpeedLimit": SpeedLimit,
+    "widgetTrim": TrimWidget,
     "widgetStop": StopRobot,
+    "widgetHold": HoldWidget,
+    "widgetJoint": JointWidget,
+    "widgetArm": ArmWidget,
+    "widgetDisarm": DisarmWidget,
     "widgetTakeControl": TakeControl,
     "widgetReleaseControl": ReleaseControl,
     "widgetGrantControl": GrantControl,
@@ -51,7 +64,7 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetChooseCamera": ChooseCameraWidget,
     "widgetSetImageRequest": SetImageRequest,
     "widgetToggleNightMode": ToggleNightMode,
-    "widgetHeadlight": Headlight,
+    "widgetLight": LightWidget,
     "widgetSetVictim": SetVictim,
     "widgetSetLandmark": SetLandmark,
     "widgetUndoMark": UndoMark,

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import ClassVar
 
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.vision import (
-    CAMERA_STATE,
     NIGHT_COMMAND,
     ImageCoding,
     ImageKind,
@@ -139,32 +137,3 @@ class ToggleNightMode(OrderWidget):
         command = NightCommand(on=int(wanted))
         send = SendEffect(robot=robot.name, definition=NIGHT_COMMAND, value=command)
         return (ToggleNight(robot=robot.name, on=wanted), send)
-
-
-class Headlight(OrderWidget):
-    """Lights the headlight, or puts it out."""
-
-    rule: ClassVar = HandlerRule(
-        section=Section.LOOK,
-        says={"": "Headlight on or off"},
-        meaning=(
-            "Lights the headlight or puts it out. Lighting it switches night mode on; putting it "
-            "out leaves that as it is."
-        ),
-        options={
-            "brightness": NumberOption(default=1.0, least=0.05, most=1.0, meaning="how bright")
-        },
-        sends=(NIGHT_COMMAND.name,),
-        uses=(CAMERA_STATE.name,),
-    )
-
-    def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
-        """The other than the camera reports."""
-        if robot.camera is None or math.isnan(robot.camera.value.headlight):
-            text = f"{robot.title} reports no headlight"
-            return (Notify.now(state, text, robot=robot.name),)
-        lit = robot.camera.value.headlight > 0.0
-        brightness = 0.0 if lit else self.spec.options.number("brightness")
-        command = NightCommand(on=1, headlight=brightness)
-        send = SendEffect(robot=robot.name, definition=NIGHT_COMMAND, value=command)
-        return (send,) if lit else (ToggleNight(robot=robot.name, on=True), send)

@@ -10,7 +10,8 @@
 | the dead-man button is up | axes do not count | the same |
 | input that must be released first, or is stale | ignore it | the same |
 
-A control that the robot's body does not have drives nothing, and a press of it says so.
+A control that the robot's body does not have drives nothing, and a press of it says so. The trim
+of the robot's controls is added while any of them drives; it does not change steps.
 
 A step is a distance: velocity times time, at the step's own low velocity. The speed limit of the
 robot holds for steps, keys and sticks. Shift makes steps shorter and driving slower.
@@ -19,7 +20,7 @@ robot holds for steps, keys and sticks. Shift makes steps shorter and driving sl
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import ClassVar, Final, Self
 
 from hub.gcm.body import Freedom, RobotBody
@@ -88,6 +89,7 @@ class SetSpeed:
         *,
         linear: float,
         angular: float,
+        strafe: float = 0.0,
         climb: float = 0.0,
         tilt: float = 0.0,
         turbo: float = 1.0,
@@ -103,6 +105,7 @@ class SetSpeed:
             robot: Its name in the layout.
             linear: Forward velocity at value 1 [m/s].
             angular: Turn rate at value 1 [rad/s], counter-clockwise.
+            strafe: Velocity to the left at value 1 [m/s]; 0: that of `linear`.
             climb: Upward velocity at value 1 [m/s].
             tilt: Rate of pitch and roll at value 1 [rad/s].
             turbo: Factor of the velocity while turbo is held.
@@ -115,7 +118,7 @@ class SetSpeed:
         self.robot = robot
         self._speeds = {
             TRANSLATE: linear,
-            "strafe": linear,
+            "strafe": strafe or linear,
             "climb": climb,
             "pitch": tilt,
             "roll": tilt,
@@ -130,6 +133,7 @@ class SetSpeed:
         }
         self._fine = fine
         self._limit = 1.0
+        self._trims: Mapping[str, float] = {}
         self._body: RobotBody | None = None
         self._held: dict[EventSpec, float] = {}
         """The inputs that count, with their shares, -1 to 1, the newest last."""
@@ -147,6 +151,7 @@ class SetSpeed:
             robot,
             linear=spec.options.number("linear"),
             angular=spec.options.number("angular"),
+            strafe=spec.options.number("strafe"),
             climb=spec.options.number("climb"),
             tilt=spec.options.number("tilt"),
             turbo=spec.options.number("turbo_factor"),
@@ -180,9 +185,13 @@ class SetSpeed:
         return self._waiting <= {event_spec} and not any(axis.name in unseen for axis in self._axes)
 
     def velocity(self) -> Twist:
-        """The command of the held inputs."""
+        """The command of the held inputs; what they drive is trimmed, neutral is not."""
         newest = {spec.control: spec for spec in self._held}
         speeds = {control: self._speed(newest.get(control)) for control in FREEDOMS}
+        if any(speeds.values()) and not self._steps:
+            for control, trim in self._trims.items():
+                most = self._most(control)
+                speeds[control] = max(-most, min(most, speeds[control] + trim))
         return Twist(
             linear=Vector3(x=speeds[TRANSLATE], y=speeds["strafe"], z=speeds["climb"]),
             angular=Vector3(x=speeds["roll"], y=speeds["pitch"], z=speeds[ROTATE]),
@@ -214,6 +223,7 @@ class SetSpeed:
         """Take the limits of the robot and its body."""
         robot = state.robot(self.robot)
         self._limit = state.speed_limit(self.robot)
+        self._trims = state.trim(self.robot)
         self._body = robot.body if robot is not None else None
 
     def handle(

@@ -50,17 +50,20 @@ SPEED_RULE: Final = HandlerRule(
     controls=("translate", "rotate", "climb", "strafe", "pitch", "roll", ENABLE, TURBO),
     options={
         "linear": NumberOption(
-            default=0.5, least=0.0, most=10.0, unit="m/s", meaning="speed at value 1"
+            default=0.5, least=0.0, most=10.0, unit="m/s", meaning="speed ahead at value 1"
         ),
         "angular": NumberOption(
             default=1.0, least=0.0, most=10.0, unit="rad/s", meaning="turn rate at value 1"
         ),
-        "climb": NumberOption(
-            default=0.3,
+        "strafe": NumberOption(
+            default=0.0,
             least=0.0,
             most=10.0,
             unit="m/s",
-            meaning="speed up and down at value 1; strafe has that of linear",
+            meaning="speed to the side at value 1; 0: that of linear",
+        ),
+        "climb": NumberOption(
+            default=0.3, least=0.0, most=10.0, unit="m/s", meaning="speed up and down at value 1"
         ),
         "tilt": NumberOption(
             default=0.5,

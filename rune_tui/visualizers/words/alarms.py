@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import ClassVar
 
+from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.ranges import RANGES
 from rune_tui.layout.rules import VisualizerRule
@@ -35,6 +36,7 @@ class Alarms(PlainVisualizer):
             "GCM_AutonomyState",
             "GCM_NavigationStatus",
             RANGES.name,
+            DIAGNOSTICS.name,
         ),
         vital=True,
     )

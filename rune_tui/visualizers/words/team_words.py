@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from hub.gcm.body import HoldKind
 from hub.gcm.flight import ALTITUDE
 from hub.gcm.navigation import MotionState
 from hub.gcm.vehicle import VEHICLE_STATE, HoldPhase, VehicleState
@@ -19,6 +18,7 @@ from rune_tui.visualizers.parts.staleness import Staleness, age_text, pause_of, 
 from rune_tui.visualizers.parts.task_words import duration, head
 from rune_tui.visualizers.words.status_words import CRITICAL_BATTERY, LOW_BATTERY
 from rune_tui.visualizers.words.troubles import troubles
+from rune_tui.visualizers.words.vehicle import target_words
 
 _SIMULATED = "simulated-"
 _DOES = {
@@ -147,13 +147,7 @@ def _activity(vehicle: VehicleState) -> Part:
     words = [vehicle.activity]
     for hold in vehicle.holds:
         if hold.phase is HoldPhase.HOLDING and math.isfinite(hold.target):
-            heading = hold.kind is HoldKind.HEADING
-            # Where north is, is a layout's matter; 90 deg from x, as the compass has it.
-            words.append(
-                f"{round(90.0 - math.degrees(hold.target)) % 360:03d}"
-                if heading
-                else f"{hold.target:.1f} m"
-            )
+            words.append(target_words(hold))
     return Part(" ".join(words), 0)
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
+from hub.gcm.diagnostics import DIAGNOSTICS
+from hub.gcm.diagnostics import Severity as Level
 from hub.gcm.navigation import Assistance
 from rune_tui.model.attention import Problem
 from rune_tui.model.body import pressed_bumpers
@@ -12,8 +14,9 @@ from rune_tui.model.console_state import Banner, ConsoleState
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.model.robot_task import task_of
+from rune_tui.model.vehicle import problems_of
 from rune_tui.visualizers.parts.severity import Part, Severity
-from rune_tui.visualizers.parts.staleness import Staleness, staleness
+from rune_tui.visualizers.parts.staleness import Staleness, age_text, pause_of, staleness
 from rune_tui.visualizers.parts.task_words import SILENT_S, task_parts
 from rune_tui.visualizers.words.status_words import side_of, status_parts
 
@@ -79,6 +82,17 @@ def _own_tasks(state: ConsoleState) -> Iterator[Banner]:
             yield Banner(robot=robot.name, text=part.text, advice=advice, calm=True)
 
 
+def _diagnosed(robot: RobotState, now: float) -> Iterator[Part]:
+    """What the robot's modules find wrong; what is old says its age."""
+    for problem in problems_of(robot):
+        status, age = problem.value, problem.age(now)
+        old = staleness(age, pause_of(DIAGNOSTICS)) is not Staleness.FRESH
+        text = f"{status.message} ({age_text(age)} ago)" if old else status.message
+        error = status.level is Level.ERROR
+        severity = Severity.ALARM if error else Severity.WARNING
+        yield Part(text, 8 if error else 5, severity, cause=status.name)
+
+
 def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:
     """Whether the banner shows this already."""
     banner = state.banner
@@ -97,6 +111,7 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
             yield Part(text, 8, Severity.ALARM, cause="bumper")
         if navigation.assistance is Assistance.OFF:
             yield Part("ASSISTANCE OFF: it drives into walls", 5, Severity.WARNING)
+    yield from _diagnosed(robot, state.now)
     mission = mission_of(robot)
     if mission is not None and mission.fault:
         yield Part(f"NOT KEPT: {mission.fault}", 8, Severity.ALARM, cause="mission")

@@ -152,7 +152,14 @@ def test_every_value_of_a_file_arrives(tmp_path: Path):
     assert viewport.visualizer.option == 2.5
     (widget,) = viewport.widgets
     given = {"linear": 0.25, "angular": 1.0, "turbo_factor": 2.0}
-    usual = {"climb": 0.3, "tilt": 0.5, "step": 0.05, "turn_step_deg": 5.0, "fine": 0.2}
+    usual = {
+        "strafe": 0.0,
+        "climb": 0.3,
+        "tilt": 0.5,
+        "step": 0.05,
+        "turn_step_deg": 5.0,
+        "fine": 0.2,
+    }
     assert widget.options.values == given | usual
     assert widget.events == (EventSpec(name="+", control="rotate", value=-0.5, line=11),)
     assert [widget.handler for widget in layout.view.widgets] == ["widgetQuit"]

@@ -24,7 +24,6 @@ from rune_tui.model.effects import (
     ShowViewport,
     ToggleHelp,
     ToggleLog,
-    ToggleNight,
     WishPictures,
     Zoom,
 )
@@ -41,7 +40,7 @@ from tests.console.widgets.presses import (
     widget_of,
 )
 from tests.support.cases import for_each
-from tests.support.messages import camera_state, robot_state
+from tests.support.messages import robot_state
 
 KEY = event_spec("x")
 
@@ -130,20 +129,6 @@ def test_night_mode_goes_on_and_off_here_and_on_the_robot():
     second = pressed("widgetToggleNightMode", state)
     assert [command.on for command in values(second)] == [0]  # type: ignore[attr-defined]
     assert after(state, second).night == frozenset()
-
-
-@pytest.mark.parametrize(("light", "wanted"), [(0.0, 0.5), (0.5, 0.0)])
-def test_the_headlight_is_lit_or_put_out(light: float, wanted: float):
-    state = seeing(camera=received(camera_state(headlight=light)))
-    effects = pressed("widgetHeadlight", state, brightness=0.5)
-    assert values(effects) == [NightCommand(on=1, headlight=wanted)]
-    assert (ToggleNight(robot="magellan", on=True) in effects) == (wanted > 0.0)
-
-
-def test_a_robot_without_headlight_is_sent_nothing():
-    effects = pressed("widgetHeadlight", seeing(camera=received(camera_state())))
-    assert values(effects) == []
-    assert isinstance(effects[0], Notify)
 
 
 @for_each(

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 
 import pytest
 
+from hub.gcm.body import ROBOT_DESCRIPTION, HoldBody, HoldKind, JointBody, LightBody
 from hub.gcm.geometry import TwistStamped
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND
 from hub.gcm.vision import CAMERA_COMMAND, CameraCommand, CameraMotion
 from rune_tui.controls.events import ControlEvent
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskEffect, QuitEffect, SendEffect, ShowGhost
 from rune_tui.model.state_changes import changed
 from rune_tui.widgets.registry import WIDGETS
 from rune_tui.widgets.speed import SetSpeed
+from tests.console.visualizers.conftest import received
 from tests.console.widgets.presses import (
     LANDMARK,
     again,
@@ -28,6 +32,7 @@ from tests.console.widgets.presses import (
     up,
 )
 from tests.support.cases import for_each
+from tests.support.magellan import magellan_body
 
 W = event_spec("w", "translate", 1.0)
 S = event_spec("s", "translate", -1.0)
@@ -209,12 +214,29 @@ def test_only_speed_widgets_speak_unasked(handler: str):
     assert widget.release(at(1.0)) == ()
 
 
+def with_everything(state: ConsoleState) -> ConsoleState:
+    """The same robot with a body that has holds, joints, lights and motors to arm."""
+    robot = state.robots["magellan"]
+    body = dataclasses.replace(
+        magellan_body(),
+        holds=(HoldBody(kind=HoldKind.DEPTH),),
+        lights=(LightBody(name="lamp"),),
+        joints=(JointBody(name="arm", lowest=-1.0, highest=1.0, speed=1.0),),
+        arms=1,
+    )
+    known = robot.with_(messages={**robot.messages, ROBOT_DESCRIPTION.name: received(body)})
+    return dataclasses.replace(state, robots={"magellan": known})
+
+
 @for_each("handler", sorted(WIDGETS))
 def test_a_widget_sends_what_it_announced_and_all_of_it_can_be_encoded(handler: str):
     rule = WIDGETS[handler].rule
     widget = WIDGETS[handler].from_spec(spec(handler), "magellan")
     control = next(iter(rule.controls), "")
-    effects = widget.handle(click(), event_spec("mouse left", control), seeing(marked(1, LANDMARK)))
+    state = with_everything(seeing(marked(1, LANDMARK)))
+    effects = widget.handle(click(), event_spec("mouse left", control), state)
+    if handler == "widgetArm":  # it asks first
+        effects += widget.handle(click(), event_spec("mouse left", control), state)
     ghosts = [effect for effect in effects if isinstance(effect, ShowGhost)]
     for ghost in ghosts:  # a second click confirms what the first one shows
         state = changed(seeing(marked(1, LANDMARK)), ghost)
