@@ -392,7 +392,8 @@ def _need_screen(layouts: Sequence[str], variables: Sequence[tuple[str, str]]) -
         _need_terminal(sys.stdout, instead="`rune shot` draws a picture into a file")
     except _UsageError:
         for name in layouts:
-            _load(name, variables)
+            if name != AUTO:
+                _load(name, variables)
         raise
     if os.environ.get("TERM", "") == "dumb":
         text = "this terminal can draw nothing (TERM is dumb); open rune in another one"

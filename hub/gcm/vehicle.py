@@ -40,7 +40,7 @@ class HoldState:
     Attributes:
         kind: What it keeps.
         phase: What it does.
-        target: Height or depth [m], or heading [rad], that it keeps; NaN: none.
+        target: Height or depth [m], or heading in `odom` [rad], that it keeps; NaN: none.
         error: Measured value less the target [m or rad]; NaN: not known.
     """
 
@@ -138,8 +138,8 @@ class VehicleCommand:
         order: What to do.
         name: Name of the light or joint; else empty.
         hold: Which hold, for `HOLD` and `RELEASE`.
-        value: `HOLD`: height or depth [m], or heading [rad]; NaN: the present one. `LIGHT`:
-            brightness, 0 to 1. `JOINT`: turn rate [rad/s]. Else without meaning.
+        value: `HOLD`: height or depth [m], or heading in `odom` [rad]; NaN: the present one.
+            `LIGHT`: brightness, 0 to 1. `JOINT`: turn rate [rad/s]. Else without meaning.
     """
 
     order: VehicleOrder = VehicleOrder.HOLD

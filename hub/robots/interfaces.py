@@ -120,7 +120,8 @@ class BodyHolds(Protocol):
     def hold(self, kind: HoldKind, target: float) -> None:
         """Switch a hold on: go to the target [m or rad] and keep it; NaN: where it is now.
 
-        While the freedom is commanded, the hold waits; then it keeps the new place.
+        A heading is that of `Sensors.theta`. While the freedom is commanded, the hold waits; then
+        it keeps the new place.
         """
 
     def release(self, kind: HoldKind) -> None:

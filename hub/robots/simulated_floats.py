@@ -8,11 +8,11 @@ import zlib
 from dataclasses import replace
 
 from hub.errors import ArenaError
-from hub.gcm.body import HoldKind, RobotBody
+from hub.gcm.body import HoldBody, HoldKind, RobotBody
 from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import GroundTruth
-from hub.gcm.vehicle import Arming, HoldPhase, VehicleState
+from hub.gcm.vehicle import Arming, HoldPhase, HoldState, VehicleState
 from hub.pose import Pose, wrapped
 from hub.robots.interfaces import Sensors
 from hub.robots.left_alone import LeftAlone
@@ -75,6 +75,8 @@ class _FloatingBody(abc.ABC):
 
     def hold(self, kind: HoldKind, target: float) -> None:
         """Hold a height, a depth or a heading; NaN: the present one."""
+        if kind is HoldKind.HEADING:
+            target += self._vehicle.readings.heading - self._reckoned.theta
         self._vehicle.start_hold(kind, target)
 
     def release(self, kind: HoldKind) -> None:
@@ -143,9 +145,16 @@ class _FloatingBody(abc.ABC):
             vehicle=self._state(),
         )
 
+    def _hold_state(self, hold: HoldBody) -> HoldState:
+        """What a hold does; headings are those of the dead reckoning, not of the compass."""
+        state = self._vehicle.hold_state(hold.kind, hold.tolerance)
+        if hold.kind is HoldKind.HEADING:
+            state = replace(state, target=wrapped(self._reckoned.theta - state.error))
+        return state
+
     def _state(self) -> VehicleState:
         """Holds, arming, and what it does."""
-        holds = tuple(self._vehicle.hold_state(each.kind, each.tolerance) for each in self._holds)
+        holds = tuple(map(self._hold_state, self._holds))
         armed = Arming.ARMED if self._vehicle.armed else Arming.DISARMED
         phases = {hold.phase for hold in holds}
         if self._vehicle.commanded != NEUTRAL:

@@ -168,7 +168,7 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
         yield _Panel(name="attitude", body=_shows("visualizeAttitude"), rows=18, title="attitude")
         yield _Panel(name="height", body=_shows("visualizeDepth"), rows=18, title="height")
     if body.holds or body.joints or body.arms:
-        rows = 2 * (1 + len(body.holds) + len(body.joints) + len(body.lights))
+        rows = 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights))
         yield _Panel(name="vehicle", body=_shows("visualizeVehicle"), rows=rows, title="vehicle")
     yield _Panel(name="alarms", body=_shows("visualizeAlarms"), title="problems")
     if "AUT_PILOT" in capabilities:

