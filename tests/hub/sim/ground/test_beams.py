@@ -73,13 +73,13 @@ def test_a_post_is_seen_before_what_stands_behind_it() -> None:
     )
     distance, square = ground_hits(field, origins, directions, 3.0)
     assert ((square >= 0.0) & (square <= 1.0)).all()
-    for ways in (distance - 0.001, np.where(np.isinf(distance), 3.0, distance) - 0.001):
-        seen = np.isfinite(distance)
-        # In front of the hit the beam is above ground, apart from corners that it only grazes.
-        for part in (0.3, 0.6, 0.9):
-            point = origins + directions * (np.minimum(ways, 3.0) * part)[:, None]
-            clear = point[:, 2] > field.heights_at(point[:, 0], point[:, 1])
-            assert clear[seen].mean() > 0.97
+    assert 20 < np.isfinite(distance).sum() < 60
+    # Before its hit, or all the way, a beam is above ground, except at corners that it grazes.
+    ways = np.minimum(distance, 3.0) - 0.001
+    for part in (0.3, 0.6, 0.9):
+        point = origins + directions * (ways * part)[:, None]
+        clear = point[:, 2] > field.heights_at(point[:, 0], point[:, 1])
+        assert clear.mean() > 0.97
 
 
 def test_a_deck_is_ground_for_beams_from_above_it() -> None:

@@ -109,7 +109,7 @@ CROSSING = "[[ramps]]\nat = [1.2, -0.1]\ntiles = [1, 3]\n"
         (stepfields("hill", 0.1, 5), dataclasses.replace(TRACKED, grip=2.0), True),
     ],
 )
-def test_who_crosses_ramps_and_stepfields(
+def test_tracks_cross_ramps_and_stepfields_and_wheels_do_not(
     text: str,
     chassis: Chassis,
     over: bool,  # noqa: FBT001 - a column of the table
@@ -213,7 +213,7 @@ def test_a_pipe_that_turns_gives_no_hold_until_flippers_reach_the_floor() -> Non
     assert base.pose.x > 2.2
 
 
-def test_a_deck_carries_who_comes_by_its_ramp_and_roofs_who_comes_below() -> None:
+def test_a_deck_carries_a_base_from_its_ramp_and_roofs_a_base_below_it() -> None:
     deck = "[[deck]]\nat = [3.0, 0.0]\nsize = [3.0, 3.0]\nheight = 0.6\n"
     way_up = "[[ramp]]\nat = [1.0, 1.0]\nsize = [2.0, 1.0]\nhigh = 0.6\n"
     above = drive(RoughBase(ground_arena(deck + way_up), TRACKED), 3.7).base
@@ -225,7 +225,7 @@ def test_a_deck_carries_who_comes_by_its_ramp_and_roofs_who_comes_below() -> Non
     assert stopped.pose.x == pytest.approx(3.0 - TRACKED.reach, abs=0.02)
 
 
-def test_what_stands_below_the_deck_does_not_stop_it_above_and_walls_do() -> None:
+def test_a_box_below_the_deck_does_not_stop_it_above_and_a_wall_does() -> None:
     deck = "[[deck]]\nat = [3.0, 0.0]\nsize = [5.0, 3.0]\nheight = 0.8\n"
     way_up = "[[ramp]]\nat = [1.0, 0.0]\nsize = [2.0, 3.0]\nhigh = 0.8\n"
     things = (

@@ -1,4 +1,4 @@
-"""The arenas `orange` and `red`: what is in them, and that a robot gets about."""
+"""The arenas `orange` and `red`: what is in them, and which robots can drive there."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def test_flippers_take_the_pipe_steps_of_the_red_arena() -> None:
     assert base.pose.z == pytest.approx(0.0, abs=0.001)
 
 
-def test_wheels_are_lost_in_the_red_arena() -> None:
+def test_wheels_do_not_cross_the_red_arena() -> None:
     arena = load_arena("red")
     assert not follow(RoughBase(arena, WHEELED), ((4.3, 1.2),), 8.0)
 
