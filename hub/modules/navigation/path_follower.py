@@ -95,7 +95,6 @@ class PathFollower:
         self._drift = DriftWatch(self.correction, self._rules)
         self._switch = AssistanceSwitch()
         self._drive: DriveState | None = None
-        self._sway = 0.0
         self._map: Grid | None = None
         self._map_is_whole = False
         self._planned_at = -math.inf
@@ -179,7 +178,6 @@ class PathFollower:
         if self._drive is not None and self.assistance(now) is Assistance.ON:
             given = self._admissible(wanted, self._drive)
         self.held_back = _share_taken(wanted, given, self._limits)
-        self._sway = given.linear.y
         return given
 
     def _admissible(self, wanted: Twist, drive: DriveState) -> Twist:
@@ -187,8 +185,7 @@ class PathFollower:
         surge, sway = wanted.linear.x, wanted.linear.y
         axis = math.atan2(sway, surge) if sway else 0.0
         speed = math.hypot(surge, sway) if sway else surge
-        # No report says how fast it drifts; the last command does.
-        along, aside = Pose(theta=axis).inward(drive.linear, self._sway)
+        along, aside = Pose(theta=axis).inward(drive.linear, drive.velocity.linear.y)
         fastest = TILTED_SPEED if self.tilt else math.inf
         speed = max(-fastest, min(fastest, speed))
         points = self._points(drive, self._reach)
@@ -203,7 +200,7 @@ class PathFollower:
 
     def rest(self) -> None:
         """Note that no velocity is commanded."""
-        self.held_back = self._sway = 0.0
+        self.held_back = 0.0
 
     def steered(self, now: float) -> Velocity | None:
         """The velocity for the active task [m/s, rad/s]; None: no task is active."""

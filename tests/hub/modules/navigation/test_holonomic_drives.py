@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import GoalCommand, Point, Task
+from hub.modules.driver.reports import drive_state
 from hub.pose import Pose
 from hub.robots.description import RobotDescription
 from hub.robots.robot_file import read_description
@@ -62,6 +64,21 @@ def test_sideways_at_a_wall_it_stands_and_drives_along_and_away(crab: RobotDescr
     drive.push(0.0, 0.0, 1.0, sway=-0.4)
     assert before.y - drive.truth.y > 0.2
     assert drive.truth.contacts == 0
+
+
+def test_a_measured_slide_towards_a_wall_holds_the_way_along_it_back(
+    crab: RobotDescription,
+) -> None:
+    drive = Drive(EMPTY, Pose(x=0.0, y=9.6), 1, crab)
+    drive.push(0.0, 0.0, 0.3)
+    sensors = drive.robot.sensors(drive.now)
+    given = []
+    for slide in (0.0, 0.8):
+        moving = dataclasses.replace(sensors, velocity=Twist(linear=Vector3(y=slide)))
+        drive.pilot.reported(drive_state(moving, drive.now), drive.now, drive.now)
+        given.append(drive.pilot.assisted(Twist.planar(0.2, 0.0), drive.now).linear.x)
+    assert given[0] > 0.1
+    assert given[1] < 0.5 * given[0]
 
 
 def test_in_the_open_sideways_motion_is_not_held_back(crab: RobotDescription) -> None:
