@@ -23,6 +23,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.robot_task import navigation_task
 from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
+from rune_tui.model.view_cones import view_cones
 from rune_tui.model.world import WorldPoint
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.grid_picture import UNKNOWN, grid_colours, grid_values
@@ -60,7 +61,7 @@ class MapData:
     rule: ClassVar = VisualizerRule(
         locates=True,
         meaning="the map: walls, free floor, the unknown dotted; the robot and its heading, where "
-        "it has been and where it wants to go, what its camera sees, victims (V) and landmarks "
+        "it has been and where it wants to go, what its cameras see, victims (V) and landmarks "
         "(L), and dots with the word EDGE where the ground ends",
         message="GCM_Common_Map",
         others=(
@@ -151,12 +152,11 @@ class MapData:
         pose = self._follow(robot)
         step = self._across / self._zoom(state) / _GRAIN
         turn = _TURN_GRAIN[self._turns]
-        camera = robot.camera and robot.camera.value
         return (
             robot.name,
             robot.map and robot.map.number,
             pose and (round(pose.x / step), round(pose.y / step), round(pose.theta / turn)),
-            camera and (_whole(camera.pan / turn), _whole(camera.horizontal_fov / turn)),
+            tuple(cone.seen_at(turn, step) for cone in view_cones(robot, state)),
             tuple((point.number, point.kind, point.x, point.y) for point in _points(robot)),
             _route(robot).tobytes(),
             edges_of(robot, state.now).tobytes(),
@@ -192,8 +192,9 @@ class MapData:
         _draw_grid(canvas, window, robot, theme)
         pose, route = self._follow(robot), _route(robot)
         edges = [(x, y) for x, y in window.pixels(edges_of(robot, state.now)).tolist()]
-        if pose is not None and robot.camera is not None:
-            map_marks.draw_cone(canvas, window, pose, robot.camera.value, theme)
+        cones = [] if pose is None else [(pose, cone) for cone in view_cones(robot, state)]
+        for where, cone in cones:
+            map_marks.draw_cone(canvas, window, where, cone, theme)
         with drawing(canvas) as pen:
             map_marks.draw_trail(pen, window, self._trail.points(robot.name), theme)
             map_marks.draw_route(pen, window, route, theme)

@@ -10,21 +10,21 @@ import numpy as np
 
 from hub.gcm.body import RobotBody
 from hub.gcm.mapping import InterestPoint, PointKind
-from hub.gcm.vision import CameraState
 from rune_tui.model.body import corners, largest_radius
 from rune_tui.model.console_state import Ghost
 from rune_tui.model.map_window import MapWindow
 from rune_tui.model.pose import Pose
 from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
+from rune_tui.model.view_cones import ViewCone
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing, toward
 from rune_tui.visualizers.parts.severity import Severity, ink_of
 
-_CONE_M: Final = 2.0
-_CONE_STEPS: Final = 9
-_GLOW: Final = 90
-"""Brightness of the ground in the camera's view, of 255."""
+_GLOW, _FAINT_GLOW = 90, 30
+"""Brightness of the ground in the view of the chosen camera, and of another, of 255."""
+_FAINT_LINE: Final = 110
+"""Opacity of the sides of another camera's view, of 255."""
 _DART_BACK: Final = math.radians(150.0)
 """Angle at a dart's middle between its tip and its other corners [rad]."""
 _DART_NOTCH: Final = 0.8
@@ -50,17 +50,9 @@ def draw_route(pen: Pen, window: MapWindow, route: Floats, theme: Theme) -> None
         pen.dashes(_points(window.pixels(route)), theme.good, dash=2.0, gap=2.0)
 
 
-def draw_cone(
-    canvas: Canvas, window: MapWindow, pose: Pose, camera: CameraState, theme: Theme
-) -> None:
-    """The camera's view, as a glow on the ground; walls stay unchanged."""
-    middle, half = camera.pan + camera.mount_yaw, camera.horizontal_fov / 2.0
-    if not (math.isfinite(middle) and 0.0 < half < math.pi):
-        return
-    sides = np.linspace(middle - half, middle + half, _CONE_STEPS)
-    rim = _CONE_M * np.stack((np.cos(sides), np.sin(sides)), axis=1)
-    corners_m = np.concatenate((np.zeros((1, 2)), rim))
-    seen = window.pixels(pose.to_map(corners_m))
+def draw_cone(canvas: Canvas, window: MapWindow, pose: Pose, cone: ViewCone, theme: Theme) -> None:
+    """A camera's view, as a glow on the ground; walls stay unchanged."""
+    seen = window.pixels(pose.to_map(np.concatenate((cone.outline, cone.sides))))
     low = np.maximum(np.floor(seen.min(axis=0)), 0.0).astype(int)
     high = np.ceil(seen.max(axis=0)).astype(int) + 1
     around = canvas.pixels[low[1] : max(0, high[1]), low[0] : max(0, high[0])]
@@ -68,9 +60,11 @@ def draw_cone(
         return
     lit = Canvas.blank(around.shape[1], around.shape[0])
     edge = _points(seen - low)
+    count = len(cone.outline)
+    glow, line = (_GLOW, 255) if cone.chosen else (_FAINT_GLOW, _FAINT_LINE)
     with drawing(lit) as pen:
-        pen.polygon(edge, (*theme.cone[:3], _GLOW))
-        pen.line([edge[1], edge[0], edge[-1]], theme.cone)
+        pen.polygon(edge[:count], (*theme.cone[:3], glow))
+        pen.line(edge[count:], (*theme.cone[:3], line))
     wall = (around == theme.wall).all(axis=2)
     alpha = np.where(wall, 0, lit.pixels[..., 3])[..., None].astype(np.uint16)
     around[..., :3] = (lit.pixels[..., :3] * alpha + around[..., :3] * (255 - alpha)) // 255

@@ -11,6 +11,7 @@ import numpy as np
 from hub.gcm.body import ROBOT_DESCRIPTION, Bumper, RangeKind
 from hub.gcm.edges import EDGES
 from hub.gcm.ranges import RANGES
+from hub.gcm.vision import CAMERA_STATE
 from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, NumberOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -21,6 +22,7 @@ from rune_tui.model.robot_ranges import RobotRanges, lack_of_ranges, ranges_of
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.sightings import Bools, Floats
 from rune_tui.model.theme import Theme
+from rune_tui.model.view_cones import ViewCone, view_cones
 from rune_tui.raster.canvas import Canvas, Colour
 from rune_tui.raster.shapes import Pen, Point, drawing, toward
 from rune_tui.raster.urgency import Urgency
@@ -67,6 +69,8 @@ _RING_DIRECTION: Final = math.radians(-146.0)
 """Bearing of the distances at rings: between two sensors, behind on the right."""
 _MARK_APART: Final = math.radians(12.0)
 """Of two marks whose directions differ by less, the nearer obstacle has one [rad]."""
+_VIEW_GRAIN: Final = math.radians(1.0)
+"""Turns of a camera that are too small to see [rad]."""
 _BUMPER: Final = 2.0
 """Width of a pressed bumper [pixels]."""
 
@@ -121,9 +125,10 @@ class RangeData:
     rule: ClassVar = VisualizerRule(
         above=True,
         meaning="the robot's body, a pie for each wide range sensor, an outline for each scan, "
-        "rings at whole distances, and dots with the word EDGE where the ground ends",
+        "rings at whole distances, the field of view of each camera at the rim, and dots with the "
+        "word EDGE where the ground ends",
         message="GCM_RobotState",
-        others=(ROBOT_DESCRIPTION.name, RANGES.name, EDGES.name),
+        others=(ROBOT_DESCRIPTION.name, RANGES.name, EDGES.name, CAMERA_STATE.name),
         option=NumberOption(
             default=0.0, least=0.0, most=100.0, unit="m", meaning="range at the rim; 0 means 3 m"
         ),
@@ -185,6 +190,7 @@ class RangeData:
                 pen.circle(plan.centre, plan.length(ring), rim=line)
             if shown is not None:
                 _draw_lines(pen, plan, shown, theme)
+            _draw_views(pen, plan, view_cones(robot, state), theme)
             draw_edges(pen, edges, theme)
             _draw_body(pen, plan, bumpers, theme)
         measured = robot.newest(RANGES)
@@ -209,6 +215,7 @@ class RangeData:
         return (
             ranges.ranges[self._wanted(ranges)].tobytes() if ranges is not None else b"",
             _pressed(robot, state),
+            tuple(cone.seen_at(_VIEW_GRAIN, 1.0) for cone in view_cones(robot, state)),
             edges_around(robot, state.now).tobytes(),
             avoids_obstacles(robot, state.now),
             robot.body,
@@ -284,6 +291,15 @@ def _pressed(robot: RobotState, state: ConsoleState) -> tuple[Bumper, ...]:
     if known is None or staleness(known.age(state.now)) is Staleness.STALE:
         return ()
     return pressed_bumpers(robot.body, known.value.bumpers)
+
+
+def _draw_views(pen: Pen, plan: Plan, cones: Sequence[ViewCone], theme: Theme) -> None:
+    """An arc at the rim for the field of view of each camera; the chosen one's is stronger."""
+    for cone in cones:
+        if math.isnan(cone.bearing):
+            continue
+        colour = (*theme.cone[:3], 255 if cone.chosen else _RING_ALPHA)
+        pen.arc(plan.centre, plan.rim, cone.bearing, cone.width, colour)
 
 
 def _edges(plan: Plan, robot: RobotState, state: ConsoleState) -> list[Point]:

@@ -35,7 +35,6 @@ class Attention(PlainVisualizer):
         message=Alarms.rule.message,
         others=Alarms.rule.others,
         vital=True,
-        of_all=True,
     )
     urgency: ClassVar[Urgency] = Urgency.ALARM
 

@@ -48,7 +48,6 @@ class Team(PlainVisualizer):
             VEHICLE_STATE.name,
         ),
         vital=True,
-        of_all=True,
     )
     urgency: ClassVar[Urgency] = Urgency.ALARM
 
