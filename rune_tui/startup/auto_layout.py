@@ -21,7 +21,9 @@ from collections.abc import Collection, Iterator, Sequence
 from xml.sax.saxutils import quoteattr
 
 from hub.gcm.body import Freedom, RobotBody
+from hub.plain_text import is_plain, plain
 from hub.values import dataclass
+from rune_tui.layout.rules import NumberOption
 from rune_tui.widgets.registry import WIDGETS
 
 _CAPABILITIES = (
@@ -45,6 +47,8 @@ _ALWAYS = ("CON_REAL", "NAV_STATE", "NAV_MOVE")
 """What every layout asks for: state, motion and stop; a robot without them says so."""
 _SMALL_MS = 333
 """Shortest time between two of the small pictures [ms]."""
+_LONGEST_TITLE = 40
+"""Most characters of a viewport's title."""
 _MOST_SMALL = 3
 """Most small pictures beside the large one."""
 _KEYS = {
@@ -137,7 +141,7 @@ def layout_text(body: RobotBody, capabilities: Collection[str], hub: str) -> str
 
 
 def _comment(text: str) -> str:
-    return re.sub("-(?=-)", "- ", text)
+    return re.sub("-(?=-)", "- ", plain(text))
 
 
 def _wanted(capabilities: Collection[str]) -> Iterator[str]:
@@ -152,9 +156,11 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
     cameras = body.cameras if "VIS_VID" in capabilities else ()
     if cameras:
         yield _Panel(name="camera", body=_shows("visualizeCameraImage", camera="*"))
-    for number, camera in enumerate(cameras[1 : 1 + _MOST_SMALL], start=2):
-        picture = _shows("visualizeCameraImage", camera=camera.name, interval_ms=str(_SMALL_MS))
-        yield _Panel(name=f"camera {number}", body=picture, rows=20, title=camera.name.strip())
+    small = [camera.name for camera in cameras[1:] if _can_be_named(camera.name)]
+    for number, name in enumerate(small[:_MOST_SMALL], start=2):
+        picture = _shows("visualizeCameraImage", camera=name, interval_ms=str(_SMALL_MS))
+        title = name[:_LONGEST_TITLE].strip()
+        yield _Panel(name=f"camera {number}", body=picture, rows=20, title=title)
     if "PRO_MAP" in capabilities:
         shown = '<visualizer function="visualizeMapData" option="8"/>'
         shown += '<widget handler="widgetZoomMap"><event mouse="wheel"/></widget>'
@@ -174,6 +180,11 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
     if "AUT_PILOT" in capabilities:
         yield _Panel(name="autonomy", body=_shows("visualizeAutonomy"), title="by itself")
     yield _Panel(name="log", body=_shows("visualizeEventLog"), title="events")
+
+
+def _can_be_named(part: str) -> bool:
+    """Whether a layout can name this part of the body."""
+    return is_plain(part) and part == part.strip() != "" and "${" not in part
 
 
 def _gauges() -> Iterator[_Panel]:
@@ -248,7 +259,7 @@ def _driving(body: RobotBody) -> Iterator[str]:
     yield '<widget handler="widgetSetSpeed">'
     for freedom, limit in bound.items():
         if freedom in _SPEED_OPTIONS:
-            yield f'  <option name="{_SPEED_OPTIONS[freedom]}" value="{limit:g}"/>'
+            yield _speed(_SPEED_OPTIONS[freedom], limit)
     for freedom in bound:
         control, plus, minus, _ = _KEYS[freedom]
         yield f'  <event key="{plus}" control="{control}" value="1"/>'
@@ -266,7 +277,8 @@ def _vehicle(body: RobotBody, capabilities: Collection[str]) -> Iterator[str]:
         yield f'<widget handler="widgetHold"><option name="hold" value="{name}"/>'
         yield f'  <event key="{key}"/>'
         yield "</widget>"
-    for joint, (up, down) in zip(body.joints, _JOINT_KEYS, strict=False):
+    named = [joint for joint in body.joints if _can_be_named(joint.name)]
+    for joint, (up, down) in zip(named, _JOINT_KEYS, strict=False):
         yield f'<widget handler="widgetJoint"><option name="joint" value={quoteattr(joint.name)}/>'
         yield f'  <event key="{up}" value="1"/><event key="{down}" value="-1"/>'
         yield "</widget>"
@@ -275,6 +287,14 @@ def _vehicle(body: RobotBody, capabilities: Collection[str]) -> Iterator[str]:
     if body.arms:
         yield '<widget handler="widgetArm"><event key="f8"/></widget>'
         yield '<widget handler="widgetDisarm"><event key="f9"/></widget>'
+
+
+def _speed(option: str, limit: float) -> str:
+    """An option of `widgetSetSpeed`, within what the option allows."""
+    rule = WIDGETS["widgetSetSpeed"].rule.options[option]
+    most = rule.most if isinstance(rule, NumberOption) else limit
+    value = round(min(most, limit), 3)
+    return f'  <option name="{option}" value="{value:g}"/>'
 
 
 def _looks(body: RobotBody) -> bool:
@@ -293,7 +313,8 @@ def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
         parts.append("V camera")
     for hold, key in zip(body.holds, _HOLD_KEYS, strict=False):
         parts.append(f"{key.upper()} hold {hold.kind.name.lower()}")
-    for joint, (up, down) in zip(body.joints, _JOINT_KEYS, strict=False):
+    named = [joint for joint in body.joints if _can_be_named(joint.name)]
+    for joint, (up, down) in zip(named, _JOINT_KEYS, strict=False):
         parts.append(f"{down} {up} {joint.name}")
     if body.lights and "DRV_LIGHT" in capabilities:
         parts.append("O light")

@@ -56,7 +56,17 @@ def test_keys_are_those_of_its_degrees_of_freedom() -> None:
     assert "widgetStop" in text()
 
 
-_NAMES = st.text('ab<&"-é ', min_size=1, max_size=12)
+def test_each_velocity_has_its_own_limit() -> None:
+    limits = {Freedom.SURGE: 0.6, Freedom.SWAY: 0.4, Freedom.HEAVE: 0.9, Freedom.YAW: 1.2}
+    motions = tuple(Motion(freedom=f, limit=v, acceleration=1.0) for f, v in limits.items())
+    text = layout_text(
+        RobotBody(name="a", kind="b", radius=0.2, motions=motions), {"NAV_MOVE"}, HUB
+    )
+    for option, value in (("linear", 0.6), ("climb", 0.9), ("angular", 1.2)):
+        assert f'<option name="{option}" value="{value:g}"/>' in text
+
+
+_NAMES = st.text('ab<&"-é \t\n\x1b\u202e${}', min_size=1, max_size=64)
 
 
 @given(
@@ -64,6 +74,7 @@ _NAMES = st.text('ab<&"-é ', min_size=1, max_size=12)
     cameras=st.lists(_NAMES, max_size=6, unique=True),
     ranges=st.booleans(),
     freedoms=st.sets(st.sampled_from(Freedom)),
+    limit=st.floats(0.0, 100.0),
     capabilities=st.sets(st.sampled_from(sorted(ALL))),
 )
 def test_every_body_has_a_layout_without_mistakes(
@@ -72,13 +83,14 @@ def test_every_body_has_a_layout_without_mistakes(
     cameras: list[str],
     ranges: bool,  # noqa: FBT001 - hypothesis gives it
     freedoms: set[Freedom],
+    limit: float,
     capabilities: set[str],
 ) -> None:
     body = RobotBody(
         name=name,
         kind="simulated-wheels",
         radius=0.2,
-        motions=tuple(Motion(freedom=each, limit=0.4, acceleration=1.0) for each in freedoms),
+        motions=tuple(Motion(freedom=each, limit=limit, acceleration=1.0) for each in freedoms),
         frames=tuple(BodyFrame(name=each) for each in cameras),
         ranges=(RangeGroup(name="a", kind=RangeKind.LASER, farthest=1.0),) * ranges,
         cameras=tuple(CameraBody(name=each, horizontal_fov=1.0) for each in cameras),

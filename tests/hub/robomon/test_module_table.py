@@ -206,3 +206,37 @@ def test_no_text_keeps_the_reader_busy(tmp_path: Path, text: str) -> None:
     assert time.process_time() - began < 5.0
     if "." in text:  # else there is no long key
         assert "a key has more than 16 parts" in problems[0]
+
+
+@pytest.mark.parametrize(
+    ("kind", "tables", "problem"),
+    [
+        ("wheels", "[limits]\nheave = 0.3\n", ":4: [limits], key 'heave': a simulated body"),
+        ("wheels", '[safety]\nleft_alone = "surface"\n', ":4: [safety], key 'left_alone'"),
+        (
+            "wheels",
+            '[limits]\nsway = 0.3\n[simulation]\narena = "red"\n',
+            "[limits], key 'sway': a simulated body of this kind cannot sway on rough ground",
+        ),
+        ("tracked", "[limits]\nsway = 0.3\n", "of this kind cannot sway"),
+        ("blimp", "[limits]\nsway = 0.3\n", "of this kind cannot sway"),
+        (
+            "blimp",
+            '[[range]]\nname = "a"\nkind = "sonar"\nfarthest = 2\n',
+            ":4: [[range]] 1, key 'name'",
+        ),
+        ("wheels", "[limits]\nsway = 0.3\nlinear = 0\nangular = 0\n", ""),
+    ],
+)
+def test_a_simulated_body_is_not_asked_for_what_it_cannot_do(
+    tmp_path: Path, kind: str, tables: str, problem: str
+) -> None:
+    path = tmp_path / "robot.toml"
+    module = '[modules.driver]\nrun = "hub.modules.driver"\n'
+    path.write_text(f'name = "a"\nkind = "simulated-{kind}"\n{tables}{module}')
+    if not problem:
+        load_robot_table(str(path))
+        return
+    with pytest.raises(RobotFileError) as refused:
+        load_robot_table(str(path))
+    assert problem in str(refused.value)
