@@ -174,7 +174,7 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
         yield _Panel(name="attitude", body=_shows("visualizeAttitude"), rows=18, title="attitude")
         yield _Panel(name="height", body=_shows("visualizeDepth"), rows=18, title="height")
     if body.holds or body.joints or body.arms:
-        rows = 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights))
+        rows = min(26, 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights)))
         yield _Panel(name="vehicle", body=_shows("visualizeVehicle"), rows=rows, title="vehicle")
     yield _Panel(name="alarms", body=_shows("visualizeAlarms"), title="problems")
     if "AUT_PILOT" in capabilities:
@@ -272,19 +272,21 @@ def _driving(body: RobotBody) -> Iterator[str]:
 
 def _vehicle(body: RobotBody, capabilities: Collection[str]) -> Iterator[str]:
     """Keys of holds, joints, the first light, and the power of the motors."""
-    for hold, key in zip(body.holds, _HOLD_KEYS, strict=False):
+    holds = body.holds if "DRV_HOLD" in capabilities else ()
+    for hold, key in zip(holds, _HOLD_KEYS, strict=False):
         name = hold.kind.name.lower()
         yield f'<widget handler="widgetHold"><option name="hold" value="{name}"/>'
         yield f'  <event key="{key}"/>'
         yield "</widget>"
-    named = [joint for joint in body.joints if _can_be_named(joint.name)]
+    joints = body.joints if "DRV_JOINT" in capabilities else ()
+    named = [joint for joint in joints if _can_be_named(joint.name)]
     for joint, (up, down) in zip(named, _JOINT_KEYS, strict=False):
         yield f'<widget handler="widgetJoint"><option name="joint" value={quoteattr(joint.name)}/>'
         yield f'  <event key="{up}" value="1"/><event key="{down}" value="-1"/>'
         yield "</widget>"
     if body.lights and "DRV_LIGHT" in capabilities:
         yield '<widget handler="widgetLight"><event key="o"/></widget>'
-    if body.arms:
+    if body.arms and "DRV_ARM" in capabilities:
         yield '<widget handler="widgetArm"><event key="f8"/></widget>'
         yield '<widget handler="widgetDisarm"><event key="f9"/></widget>'
 
@@ -311,9 +313,11 @@ def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
         parts.append("IJKL look")
     if len(body.cameras) > 1:
         parts.append("V camera")
-    for hold, key in zip(body.holds, _HOLD_KEYS, strict=False):
+    holds = body.holds if "DRV_HOLD" in capabilities else ()
+    for hold, key in zip(holds, _HOLD_KEYS, strict=False):
         parts.append(f"{key.upper()} hold {hold.kind.name.lower()}")
-    named = [joint for joint in body.joints if _can_be_named(joint.name)]
+    joints = body.joints if "DRV_JOINT" in capabilities else ()
+    named = [joint for joint in joints if _can_be_named(joint.name)]
     for joint, (up, down) in zip(named, _JOINT_KEYS, strict=False):
         parts.append(f"{down} {up} {joint.name}")
     if body.lights and "DRV_LIGHT" in capabilities:
@@ -374,4 +378,4 @@ def _heights(panels: Sequence[_Panel], room: int) -> list[int]:
     scale = min(1.0, max(0.0, room - 8 * free) / fixed) if fixed else 1.0
     heights = [int(panel.rows * scale) // 2 * 2 for panel in panels]
     left = (room - sum(heights)) // max(1, free) // 2 * 2
-    return [height or left for height in heights]
+    return [height if panel.rows else left for panel, height in zip(panels, heights, strict=True)]

@@ -8,7 +8,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.gcm.body import BodyFrame, CameraBody, Freedom, Motion, RangeGroup, RangeKind, RobotBody
+from hub.gcm.body import (
+    BodyFrame,
+    CameraBody,
+    Freedom,
+    HoldBody,
+    HoldKind,
+    JointBody,
+    LightBody,
+    Motion,
+    RangeGroup,
+    RangeKind,
+    RobotBody,
+)
 from hub.gcm.capability import Capability
 from hub.robots.robot_file import SHIPPED, read_description
 from rune_tui.layout.spec import LayoutSpec
@@ -74,6 +86,8 @@ _NAMES = st.text('ab<&"-é \t\n\x1b\u202e${}', min_size=1, max_size=64)
     cameras=st.lists(_NAMES, max_size=6, unique=True),
     ranges=st.booleans(),
     freedoms=st.sets(st.sampled_from(Freedom)),
+    holds=st.lists(st.sampled_from(HoldKind), unique=True),
+    joints=st.lists(_NAMES, max_size=20),
     limit=st.floats(0.0, 100.0),
     capabilities=st.sets(st.sampled_from(sorted(ALL))),
 )
@@ -83,6 +97,8 @@ def test_every_body_has_a_layout_without_mistakes(
     cameras: list[str],
     ranges: bool,  # noqa: FBT001 - hypothesis gives it
     freedoms: set[Freedom],
+    holds: list[HoldKind],
+    joints: list[str],
     limit: float,
     capabilities: set[str],
 ) -> None:
@@ -94,5 +110,9 @@ def test_every_body_has_a_layout_without_mistakes(
         frames=tuple(BodyFrame(name=each) for each in cameras),
         ranges=(RangeGroup(name="a", kind=RangeKind.LASER, farthest=1.0),) * ranges,
         cameras=tuple(CameraBody(name=each, horizontal_fov=1.0) for each in cameras),
+        holds=tuple(HoldBody(kind=each) for each in holds),
+        joints=tuple(JointBody(name=n, lowest=-1.0, highest=1.0, speed=1.0) for n in joints),
+        lights=tuple(LightBody(name=each) for each in joints),
+        arms=len(joints) % 2,
     )
     opened(tmp_path_factory.mktemp("auto"), body, capabilities)
