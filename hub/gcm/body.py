@@ -200,6 +200,18 @@ class CameraBody:
     headlight: Flag = 0
 
 
+class SenseKind(enum.IntEnum):
+    """What a sensor of the air measures.
+
+    Attributes:
+        SOUND: The sound level.
+        CO2: Carbon dioxide.
+    """
+
+    SOUND = 0
+    CO2 = 1
+
+
 class HoldKind(enum.IntEnum):
     """What a hold keeps.
 
@@ -243,6 +255,17 @@ class LightBody:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SenseBody:
+    """A sensor of the air around the robot.
+
+    Attributes:
+        kind: What it measures.
+    """
+
+    kind: SenseKind
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class JointBody:
     """A joint that the operator moves, such as a pair of flippers.
 
@@ -281,6 +304,7 @@ class RobotBody:
         lights: The lights, those of cameras too.
         joints: The joints that the operator moves, besides cameras.
         arms: 1: its motors can be armed and disarmed, else 0.
+        senses: Its sensors of the air.
     """
 
     name: Name
@@ -299,6 +323,7 @@ class RobotBody:
     lights: Annotated[tuple[LightBody, ...], Counted("light_count"), Most(2 * MOST_PARTS)] = ()
     joints: Annotated[tuple[JointBody, ...], Counted("joint_count"), Most(MOST_PARTS)] = ()
     arms: Flag = 0
+    senses: Annotated[tuple[SenseBody, ...], Counted("sense_count"), Most(len(SenseKind))] = ()
 
 
 ROBOT_DESCRIPTION = MessageDefinition(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from hub.gcm.body import Metres32
-from hub.gcm.fields import Metres
+from hub.gcm.geometry import Point3D
 from hub.gcm.standard import Header
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.ranges import Most
@@ -14,23 +14,6 @@ from hub.values import dataclass
 
 MOST_EDGES = 256
 """Most cells of one message; of more, some between others are left out."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EdgePoint:
-    """geometry_msgs/Point.
-
-    Attributes:
-        x: In the frame of the header [m].
-        y: In the frame of the header [m].
-        z: In the frame of the header [m].
-    """
-
-    ros_type = "geometry_msgs/msg/Point"
-
-    x: Metres
-    y: Metres
-    z: Metres = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +32,7 @@ class Edges:
     header: Header
     cell_width: Metres32
     cell_height: Metres32
-    cells: Annotated[tuple[EdgePoint, ...], Sequence(), Most(MOST_EDGES)] = ()
+    cells: Annotated[tuple[Point3D, ...], Sequence(), Most(MOST_EDGES)] = ()
 
 
 EDGES = MessageDefinition(name="GCM_Edges", type=Edges, rate_hz=2.0)

@@ -155,6 +155,9 @@ class CameraTable(FrameTable):
     tilt_highest: float = key(degrees(0.0, 180.0), 0.0, "[degrees]", at="tilt_highest_deg")
     zoom: float = key(number(1.0, 1000.0), 1.0, "largest magnification; 1: none")
     headlight: bool = key(truth, default=True, meaning="whether the robot's own camera has one")
+    heat: bool = key(
+        truth, default=False, meaning="whether a simulated one sees temperatures, not colours"
+    )
 
     @property
     def camera(self) -> CameraBody:
@@ -168,7 +171,7 @@ class CameraTable(FrameTable):
             tilt_lowest=self.tilt_lowest,
             tilt_highest=self.tilt_highest,
             zoom=self.zoom,
-            headlight=int(self.headlight and self.source == ROBOTS_OWN),
+            headlight=int(self.headlight and not self.heat and self.source == ROBOTS_OWN),
         )
 
 

@@ -8,7 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from hub import toml_reader as toml
-from hub.gcm.body import MOST_CORNERS, USUAL_RADIUS, BodyFrame, Freedom, Motion, Point32, RobotBody
+from hub.gcm.body import (
+    MOST_CORNERS,
+    USUAL_RADIUS,
+    BodyFrame,
+    Freedom,
+    Motion,
+    Point32,
+    RobotBody,
+    SenseBody,
+    SenseKind,
+)
 from hub.gcm.vehicle import Arming
 from hub.ipc.endpoints import DEFAULT_PORT, LARGEST_PORT
 from hub.robots.body_tables import (
@@ -19,7 +29,7 @@ from hub.robots.body_tables import (
 from hub.robots.footprint import FARTHEST_CORNER, area, footprint_fault
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
 from hub.robots.vehicle_tables import HoldTable, JointTable, LightTable, camera_lights
-from hub.toml_reader import choice, key, number, plain_name, text, whole_number
+from hub.toml_reader import choice, key, number, plain_name, several, text, whole_number
 from hub.values import dataclass
 
 NOTHING_NEW_S = 240.0
@@ -177,6 +187,13 @@ class RobotDescription:
         at="body.",
         without="`none`: they cannot",
     )
+    senses: tuple[SenseKind, ...] = key(
+        several(choice({each.name.lower(): each for each in SenseKind}), len(SenseKind)),
+        (),
+        "what it measures of the air: a list of `sound`, `co2`",
+        at="body.",
+        without="nothing",
+    )
     step: float = key(
         number(0.0, 5.0),
         0.05,
@@ -301,6 +318,7 @@ class RobotDescription:
             lights=(*camera_lights(self.cameras), *(table.light for table in self.lights)),
             joints=tuple(table.joint for table in self.joints),
             arms=int(self.arming is not Arming.NONE),
+            senses=tuple(SenseBody(kind=kind) for kind in self.senses),
         )
 
     def _motions(self) -> tuple[Motion, ...]:

@@ -46,6 +46,8 @@ class Sensors:
         acceleration: By an accelerometer, with gravity; None: not measured.
         pressure: Of the air or the water around it [Pa]; NaN: not measured.
         climb: Vertical velocity [m/s], positive up; NaN: not measured.
+        sound: Sound level [dB]; NaN: not measured.
+        co2: Carbon dioxide of the air [ppm]; NaN: not measured.
         reckoning: Number of this dead reckoning; it changes with each restart. 0: the driver
             process gives it one.
         origin: Number of the origin of `odom`; equal numbers mean equal places, even after a
@@ -76,6 +78,8 @@ class Sensors:
     acceleration: Acceleration | None = None
     pressure: float = math.nan
     climb: float = math.nan
+    sound: float = math.nan
+    co2: float = math.nan
     reckoning: int = 0
     origin: int = 0
     diagnostics: tuple[DiagnosticStatus, ...] = ()

@@ -65,7 +65,8 @@ def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
         body=table.camera,
         mount=in_base(robot.body.frames, table.name) or table.frame,
         light=robot.light,
-        headlight=table.headlight,
+        headlight=table.headlight and not table.heat,
+        heat=table.heat,
         seed=robot.seed,
     )
 

@@ -13,6 +13,7 @@ from hub.gcm.vision import CameraCommand, CameraMotion, CameraState
 from hub.robots.cropping import cropped_fov, size_within, vertical_fov
 from hub.robots.interfaces import Picture
 from hub.sim.arena import Arena
+from hub.sim.camera.heat import in_heat
 from hub.sim.camera.image_noise import SensorNoise
 from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.mount import mounted_view
@@ -27,6 +28,8 @@ _SENSOR = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
 _PLACES_STOPPED = 0.1
 """Time without a new pose after which the robot counts as standing [s]."""
 
+WAVE_S = 0.8
+"""Time for which a victim that moves keeps its arm up, and then down [s]."""
 _FARTHEST_PLACE = 1000.0
 """Largest coordinate [m]: beyond every arena, and within the ray caster's single precision."""
 
@@ -45,6 +48,7 @@ class SimulatedCamera:
         mount: BodyFrame,
         light: float | None = None,
         headlight: bool = True,
+        heat: bool = False,
         seed: int = 0,
     ) -> None:
         """Stand at the start of the arena.
@@ -55,9 +59,15 @@ class SimulatedCamera:
             mount: Where it is on its robot.
             light: Brightness of the arena, 0 (dark) to 1; None: the arena file's.
             headlight: Whether there is one beside the camera.
+            heat: Whether it sees temperatures in place of colours; light does not matter then.
             seed: Of the noise in the dark.
         """
-        self._caster = RayCaster(arena)
+        if heat:
+            arena, light = in_heat(arena), None
+        # Victims that move have an arm down, then up.
+        poses = [arena, *([replace(arena, boxes=arena.waving)] if arena.waving else [])]
+        self._casters = [RayCaster(each) for each in poses]
+        self._time = 0.0
         self._body = body
         self._mount = mount
         self._tele = 2.0 * math.atan(math.tan(body.horizontal_fov / 2) / body.zoom)
@@ -71,8 +81,9 @@ class SimulatedCamera:
         self._noise = SensorNoise(SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX * 3, seed)
 
     def advance(self, seconds: float) -> None:
-        """Move the head for some time [s]."""
+        """Move the head and the victims for some time [s]."""
         self._head.advance(seconds)
+        self._time += seconds
 
     def move(self, command: CameraCommand) -> None:
         """Set the head's target; NaN leaves an amount unchanged, and limits apply."""
@@ -147,7 +158,8 @@ class SimulatedCamera:
             tilt=self._head.tilt,
             horizontal_fov=cropped_fov(self._fov(), (width, height), _SENSOR),
         )
-        pixels = self._caster.picture(view, width, height, self._lighting)
+        caster = self._casters[int(self._time / WAVE_S) % len(self._casters)]
+        pixels = caster.picture(view, width, height, self._lighting)
         # In full light noise would only cost time and bandwidth.
         return pixels if self._lighting.ambient == 1.0 else self._noise.added(pixels)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from hub.gcm.beams import beams_of
-from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.body import USUAL_HEIGHT, Freedom, RobotBody, SenseKind
 from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist
 from hub.gcm.joints import JointState
@@ -24,6 +24,7 @@ from hub.sim.battery import Battery
 from hub.sim.ground.chassis import Chassis
 from hub.sim.range_sensors import RangeSensors
 from hub.sim.rough_base import STEP, RoughBase
+from hub.sim.senses import VictimSenses
 from hub.sim.solids import solids_of
 
 _SLIDES = 0.05
@@ -65,6 +66,10 @@ class RoughBody:
         self._sensors = RangeSensors(
             arena.footprints, beams_of(body), sensor_seed, arena.ground, solids_of(arena)
         )
+        self._height = body.height if math.isfinite(body.height) else USUAL_HEIGHT
+        self._senses = {sense.kind for sense in body.senses}
+        self._air = VictimSenses(arena)
+        self._heard: dict[SenseKind, float] = {}
         self._battery = Battery()
         self._origin = origin_of(arena, self._base.pose)
         self._scanned = -STEPS_PER_SCAN
@@ -121,6 +126,15 @@ class RoughBody:
         elif base.slip > _SLIPS:
             yield _warning("slip", f"wheels slip: {base.slip:.0%} of the way is lost")
 
+    def _sense(self) -> dict[SenseKind, float]:
+        """What its sensors of the air measure, on top of its body."""
+        if not self._senses:
+            return {}
+        pose = self._base.pose
+        sound, co2 = self._air.at(pose.x, pose.y, pose.z + self._height)
+        measured = {SenseKind.SOUND: sound, SenseKind.CO2: co2}
+        return {kind: value for kind, value in measured.items() if kind in self._senses}
+
     def sensors(self, stamp: float) -> Sensors:
         """The present measurements; the tilt is that of a perfect sensor."""
         base = self._base
@@ -131,6 +145,7 @@ class RoughBody:
                 scan_of(group, self._sensors.measure(group.name, level, base.pose), stamp)
                 for group in self._groups
             )
+            self._heard = self._sense()
         odometry = base.odometry
         return Sensors(
             x=odometry.x,
@@ -145,6 +160,8 @@ class RoughBody:
             roll=math.remainder(base.pose.roll, math.tau),
             pitch=max(-math.pi / 2, min(math.pi / 2, base.pose.pitch)),
             origin=self._origin,
+            sound=self._heard.get(SenseKind.SOUND, math.nan),
+            co2=self._heard.get(SenseKind.CO2, math.nan),
             diagnostics=tuple(self._problems()),
             joints=self._flippers(),
         )

@@ -14,8 +14,8 @@ from hub.gcm.body import USUAL_HEIGHT, USUAL_RADIUS
 from hub.nearest import did_you_mean
 from hub.pose import Pose
 from hub.sim.arena_file import read_arena_file
-from hub.sim.arena_specs import AirSpec, ArenaSpec, BerthSpec, WaterSpec
-from hub.sim.building import build
+from hub.sim.arena_specs import AirSpec, ArenaSpec, BerthSpec, VictimSpec, WaterSpec
+from hub.sim.building import build, ground_under
 from hub.sim.geometry import Box, Cylinder, Surface
 from hub.sim.ground.height_field import HeightField
 from hub.sim.ground.map_builder import build_ground
@@ -26,6 +26,10 @@ SHIPPED = Path(__file__).parent / "arenas"
 """Folder of the arenas that come with the hub."""
 LOWEST_OBSTACLE = 0.01
 """Wheels drive over solids below this height [m]."""
+_SITTING_AHEAD, _SITTING_UP = 0.15, 0.62
+"""Mouth of a victim that sits, from its place [m]."""
+_LYING_AHEAD, _LYING_UP = 0.6, 0.25
+"""Mouth of a victim that lies [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -58,9 +62,28 @@ class Footprints:
         )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VictimSigns:
+    """What robots can sense of a victim without a camera.
+
+    Attributes:
+        x: Its mouth [m].
+        y: The same.
+        z: The same.
+        sound: Its voice at 1 m [dB]; 0: it is silent.
+        co2: What its breath adds to the air at 1 m [ppm].
+    """
+
+    x: float
+    y: float
+    z: float
+    sound: float
+    co2: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arena:
-    """An arena; nothing in it moves.
+    """An arena; nothing in it moves but arms of victims.
 
     Attributes:
         name: Its name.
@@ -76,6 +99,9 @@ class Arena:
         water: The water that stands on the floor; None: it is dry.
         air: How the air moves; None: it stands.
         weight: What a victim that is found here counts.
+        victims: Sound and breath of each victim.
+        overhead: The surface of the ceiling.
+        waving: All boxes while victims that move have an arm up; none: no victim moves.
     """
 
     name: str
@@ -91,6 +117,9 @@ class Arena:
     water: WaterSpec | None = None
     air: AirSpec | None = None
     weight: float = 1.0
+    victims: tuple[VictimSigns, ...] = ()
+    overhead: Surface = Surface(texture="ceiling", colour=(122, 126, 134))
+    waving: tuple[Box, ...] = ()
 
     def berth(self, robot: str) -> BerthSpec | None:
         """Where a kind of robot starts; None: the arena does not say."""
@@ -157,6 +186,21 @@ def arena_from_spec(spec: ArenaSpec) -> Arena:
         water=spec.water,
         air=spec.air,
         weight=spec.scoring.weight,
+        victims=tuple(_signs(victim, ground) for victim in spec.victims),
+        waving=build(spec, ground, waving=True)[0] if any(v.moves for v in spec.victims) else (),
+    )
+
+
+def _signs(victim: VictimSpec, ground: HeightField | None) -> VictimSigns:
+    sits = victim.pose == "sitting"
+    place = list(victim.at)
+    place[victim.facing.axis] += victim.facing.sign * (_SITTING_AHEAD if sits else _LYING_AHEAD)
+    return VictimSigns(
+        x=place[0],
+        y=place[1],
+        z=ground_under(victim, ground) + (_SITTING_UP if sits else _LYING_UP),
+        sound=victim.sound,
+        co2=victim.co2,
     )
 
 

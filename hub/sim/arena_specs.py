@@ -215,6 +215,22 @@ class VictimSpec:
         choice(POSES), "sitting", "`sitting` (0.9 m deep, 0.6 m wide) or `lying` (1.6 m long)"
     )
     colour: Colour = key(read_colour, COLOURS["blue"], "of the clothes")
+    skin: float = key(
+        number(0.0, 45.0),
+        33.0,
+        "temperature of the skin [degrees Celsius]; the air has 20",
+        at="skin_c",
+    )
+    moves: bool = key(truth, default=False, meaning="it waves an arm")
+    sound: float = key(
+        number(0.0, 120.0), 0.0, "its voice, at 1 m [dB]; 60 speaks, 0 is silent", at="sound_db"
+    )
+    co2: float = key(
+        number(0.0, 10_000.0),
+        400.0,
+        "carbon dioxide of its breath, at 1 m, above that of the air [ppm]; 0: it does not breathe",
+        at="co2_ppm",
+    )
     deck: bool = _ON_DECK
 
 

@@ -16,7 +16,7 @@ from hub.sim.arena_specs import (
     VictimSpec,
     WallSpec,
 )
-from hub.sim.geometry import Box, Colour, Cylinder, Side, Surface
+from hub.sim.geometry import AIR_C, Box, Colour, Cylinder, Side, Surface
 from hub.sim.ground.height_field import HeightField
 
 PANEL_THICKNESS = 0.02
@@ -36,19 +36,25 @@ PANEL_WHITE: Colour = (240, 240, 236)
 
 
 def build(
-    spec: ArenaSpec, ground: HeightField | None = None
+    spec: ArenaSpec, ground: HeightField | None = None, *, waving: bool = False
 ) -> tuple[tuple[Box, ...], tuple[Cylinder, ...], tuple[str, ...]]:
     """All solids of an arena, and a name for the origin of each box, then each cylinder.
 
     The names are the places in the file ("wall 3"), for messages to its author. Victims, signs and
-    rings stand on the ground.
+    rings stand on the ground. Victims that move have an arm up where they are `waving`.
     """
     boxes: list[Box] = []
     origins: list[str] = []
     parts: tuple[tuple[str, list[Iterator[Box]]], ...] = (
         ("wall", [_wall(item) for item in spec.walls]),
         ("box", [_box(item) for item in spec.boxes]),
-        ("victim", [_lifted(_victim(item), item, ground) for item in spec.victims]),
+        (
+            "victim",
+            [
+                _lifted(_victim(item, waving=waving and item.moves), item, ground)
+                for item in spec.victims
+            ],
+        ),
         ("landmark", [_lifted(_landmark(item), item, ground) for item in spec.landmarks]),
         ("ring", [_lifted(_ring(item), item, ground) for item in spec.rings]),
         ("deck", [iter((box,)) for box in (() if ground is None else ground.deck_boxes)]),
@@ -146,28 +152,36 @@ def _cylinder(cylinder: CylinderSpec) -> Cylinder:
     )
 
 
-def _victim(victim: VictimSpec) -> Iterator[Box]:
+def _victim(victim: VictimSpec, *, waving: bool = False) -> Iterator[Box]:
     """A person of a head with a face, a trunk, legs and arms.
 
     Sitting, the face points in the victim's direction; lying, the head does, and the face points
-    up.
+    up. A victim that waves has an arm up.
     """
-    clothes = Surface(texture="fabric", colour=victim.colour)
-    dark = Surface(texture="fabric", colour=(52, 56, 70))
+    skin, face = (dataclasses.replace(each, temperature=victim.skin) for each in (SKIN, FACE))
+    warm = (AIR_C + victim.skin) / 2.0
+    clothes = Surface(texture="fabric", colour=victim.colour, temperature=warm)
+    dark = Surface(texture="fabric", colour=(52, 56, 70), temperature=warm)
+    hair = dataclasses.replace(HAIR, temperature=warm)
+    arms = [(-0.29, -0.20), (0.20, 0.29)]
     if victim.pose == "lying":
-        yield _part(victim, (0.53, 0.75), (-0.10, 0.10), (0.0, 0.20), SKIN, Side.UP)
-        yield _part(victim, (0.75, 0.79), (-0.10, 0.10), (0.0, 0.20), HAIR)
+        yield _part(victim, (0.53, 0.75), (-0.10, 0.10), (0.0, 0.20), skin, (Side.UP, face))
+        yield _part(victim, (0.75, 0.79), (-0.10, 0.10), (0.0, 0.20), hair)
         yield _part(victim, (-0.05, 0.53), (-0.20, 0.20), (0.0, 0.22), clothes)
         yield _part(victim, (-0.80, -0.05), (-0.15, 0.15), (0.0, 0.14), dark)
-        for left, right in ((-0.29, -0.20), (0.20, 0.29)):
-            yield _part(victim, (-0.05, 0.50), (left, right), (0.0, 0.09), SKIN)
+        if waving:
+            yield _part(victim, (0.38, 0.48), arms.pop(), (0.0, 0.55), skin)
+        for across in arms:
+            yield _part(victim, (-0.05, 0.50), across, (0.0, 0.09), skin)
         return
-    yield _part(victim, (-0.09, 0.11), (-0.10, 0.10), (0.56, 0.78), SKIN, victim.facing)
-    yield _part(victim, (-0.11, 0.115), (-0.105, 0.105), (0.78, 0.82), HAIR)
+    yield _part(victim, (-0.09, 0.11), (-0.10, 0.10), (0.56, 0.78), skin, (victim.facing, face))
+    yield _part(victim, (-0.11, 0.115), (-0.105, 0.105), (0.78, 0.82), hair)
     yield _part(victim, (-0.12, 0.12), (-0.20, 0.20), (0.0, 0.56), clothes)
     yield _part(victim, (0.12, 0.62), (-0.17, 0.17), (0.0, 0.15), dark)
-    for left, right in ((-0.29, -0.20), (0.20, 0.29)):
-        yield _part(victim, (-0.05, 0.30), (left, right), (0.20, 0.30), SKIN)
+    if waving:
+        yield _part(victim, (-0.05, 0.07), arms.pop(), (0.40, 0.90), skin)
+    for across in arms:
+        yield _part(victim, (-0.05, 0.30), across, (0.20, 0.30), skin)
 
 
 def _part(
@@ -176,7 +190,7 @@ def _part(
     across: tuple[float, float],
     up: tuple[float, float],
     surface: Surface,
-    face: Side | None = None,
+    face: tuple[Side, Surface] | None = None,
 ) -> Box:
     """One box of a body, given ahead of the victim, across (bodies are symmetric) and up [m]."""
     axis, sign = victim.facing.axis, victim.facing.sign
@@ -189,8 +203,8 @@ def _part(
         low=(x_low, y_low, up[0]),
         high=(x_high, y_high, up[1]),
         surface=surface,
-        picture_side=face,
-        picture=None if face is None else FACE,
+        picture_side=None if face is None else face[0],
+        picture=None if face is None else face[1],
     )
 
 

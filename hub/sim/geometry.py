@@ -12,6 +12,9 @@ from hub.values import dataclass
 Colour = tuple[int, int, int]
 """Red, green, blue, 0 to 255."""
 
+AIR_C = 20.0
+"""Temperature of the air, and of what has none of its own [degrees Celsius]."""
+
 
 class Side(enum.Enum):
     """The direction of one side of a box; the value is (axis, sign)."""
@@ -41,10 +44,12 @@ class Surface:
     Attributes:
         texture: A name from `textures.TEXTURES`.
         colour: Tint of the texture.
+        temperature: [degrees Celsius].
     """
 
     texture: str
     colour: Colour
+    temperature: float = AIR_C
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,6 +10,7 @@
 | motion up and down | attitude and height |
 | holds, joints, motors that can be disarmed | the vehicle's state, and their keys |
 | lights | a key for the first one |
+| sensors of the air | sound and carbon dioxide |
 
 The text is a layout file as people write it, to be edited further.
 """
@@ -176,6 +177,8 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
     if body.holds or body.joints or body.arms:
         rows = min(26, 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights)))
         yield _Panel(name="vehicle", body=_shows("visualizeVehicle"), rows=rows, title="vehicle")
+    if body.senses:
+        yield _Panel(name="air", body=_shows("visualizeEnvironment"), rows=6, title="air")
     yield _Panel(name="alarms", body=_shows("visualizeAlarms"), title="problems")
     if "AUT_PILOT" in capabilities:
         yield _Panel(name="autonomy", body=_shows("visualizeAutonomy"), title="by itself")

@@ -7,6 +7,7 @@ from typing import Final
 from rune_tui.visualizers.gauges.attitude import Attitude
 from rune_tui.visualizers.gauges.battery import Battery
 from rune_tui.visualizers.gauges.depth import Depth
+from rune_tui.visualizers.gauges.environment import EnvironmentGauge
 from rune_tui.visualizers.gauges.heading import Compass, Heading
 from rune_tui.visualizers.gauges.plot import Plot
 from rune_tui.visualizers.gauges.speed_gauge import Speed
@@ -49,6 +50,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeBattery": Battery,
     "visualizeCompass": Compass,
     "visualizeDepth": Depth,
+    "visualizeEnvironment": EnvironmentGauge,
     "visualizeHeading": Heading,
     "visualizeSpeed": Speed,
     "visualizeAlarms": Alarms,

@@ -8,7 +8,17 @@ import time
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-from hub.gcm import battery, diagnostics, flight, imu, joints, navigation, ranges, vehicle
+from hub.gcm import (
+    battery,
+    diagnostics,
+    environment,
+    flight,
+    imu,
+    joints,
+    navigation,
+    ranges,
+    vehicle,
+)
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
@@ -38,6 +48,7 @@ _Report: TypeAlias = Callable[[Sensors, float], object]
 """From measurements and their time [s since the epoch] to a message; None: not measured."""
 _MEASUREMENTS: tuple[tuple[MessageDefinition[Any], _Report], ...] = (
     (battery.BATTERY, reports.battery),
+    (environment.ENVIRONMENT, reports.environment),
     (imu.IMU, reports.imu),
     (flight.ALTITUDE, reports.altitude),
     (flight.FLUID_PRESSURE, reports.fluid_pressure),

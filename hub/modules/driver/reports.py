@@ -7,6 +7,7 @@ import math
 
 from hub.gcm.battery import BatteryState
 from hub.gcm.diagnostics import Diagnostics
+from hub.gcm.environment import Environment
 from hub.gcm.flight import Altitude, FluidPressure
 from hub.gcm.geometry import (
     Point3D,
@@ -99,6 +100,13 @@ def altitude(sensors: Sensors, stamp: float) -> Altitude | None:
         depth=sensors.depth,
         climb=sensors.climb,
     )
+
+
+def environment(sensors: Sensors, stamp: float) -> Environment | None:
+    """The air around the robot; None: the body measures nothing of it."""
+    if math.isnan(sensors.sound) and math.isnan(sensors.co2):
+        return None
+    return Environment(stamp=stamp, sound=sensors.sound, co2=sensors.co2)
 
 
 def vehicle(sensors: Sensors, stamp: float) -> VehicleState:

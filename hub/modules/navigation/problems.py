@@ -8,7 +8,8 @@ import numpy as np
 
 from hub.gcm.beam_scans import TILTED_REACH
 from hub.gcm.diagnostics import DiagnosticStatus, KeyValue, Severity
-from hub.gcm.edges import MOST_EDGES, EdgePoint, Edges
+from hub.gcm.edges import MOST_EDGES, Edges
+from hub.gcm.geometry import Point3D
 from hub.gcm.navigation import Assistance
 from hub.gcm.standard import Header
 from hub.modules.navigation.ground_memory import CELL
@@ -51,5 +52,5 @@ def known_edges(pilot: PathFollower) -> Edges:
         header=Header(frame_id="map"),
         cell_width=CELL,
         cell_height=CELL,
-        cells=tuple(EdgePoint(x=x, y=y) for x, y in places),
+        cells=tuple(Point3D(x=x, y=y) for x, y in places),
     )

@@ -19,7 +19,6 @@ CEILING = 1
 PLANES = 2
 """Index of the first side: floor and ceiling come first, then boxes' sides, then cylinders."""
 
-CEILING_SURFACE = Surface(texture="ceiling", colour=(122, 126, 134))
 
 _BRIGHTNESS = {0: 1.0, 1: 0.84, 2: 1.08}
 """Light from above and from the east, so that two walls that meet differ, by axis."""
@@ -116,7 +115,7 @@ class _Look:
 def _looks(arena: Arena, faces: list[_Face]) -> Iterator[_Look]:
     """The looks of all things but the rough ground, in their order."""
     yield _Look(arena.floor, flat=True, across_x=True, brightness=1.24)
-    yield _Look(CEILING_SURFACE, flat=True, across_x=True, brightness=1.0)
+    yield _Look(arena.overhead, flat=True, across_x=True, brightness=1.0)
     for face in faces:
         axis = face.side.axis
         yield _Look(face.surface, axis == 2, axis != 0, _BRIGHTNESS[axis])

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from hub.gcm.edges import EDGES, EdgePoint, Edges
+from hub.gcm.edges import EDGES, Edges
+from hub.gcm.geometry import Point3D
 from hub.gcm.standard import Header
 from rune_tui.model.edges import KNOWN_S
 from rune_tui.model.theme import DARK
@@ -18,7 +19,7 @@ SIZE = (60, 60)
 
 def knowing(made, *places: tuple[float, float], age: float = 0.2, **state):
     """A robot that knows edges at these places in `map` [m]."""
-    cells = tuple(EdgePoint(x=x, y=y) for x, y in places)
+    cells = tuple(Point3D(x=x, y=y) for x, y in places)
     edges = Edges(header=Header(frame_id="map"), cell_width=0.05, cell_height=0.05, cells=cells)
     return made.robot(
         navigation=made.received(made.navigation(**state)),
