@@ -373,6 +373,7 @@ class Cause(enum.IntEnum):
         REPLACED: Another task replaced it.
         WITHDRAWN: A client sent a goal without points.
         TILTED: The robot is tilted, and by itself it drives only where it sees all around.
+        BLIND: All range sensors that look along the ground are silent.
     """
 
     NONE = 0
@@ -386,6 +387,7 @@ class Cause(enum.IntEnum):
     REPLACED = 8
     WITHDRAWN = 9
     TILTED = 10
+    BLIND = 11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

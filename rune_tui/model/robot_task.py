@@ -21,6 +21,7 @@ _CANCELLED = {
     Cause.BUSY: Phase.LOST,
     Cause.DRIVER: Phase.LOST,
     Cause.TILTED: Phase.LOST,
+    Cause.BLIND: Phase.LOST,
 }
 _KIND = {
     Behaviour.HOLD: "holding",

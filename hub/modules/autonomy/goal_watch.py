@@ -130,7 +130,7 @@ class GoalWatch:
 
 def _outcome_of(status: NavigationStatus) -> Outcome:
     """The state of a goal by this status of navigation."""
-    held = (Cause.BUSY, Cause.DRIVER, Cause.TILTED)
+    held = (Cause.BUSY, Cause.DRIVER, Cause.TILTED, Cause.BLIND)
     if status.task is Task.CANCELLED and status.cause in held:
         return Outcome.LOST if status.seconds < AT_ONCE_S else Outcome.GIVEN_UP
     return _OUTCOMES[status.task]

@@ -50,6 +50,8 @@ _STATE_PERIOD = 1.0 / navigation.ROBOT_STATE.rate_hz
 _STATUS_PERIOD = 1.0 / navigation.NAVIGATION_STATUS.rate_hz
 _MAP_PERIOD = 1.5
 _MAP_TIMEOUT = 1.0
+_SILENCE_PERIOD = 0.2
+"""Time between two looks for problems that no message shows [s]."""
 _PROBLEMS_PERIOD = 1.0 / diagnostics.DIAGNOSTICS.rate_hz
 _EDGES_PERIOD = 1.0 / edges.EDGES.rate_hz
 
@@ -100,6 +102,7 @@ class Navigation:
         client.every(_STATE_PERIOD, self._publish_state)
         client.every(_STATUS_PERIOD, self._publish_status)
         client.every(_PROBLEMS_PERIOD, self._publish_problems)
+        client.every(_SILENCE_PERIOD, self._look_for_problems)
         client.every(_EDGES_PERIOD, self._publish_edges)
         client.every(_MAP_PERIOD, self._ask_for_map)
 
@@ -163,6 +166,10 @@ class Navigation:
         if reception.publisher != self._driver:
             return
         self.pilot.scanned(readings, reception.measured, self._clock())
+        self._look_for_problems()
+
+    def _look_for_problems(self) -> None:
+        """Write and publish problems that are new, without waiting for the next second."""
         found = problems(self.pilot, self._clock())
         names = tuple(each.name for each in found)
         if names != self._problems:

@@ -8,6 +8,7 @@ metres away. `beam_rules` says what each kind of beam shows.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -68,13 +69,17 @@ _STANDING = 0.1
 class ObstacleMemory:
     """Remembers points; every method gets the present monotonic time [s]."""
 
-    def __init__(self, body: RobotBody, rules: BeamRules, reach: float) -> None:
+    def __init__(
+        self, body: RobotBody, rules: BeamRules, reach: float, silent: Flags | None = None
+    ) -> None:
         """Remember nothing yet.
 
         Args:
             body: The body, which has the bumpers.
             rules: What its beams show.
             reach: Farthest point of interest [m].
+            silent: Which beams are silent now, so that their last ranges do not count, shape (n,);
+                the caller changes it. None: none ever is.
         """
         self._rules = rules
         self._edge_cells = max(LEAST_CELLS, 2 * math.ceil(reach / RESOLUTION))
@@ -93,6 +98,7 @@ class ObstacleMemory:
         self._last: tuple[Pose, float] | None = None
         self._looked = {sparse: (Pose(), -math.inf) for sparse in (True, False)}
         self._ranges: Floats = np.full(len(rules.narrow), np.nan)
+        self._silent = np.zeros(len(rules.narrow), np.bool_) if silent is None else silent
 
     def moved(self, drive: DriveState, now: float) -> None:
         """Take the pose and the bumpers."""
@@ -106,6 +112,8 @@ class ObstacleMemory:
 
     def scanned(self, scan: BeamScan, now: float) -> None:
         """Take new ranges."""
+        if self._silent.any():
+            scan = dataclasses.replace(scan, ranges=np.where(self._silent, np.nan, scan.ranges))
         self._ranges = scan.ranges
         for which in (self._rules.sparse, scan.fresh & ~self._rules.sparse):
             self._look_through(scan.pose, which, now)
@@ -229,7 +237,7 @@ class ObstacleMemory:
             return
         self._looked[sparse] = pose, now
         free = np.where(np.isinf(self._ranges), self._rules.sure, self._ranges - _BEFORE)
-        free[~which] = 0.0
+        free[~which | self._silent] = 0.0
         held = np.flatnonzero(self._until > self._time)
         x, y = pose.inward(self._x[held], self._y[held])
         seen = held[self._passed(free, x, y)]

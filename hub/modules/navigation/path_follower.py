@@ -34,6 +34,7 @@ from hub.modules.navigation.dynamic_window import BodyLimits, DynamicWindow, Flo
 from hub.modules.navigation.ground_memory import GroundMemory
 from hub.modules.navigation.obstacle_memory import ObstacleMemory
 from hub.modules.navigation.pose_uncertainty import Spread
+from hub.modules.navigation.range_watch import RangeWatch
 from hub.modules.navigation.route import Way
 from hub.modules.navigation.task import LARGEST_TURN, Aim, NavigationTask, refusal
 from hub.modules.navigation.trail import Trail
@@ -55,8 +56,9 @@ BLOCKS_ASIDE."""
 BLOCKS_ASIDE = math.radians(60.0)
 _SPARE = 0.1
 """Obstacles count from this distance before the robot must slow down [m]."""
-TILTED_SPEED = 0.2
-"""Largest velocity of an assisted robot while it is tilted too far to use all ranges [m/s]."""
+CAREFUL_SPEED = 0.2
+"""Largest velocity of an assisted robot that does not see all around [m/s]: it is tilted too far,
+or a range sensor is silent."""
 PLAN_AGAIN_S = 1.0
 """Least time before the path is planned again after the robot left it [s]."""
 EDGE_AGAIN_S = 0.3
@@ -72,6 +74,7 @@ class PathFollower:
         task: The present task, or the last one.
         correction: The transform from `odom` to `map`.
         held_back: The share by which the last command was reduced, 0 to 1.
+        senses: The range sensors that are silent.
     """
 
     def __init__(self, limits: BodyLimits, body: RobotBody) -> None:
@@ -87,7 +90,8 @@ class PathFollower:
         self._window = DynamicWindow(limits)
         self._reader = ScanReader(body)
         self._rules = BeamRules(body, self._reader.beams)
-        self._obstacles = ObstacleMemory(body, self._rules, self._goal_reach)
+        self.senses = RangeWatch(body.ranges, self._reader.beams)
+        self._obstacles = ObstacleMemory(body, self._rules, self._goal_reach, self.senses.beams)
         self._ground = GroundMemory(body, self._reader.beams, limits.step)
         self._trail = Trail(self._reader.beams)
         self._was_tilted = False
@@ -136,6 +140,7 @@ class PathFollower:
         """Take a report of the hardware, measured at a monotonic time [s]."""
         self._drive = drive
         self._reader.moved(drive, measured)
+        self.senses.look(now)
         self._obstacles.moved(drive, now)
         self._trail.moved(Pose(x=drive.x, y=drive.y, theta=drive.theta))
         self._drift.moved(drive, now)
@@ -143,6 +148,7 @@ class PathFollower:
     def scanned(self, readings: RangeReadings, measured: float, now: float) -> None:
         """Take the ranges of the sensors, measured at a monotonic time [s]."""
         scan = self._reader.read(readings, measured)
+        self.senses.heard(readings, now)
         if scan is None:
             return
         if scan.tilted and not self._was_tilted:
@@ -164,7 +170,9 @@ class PathFollower:
         self.correction.restart(odom)
         self._drift.restart()
         self._reader.restart()
-        self._obstacles = ObstacleMemory(self._body, self._rules, self._goal_reach)
+        self._obstacles = ObstacleMemory(
+            self._body, self._rules, self._goal_reach, self.senses.beams
+        )
         self._ground = GroundMemory(self._body, self._reader.beams, self._limits.step)
         self._trail = Trail(self._reader.beams)
         self._unmapped.forget()
@@ -186,7 +194,7 @@ class PathFollower:
         axis = math.atan2(sway, surge) if sway else 0.0
         speed = math.hypot(surge, sway) if sway else surge
         along, aside = Pose(theta=axis).inward(drive.linear, drive.velocity.linear.y)
-        fastest = TILTED_SPEED if self.tilt else math.inf
+        fastest = CAREFUL_SPEED if self.tilt or self.senses.silent else math.inf
         speed = max(-fastest, min(fastest, speed))
         points = self._points(drive, self._reach)
         speed, turn = self._window.towards(
@@ -208,6 +216,9 @@ class PathFollower:
         if self.tilt:
             why = f"tilted by {math.degrees(self.tilt):.0f} degrees, it does not see all around"
             self.task.hold(Cause.TILTED, why, now)
+        elif self.senses.blind:
+            self.task.hold(Cause.BLIND, "all its range sensors are silent", now)
+        if self.tilt or self.senses.blind:
             return (0.0, 0.0) if self.task.active else None
         drive = self._drive
         aim = None if drive is None else self.task.aim(self.pose, now)
@@ -301,7 +312,8 @@ class PathFollower:
     def _heading_for(self, aim: Aim, drive: DriveState) -> Velocity:
         carrot = self.pose.inward(aim.x, aim.y)
         points = self._points(drive, self._goal_reach)
-        fastest = min(aim.limit, math.sqrt(2.0 * SLOW_DOWN * aim.left))
+        limit = min(aim.limit, CAREFUL_SPEED) if self.senses.silent else aim.limit
+        fastest = min(limit, math.sqrt(2.0 * SLOW_DOWN * aim.left))
         here, now = Pose(x=drive.x, y=drive.y, theta=drive.theta), (drive.linear, drive.angular)
         # A round body always has room to turn.
         way_back = self._trail.way_back(here, carrot) if self._limits.outline else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,10 +14,11 @@ from hub.gcm.geometry import Point3D
 from hub.gcm.navigation import Assistance
 from hub.gcm.standard import Header
 from hub.modules.navigation.ground_memory import CELL
-from hub.modules.navigation.path_follower import TILTED_SPEED, PathFollower
+from hub.modules.navigation.path_follower import CAREFUL_SPEED, PathFollower
 
 EDGE_NEAR = 1.5
 """An edge within this distance of the robot is reported [m]."""
+_LONGEST_NAME = 64
 _SIDES = ("ahead", "on the left", "behind", "on the right")
 
 
@@ -27,8 +29,9 @@ def problems(pilot: PathFollower, now: float) -> tuple[DiagnosticStatus, ...]:
     if pilot.tilt:
         text = f"tilted by {math.degrees(pilot.tilt):.0f} degrees: the map gets no ranges"
         if assisted:
-            text += f", assistance sees {TILTED_REACH:.0f} m far and drives {TILTED_SPEED:g} m/s"
+            text += f", assistance sees {TILTED_REACH:.0f} m far and drives {CAREFUL_SPEED:g} m/s"
         found.append(DiagnosticStatus(level=Severity.WARN, name="tilt", message=text))
+    found += _silent_ranges(pilot, assisted=assisted)
     x, y = pilot.edges
     away = pilot.away(x, y)
     if len(away) and away.min() <= EDGE_NEAR:
@@ -41,6 +44,22 @@ def problems(pilot: PathFollower, now: float) -> tuple[DiagnosticStatus, ...]:
             DiagnosticStatus(level=Severity.WARN, name="edge", message=text, values=(value,))
         )
     return tuple(found)
+
+
+def _silent_ranges(pilot: PathFollower, *, assisted: bool) -> Iterator[DiagnosticStatus]:
+    blind = pilot.senses.blind
+    meaning = "assistance sees no obstacle" if blind else "obstacles that it alone sees are missed"
+    for name, seconds in pilot.senses.silent.items():
+        text = f"range sensor {name} is silent: {meaning}"
+        if assisted:
+            text += f", and drives {CAREFUL_SPEED:g} m/s"
+        yield DiagnosticStatus(
+            level=Severity.ERROR if blind else Severity.WARN,
+            name=f"range {name}"[:_LONGEST_NAME],
+            message=text,
+            hardware_id=name,
+            values=(KeyValue(key="silent_s", value=f"{seconds:.1f}"),),
+        )
 
 
 def known_edges(pilot: PathFollower) -> Edges:
