@@ -14,6 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from hub.plain_text import plain
 from rune_tui.errors import DemoError
 
 ROBOTS = ("magellan", "tracked", "blimp", "rov")
@@ -25,6 +26,9 @@ _OF_ARENA = {"pool": "rov"}
 _OF_ROLE = {name: name for name in ROBOTS} | {"submarine": "rov"}
 _ALL_ELEMENTS = "hall"
 """The arena of a demo with several kinds of robots: land, water and air."""
+_SAID = "rune-hub: "
+"""Begins the line in which the hub says why it ends."""
+_LONGEST_LOG = 100_000
 _START_S = 10.0
 _STOP_S = 8.0
 
@@ -66,6 +70,7 @@ class DemoHub:
         self._kept = tempfile.TemporaryDirectory(prefix="rune-demo-", ignore_cleanup_errors=True)
         try:
             with log.open("ab") as file:
+                self._written = file.tell()
                 self._process = subprocess.Popen(
                     [*command, "--stop-with-stdin"],
                     stdin=subprocess.PIPE,
@@ -114,8 +119,18 @@ class DemoHub:
                 said = json.loads(line)
                 if said["event"] == "listening":
                     return str(said["hub"])
-        text = f"the demo's hub did not start; {self._log} says why"
+        reason = self._reason()
+        why = f": {reason}" if reason else f"; {self._log} says why"
+        text = f"the demo's hub did not start{why}"
         raise DemoError(text)
+
+    def _reason(self) -> str:
+        """What the hub said before it ended; empty: nothing."""
+        with self._log.open("rb") as file:
+            file.seek(self._written)
+            lines = file.read(_LONGEST_LOG).decode(errors="replace").splitlines()
+        said = (line.removeprefix(_SAID) for line in lines if line.startswith(_SAID))
+        return plain(next(said, ""))
 
     def close(self) -> None:
         """End the hub and all its modules."""

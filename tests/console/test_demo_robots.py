@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from hub.robots.robot_file import SHIPPED
 from hub.sim.arena import load_arena, shipped_arenas
-from rune_tui.commands.demo import ARENAS, ROBOTS, demo_robots
+from rune_tui.commands.demo import ARENAS, ROBOTS, DemoHub, demo_robots
+from rune_tui.errors import DemoError
 
 
 def test_the_demo_knows_all_robots_and_arenas_that_come_with_the_hub() -> None:
@@ -38,3 +41,13 @@ def test_roles_choose_robots(
     roles: list[str], arena: str, robot: str | None, wanted: tuple[list[str], str]
 ) -> None:
     assert demo_robots(roles, arena, robot) == wanted
+
+
+def test_a_hub_that_does_not_start_says_why_in_one_sentence(tmp_path: Path) -> None:
+    log = tmp_path / "rune.log"
+    log.write_text("rune-hub: the words of an earlier demo\n")
+    with (
+        DemoHub("rov", log, ["simulation.arena=yellow"]) as hub,
+        pytest.raises(DemoError, match=r"did not start: .*it has no water to dive in"),
+    ):
+        hub.endpoint()
