@@ -17,7 +17,7 @@ from hub.modules.mapping.grid import OccupancyGrid
 from hub.modules.mapping.scans import ScanSelector
 from hub.pose import Pose
 from hub.sim.arena import load_arena
-from hub.sim.range_sensors import first_hits
+from hub.sim.plane_rays import first_hits
 from tests.hub.modules.mapping.touring import (
     BEAMS,
     MatchedPose,

@@ -18,6 +18,7 @@ from hub.pose import Pose
 from hub.sim.arena import Footprints
 from hub.sim.ground.beams import ground_echoes
 from hub.sim.ground.height_field import HeightField
+from hub.sim.plane_rays import NO_COMPONENT, first_hits
 from hub.sim.solids import Solids
 from hub.sim.spatial_pose import SpatialPose
 from hub.values import dataclass
@@ -49,7 +50,6 @@ _DARKEST = 0.15
 """A surface less bright than this [share] counts as this bright."""
 _FULL_BRIGHTNESS = 0.5
 """From this brightness on a surface is seen at the full distance."""
-_NO_COMPONENT = 1e-12
 _EDGE_CLEARANCE = 0.005
 """Largest distance between a ray's hit and an edge that count as the same [m]."""
 
@@ -210,7 +210,7 @@ class RangeSensors:
         distance, number = solids.hits(origins, rays)
         brightness = np.append(solids.brightness, 1.0)[number]
         if self._ground is None:
-            fall = np.maximum(-rays[:, 2], _NO_COMPONENT)
+            fall = np.maximum(-rays[:, 2], NO_COMPONENT)
             distance = np.minimum(distance, np.maximum(origins[:, 2], 0.0) / fall)
         return sensors.meet(distance, brightness)
 
@@ -339,80 +339,6 @@ class _Laser:
         ) * noise
         within = (ranges >= group.nearest) & (ranges <= group.farthest)
         return np.where(within, np.maximum(ranges + error, group.nearest), np.inf)
-
-
-def first_hits(
-    obstacles: Footprints, origins: Floats, directions: Floats
-) -> tuple[Floats, Floats, npt.NDArray[np.intp]]:
-    """The first hits of rays in the plane.
-
-    Args:
-        obstacles: The obstacles.
-        origins: Where the rays begin, outside of all obstacles [m], shape (n, 2).
-        directions: Unit vectors, shape (n, 2).
-
-    Returns:
-        Distance to the first hit [m], inf for none; cosine of the angle between the ray and the
-        surface's normal there; number of the obstacle, -1 for none; each of shape (n,).
-    """
-    count = len(directions)
-    distance = np.full((count,), np.inf)
-    squareness = np.zeros(count)
-    number = np.full((count,), -1, dtype=np.intp)
-    rays = np.arange(count)
-    if len(obstacles.low):
-        hits, cosines = _box_hits(obstacles, origins, directions)
-        number = hits.argmin(axis=0)
-        distance, squareness = hits[number, rays], cosines[number, rays]
-        number = np.where(np.isfinite(distance), number, -1)
-    if len(obstacles.radius):
-        hits, cosines = _cylinder_hits(obstacles, origins, directions)
-        nearest = hits.argmin(axis=0)
-        nearer = hits[nearest, rays] < distance
-        distance = np.where(nearer, hits[nearest, rays], distance)
-        squareness = np.where(nearer, cosines[nearest, rays], squareness)
-        number = np.where(nearer, nearest + len(obstacles.low), number)
-    return distance, squareness, number
-
-
-def _box_hits(obstacles: Footprints, origins: Floats, directions: Floats) -> tuple[Floats, Floats]:
-    """Distance (inf: none) and cosine of the incidence, both of shape (boxes, rays).
-
-    Slab method (Kay and Kajiya 1986).
-    """
-    x_in, x_out = _slab(obstacles.low[:, :1], obstacles.high[:, :1], origins, directions, 0)
-    y_in, y_out = _slab(obstacles.low[:, 1:], obstacles.high[:, 1:], origins, directions, 1)
-    enter = np.maximum(x_in, y_in)
-    met = (enter <= np.minimum(x_out, y_out)) & (enter >= 0.0)
-    cosines = np.where(x_in > y_in, np.abs(directions[:, 0]), np.abs(directions[:, 1]))
-    return np.where(met, enter, np.inf), cosines
-
-
-def _slab(
-    low: Floats, high: Floats, origins: Floats, directions: Floats, axis: int
-) -> tuple[Floats, Floats]:
-    """Where rays enter and leave the space between two planes, each of shape (boxes, rays)."""
-    component = directions[:, axis]
-    component = np.where(np.abs(component) < _NO_COMPONENT, _NO_COMPONENT, component)
-    inverse = 1.0 / component
-    first = (low - origins[:, axis]) * inverse
-    second = (high - origins[:, axis]) * inverse
-    return np.minimum(first, second), np.maximum(first, second)
-
-
-def _cylinder_hits(
-    obstacles: Footprints, origins: Floats, directions: Floats
-) -> tuple[Floats, Floats]:
-    """Distance (inf: none) and cosine of the incidence, both of shape (cylinders, rays)."""
-    to_x = obstacles.centre[:, :1] - origins[:, 0]
-    to_y = obstacles.centre[:, 1:] - origins[:, 1]
-    along = to_x * directions[:, 0] + to_y * directions[:, 1]
-    passing = to_x * directions[:, 1] - to_y * directions[:, 0]
-    radius = obstacles.radius[:, None]
-    under = radius * radius - passing * passing
-    depth = np.sqrt(np.maximum(under, 0.0))
-    hit = along - depth
-    return np.where((under >= 0.0) & (hit >= 0.0), hit, np.inf), depth / radius
 
 
 def _upright_edges(obstacles: Footprints) -> Floats:

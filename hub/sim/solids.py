@@ -6,11 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.sim.arena import Arena
+from hub.sim.plane_rays import NO_COMPONENT, slab
 from hub.values import dataclass
 
 Floats = npt.NDArray[np.float64]
-
-_NO_COMPONENT = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -69,14 +68,14 @@ class Solids:
     def _to_boxes(self, origins: Floats, rays: Floats) -> Floats:
         """Distance to each box, inf for none, shape (b, n); slab method (Kay and Kajiya 1986)."""
         slabs = [
-            _slab(self.low[:, axis, None], self.high[:, axis, None], origins, rays, axis)
+            slab(self.low[:, axis, None], self.high[:, axis, None], origins, rays, axis)
             for axis in range(3)
         ]
         return _entered(slabs)
 
     def _to_cylinders(self, origins: Floats, rays: Floats) -> Floats:
         """Distance to each cylinder, inf for none, shape (c, n)."""
-        flat = np.maximum(np.hypot(rays[:, 0], rays[:, 1]), _NO_COMPONENT)
+        flat = np.maximum(np.hypot(rays[:, 0], rays[:, 1]), NO_COMPONENT)
         to_x = self.centre[:, :1] - origins[:, 0]
         to_y = self.centre[:, 1:] - origins[:, 1]
         along = (to_x * rays[:, 0] + to_y * rays[:, 1]) / flat
@@ -85,7 +84,7 @@ class Solids:
         half = np.sqrt(np.maximum(under, 0.0))
         near = np.where(under >= 0.0, (along - half) / flat, np.inf)
         round_about = near, (along + half) / flat
-        upright = _slab(self.span[:, :1], self.span[:, 1:], origins, rays, 2)
+        upright = slab(self.span[:, :1], self.span[:, 1:], origins, rays, 2)
         return _entered([round_about, upright])
 
 
@@ -101,16 +100,6 @@ def solids_of(arena: Arena) -> Solids:
         span=np.array([(item.low, item.high) for item in cylinders]).reshape(-1, 2),
         brightness=np.array([sum(each.colour) / 765.0 for each in surfaces], dtype=np.float64),
     )
-
-
-def _slab(
-    low: Floats, high: Floats, origins: Floats, rays: Floats, axis: int
-) -> tuple[Floats, Floats]:
-    """Where rays enter and leave the space between two planes, each of shape (solids, n)."""
-    component = rays[:, axis]
-    inverse = 1.0 / np.where(np.abs(component) < _NO_COMPONENT, _NO_COMPONENT, component)
-    first, second = (low - origins[:, axis]) * inverse, (high - origins[:, axis]) * inverse
-    return np.minimum(first, second), np.maximum(first, second)
 
 
 def _entered(slabs: list[tuple[Floats, Floats]]) -> Floats:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hub.grids.scan_matching import FEWEST, ScanMatcher, Surfaces, surfaces
 from hub.pose import Pose
 from hub.sim.arena import Arena
-from hub.sim.range_sensors import first_hits
+from hub.sim.plane_rays import first_hits
 from tests.hub.sim.arenas import arena_of
 from tests.support.cases import for_each
 

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from hub.pose import Pose
 from hub.sim import range_sensors
 from hub.sim.arena import Footprints, load_arena
+from hub.sim.plane_rays import first_hits
 from hub.sim.range_sensors import (
     SONAR_INCIDENCE,
     Floats,
     RangeSensors,
-    first_hits,
 )
 from tests.hub.sim.arenas import VOID, arena_of, free_poses
 from tests.support.cases import for_each

@@ -23,7 +23,7 @@ from hub.modules.navigation.correction import PoseCorrection
 from hub.modules.navigation.drift_watch import DriftWatch
 from hub.pose import Pose, wrapped
 from hub.sim.arena import Arena
-from hub.sim.range_sensors import first_hits
+from hub.sim.plane_rays import first_hits
 from tests.support.footprints import distances
 from tests.support.magellan import SimulatedMagellan, magellan_body
 
