@@ -3,7 +3,7 @@
 | the robot has | the layout has |
 | --- | --- |
 | a camera | its picture in the large viewport, with the directions of its head |
-| more cameras | small pictures beside it, and a key for the next camera in the large one |
+| more cameras | small pictures beside it; a click on one, or a key, changes the large one |
 | range sensors | ranges |
 | a map, autonomy | the map, what it does by itself, and their keys |
 | a degree of freedom | its keys and sticks |
@@ -160,6 +160,8 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
     small = [camera.name for camera in cameras[1:] if _can_be_named(camera.name)]
     for number, name in enumerate(small[:_MOST_SMALL], start=2):
         picture = _shows("visualizeCameraImage", camera=name, interval_ms=str(_SMALL_MS))
+        picture += '<widget handler="widgetChooseCamera">'
+        picture += f'<option name="camera" value={quoteattr(name)}/><event mouse="left"/></widget>'
         title = name[:_LONGEST_TITLE].strip()
         yield _Panel(name=f"camera {number}", body=picture, rows=20, title=title)
     if "PRO_MAP" in capabilities:

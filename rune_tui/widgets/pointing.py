@@ -43,9 +43,17 @@ class PointedWidget(PressWidget):
 def place_of(event: ControlEvent, viewport: str, robot: str) -> WorldPoint | None:
     """The place in the world that was clicked.
 
-    That of the widget's own viewport if that shows the world, else of the nearest viewport of the
-    same robot that does.
+    | under the mouse, nearest first | place |
+    | --- | --- |
+    | a picture over the widget's own viewport | that of this picture, if it is of the same robot |
+    | the widget's own viewport, which shows the world | its own |
+    | a viewport of the same robot that shows the world | that of this viewport |
     """
+    for hit in event.hits:
+        if hit.viewport == viewport:
+            break
+        if hit.in_picture is not None:
+            return hit.place if hit.robot == robot else None
     hits = [hit for hit in event.hits if hit.place is not None and hit.robot == robot]
     own = [hit for hit in hits if hit.viewport == viewport]
     return next((hit.place for hit in (*own, *hits)), None)

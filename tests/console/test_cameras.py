@@ -19,6 +19,7 @@ from rune_tui.model.effects import ChooseCamera, Notify, SendEffect
 from rune_tui.model.geometry import PictureGeometry
 from rune_tui.model.robot_state import Picture, RobotState
 from rune_tui.model.state_changes import changed
+from rune_tui.raster.urgency import Urgency
 from rune_tui.view import View
 from rune_tui.visualizers.words.status_words import status_parts
 from tests.console.states import Standing, layout_of, rendered, standing, view_of, visualizer_spec
@@ -112,6 +113,21 @@ def test_a_small_viewport_above_a_large_one_is_a_picture_in_the_picture() -> Non
     assert colour(cells, 130, 25) == BLUE
     assert colour(cells, 40, 60) == GREEN
     assert colour(cells, 130, 60) == GREEN
+
+
+def test_a_picture_in_the_picture_is_the_one_that_is_shown_finely_and_clicked_there() -> None:
+    view = View(
+        layout_of(view_of(pane("video", ""), pane("small", "rear", (110, 10, 40, 30), zpos=1))),
+        pixels_per_cell=(2, 4),
+    )
+    view.resize(160, 48)
+    state = dataclasses.replace(STATE, robots={"magellan": car()})
+    assert view.render(state) is not None
+    small, large = sorted((each.seen for each in view.pictures), key=lambda seen: seen.sum())
+    assert small.any()
+    assert not (small & large).any()
+    assert [hit.camera for hit in view.hits(130, 25, state)] == ["rear", ""]
+    assert (view.urgencies[10:12, 115:140] == Urgency.VIDEO).all()
 
 
 def test_each_camera_on_the_screen_is_asked_for_and_no_other() -> None:
