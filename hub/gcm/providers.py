@@ -8,6 +8,7 @@ from hub.gcm import (
     autonomy,
     battery,
     body,
+    camera_info,
     common,
     control,
     diagnostics,
@@ -22,6 +23,7 @@ from hub.gcm import (
     pad,
     ranges,
     supervision,
+    transforms,
     vehicle,
     vision,
 )
@@ -47,7 +49,9 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     vehicle.VEHICLE_STATE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     joints.JOINT_STATES.name: (Capability.DRV_JOINT,),
     navigation.GROUND_TRUTH.name: (Capability.SIM_TRUTH,),
+    transforms.TRANSFORMS.name: (Capability.NAV_STATE,),
     vision.IMAGE.name: (Capability.VIS_VID,),
+    camera_info.CAMERA_INFO.name: (Capability.VIS_VID,),
     vision.CAMERA_STATE.name: (Capability.VIS_PTZ, Capability.VIS_VID, Capability.VIS_NIGHT),
     mapping.MAP.name: (Capability.PRO_MAP,),
     mapping.INTEREST_POINTS.name: (Capability.PRO_POINTS,),
@@ -95,6 +99,7 @@ ALWAYS_THERE: frozenset[str] = frozenset(
     for definition in (
         *common.MESSAGES,
         *body.MESSAGES,
+        transforms.STATIC_TRANSFORMS,
         *supervision.MESSAGES,
         *control.MESSAGES,
         *pad.MESSAGES,

@@ -15,6 +15,7 @@ from hub.gcm.common import (
     CommonResult,
 )
 from hub.gcm.supervision import ModulePhase
+from hub.gcm.transforms import STATIC_TRANSFORMS, static_transforms
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.wire.control import Change, Presence
@@ -40,7 +41,9 @@ class Reporting:
         self._robot = body.name
         self._clock = time.monotonic
         client.define(supervision.MODULE_REPORTS, supervision.CAPABILITY_REPORTS, COMMON_COMMAND)
-        client.publish(ROBOT_DESCRIPTION, body)  # central keeps it for later subscribers
+        # Central keeps both for later subscribers.
+        client.publish(ROBOT_DESCRIPTION, body)
+        client.publish(STATIC_TRANSFORMS, static_transforms(body))
         client.subscribe(supervision.MODULE_INFO, self._announced)
         client.subscribe(supervision.CAPABILITY_WANTS, self._wanted)
         client.subscribe(COMMON_COMMAND, self._commanded)

@@ -10,8 +10,11 @@ import pytest
 
 from hub.errors import HandlerFailedError
 from hub.gcm import ranges, vision
+from hub.gcm.battery import BATTERY
 from hub.gcm.beams import beams_of
 from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, RangeKind
+from hub.gcm.camera_info import CAMERA_INFO
+from hub.gcm.transforms import STATIC_TRANSFORMS, TRANSFORMS
 from rune_tui.cli import main
 from tests.support.bodies import CARRIER, hub_with
 from tests.system.harness import HubProcess, Observer
@@ -45,6 +48,24 @@ def test_the_hub_describes_it_and_its_ranges_come_in_that_order(
     laser = measured[beams.of_kind(RangeKind.LASER)]
     assert len(measured) == 181 + 7
     assert np.isfinite(laser).all(), "the empty hall has walls all around"
+
+
+def test_tools_of_ros_get_its_frames_and_how_its_cameras_project(
+    hub: HubProcess, stack: ExitStack
+) -> None:
+    wanted = TRANSFORMS, CAMERA_INFO, BATTERY
+    observer = stack.enter_context(closing(Observer(hub.endpoint, *wanted)))
+    newest = {name: history[-1][1] for name, history in observer.seen.items()}
+    moving = newest[TRANSFORMS.name].transforms
+    assert [(each.header.frame_id, each.child_frame_id) for each in moving] == [
+        ("map", "odom"),
+        ("odom", "base_link"),
+    ]
+    kept = observer.client.last_value(STATIC_TRANSFORMS, timeout=5.0)
+    parents = {each.child_frame_id: each.header.frame_id for each in kept.transforms}
+    cameras = newest[CAMERA_INFO.name].cameras
+    assert [parents[each.header.frame_id] for each in cameras] == [*_CAMERAS]
+    assert 0.9 < newest[BATTERY.name].percentage <= 1.0
 
 
 def test_each_camera_has_its_own_picture(hub: HubProcess, stack: ExitStack) -> None:

@@ -15,6 +15,7 @@ from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.navigation import Assistance, Cause, DriveState, MotionState, Task
+from hub.gcm.transforms import TRANSFORMS
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
@@ -22,7 +23,7 @@ from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.frame import FrameMemory
 from hub.modules.navigation.path_follower import PathFollower
 from hub.modules.navigation.problems import known_edges, problems
-from hub.modules.navigation.reports import robot_state, status
+from hub.modules.navigation.reports import robot_state, status, transforms
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.paths import for_pose
 from hub.pose import wrapped
@@ -94,6 +95,7 @@ class Navigation:
             navigation.NAVIGATION_STATUS,
             diagnostics.DIAGNOSTICS,
             edges.EDGES,
+            TRANSFORMS,
         )
         publish_on_request(client, navigation.ROBOT_STATE, self._publish_state)
         publish_on_request(client, navigation.NAVIGATION_STATUS, self._publish_status)
@@ -103,6 +105,7 @@ class Navigation:
         client.every(_STATUS_PERIOD, self._publish_status)
         client.every(_PROBLEMS_PERIOD, self._publish_problems)
         client.every(_SILENCE_PERIOD, self._look_for_problems)
+        client.every(1.0 / TRANSFORMS.rate_hz, self._publish_transforms)
         client.every(_EDGES_PERIOD, self._publish_edges)
         client.every(_MAP_PERIOD, self._ask_for_map)
 
@@ -323,6 +326,12 @@ class Navigation:
         frame = self._frames.frame.number
         state = robot_state(drive, self._battery, self.pilot, self._governor, refused, frame, now)
         self._client.publish(navigation.ROBOT_STATE, state, measured=measured)
+
+    def _publish_transforms(self) -> None:
+        if self._newest is not None and self._client.has_subscribers(TRANSFORMS):
+            drive, measured = self._newest
+            given = transforms(drive, self.pilot.correction.odom)
+            self._client.publish(TRANSFORMS, given, measured=measured)
 
     def _publish_problems(self) -> None:
         found = problems(self.pilot, self._clock())

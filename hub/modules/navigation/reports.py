@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 
 from hub.gcm.battery import BatteryState
+from hub.gcm.geometry import Quaternion
 from hub.gcm.navigation import DriveState, NavigationStatus, Point, RobotState
+from hub.gcm.standard import BASE_LINK, MAP, ODOM, Header
+from hub.gcm.transforms import Transform, Transforms, TransformStamped, Translation
 from hub.modules.navigation.path_follower import PathFollower
 from hub.modules.navigation.speed_governor import SpeedGovernor
 from hub.modules.navigation.task import NavigationTask
+from hub.pose import Pose
 
 
 def robot_state(
@@ -46,6 +50,30 @@ def robot_state(
         position_off=spread.way,
         heading_off=min(spread.turn, math.pi),
         stops=governor.stops,
+    )
+
+
+def transforms(drive: DriveState, odom: Pose) -> Transforms:
+    """The place of `odom` in `map`, and of `base_link` in `odom`."""
+    stamp, pose = drive.odometry.header.stamp, drive.odometry.pose.pose
+    place = pose.position
+    corrected = Transform(
+        translation=Translation(x=odom.x, y=odom.y), rotation=Quaternion.of(0.0, 0.0, odom.theta)
+    )
+    reckoned = Transform(
+        translation=Translation(x=place.x, y=place.y, z=place.z), rotation=pose.orientation
+    )
+    return Transforms(
+        transforms=(
+            TransformStamped(
+                header=Header(stamp=stamp, frame_id=MAP), child_frame_id=ODOM, transform=corrected
+            ),
+            TransformStamped(
+                header=Header(stamp=stamp, frame_id=ODOM),
+                child_frame_id=BASE_LINK,
+                transform=reckoned,
+            ),
+        )
     )
 
 

@@ -12,6 +12,7 @@ from hub.control_gate import ControlGate
 from hub.errors import CameraError, HubError
 from hub.gcm import flight, imu, navigation, vision
 from hub.gcm.body import Freedom
+from hub.gcm.camera_info import CAMERA_INFO, CameraInfos
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.frames import in_base
 from hub.gcm.pose_history import PoseHistory
@@ -50,6 +51,7 @@ class Vision:
                 open_camera(robot, table),
                 self._poses,
                 self._stances,
+                (table.width_px, table.height_px),
             )
             for table in tables
         }
@@ -71,7 +73,8 @@ class Vision:
         client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
         self._lights = {each.name: each.camera for each in robot.body.lights if each.camera}
         client.subscribe(VEHICLE_COMMAND, self._light)
-        client.define(vision.CAMERA_STATE)
+        client.define(vision.CAMERA_STATE, CAMERA_INFO)
+        client.every(1.0 / CAMERA_INFO.rate_hz, self._publish_info)
         publish_on_request(client, vision.CAMERA_STATE, self._publish_state)
         self._feed_due = client.alarm(self._look)
         self._next_state = client.alarm(self._work)
@@ -129,6 +132,11 @@ class Vision:
             each.advance()
         state = self._cameras[self._main].state(now)
         self._client.publish(vision.CAMERA_STATE, state, measured=now)
+
+    def _publish_info(self) -> None:
+        if self._client.has_subscribers(CAMERA_INFO):
+            infos = tuple(each.info() for each in self._cameras.values())
+            self._client.publish(CAMERA_INFO, CameraInfos(cameras=infos))
 
     def _move(self, command: vision.CameraCommand, reception: MessageInfo) -> None:
         if self._gate.admits(vision.CAMERA_COMMAND, reception):

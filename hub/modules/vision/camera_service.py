@@ -8,7 +8,10 @@ from collections.abc import Callable
 
 from hub.gcm import vision
 from hub.gcm.body import BodyFrame
+from hub.gcm.camera_info import CameraInfo
 from hub.gcm.pose_history import PoseHistory
+from hub.gcm.standard import Header, Time
+from hub.gcm.transforms import optical_frame
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness, prepare
@@ -26,6 +29,7 @@ class CameraService:
         camera: Camera,
         poses: PoseHistory,
         stances: Stances,
+        size: tuple[int, int] = (0, 0),
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Take over an open camera.
@@ -35,11 +39,13 @@ class CameraService:
             camera: The camera itself.
             poses: The robot's poses in the last seconds.
             stances: Its tilts and heights in the last seconds.
+            size: Largest width and height of a picture [px]; 0: not known.
             clock: Monotonic time [s].
         """
         self._frame = frame
         self._poses = poses
         self._stances = stances
+        self._size = size
         self._clock = clock
         self._night = NightMode()
         self._advanced = clock()
@@ -107,6 +113,17 @@ class CameraService:
             robot_pitch=stance.pitch,
             robot_above_ground=stance.above_ground,
             gain=self._night.gain,
+        )
+
+    def info(self) -> CameraInfo:
+        """How it projects now, in pictures of its largest size."""
+        self.advance()
+        stamp, (width_px, height_px) = time.time(), self._size
+        return CameraInfo.of(
+            Header(stamp=Time.of(stamp), frame_id=optical_frame(self.name)),
+            width_px=width_px,
+            height_px=height_px,
+            horizontal_fov=self.camera.camera_state(stamp).horizontal_fov,
         )
 
     def move(self, command: vision.CameraCommand) -> None:
