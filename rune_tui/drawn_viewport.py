@@ -136,7 +136,7 @@ class DrawnViewport:
         """Its title, the longest form first; it says so if keys do not command what it shows."""
         robot = self.robot(state)
         title = self.spec.title.replace(_ROBOT, state.title(robot.name) if robot else "no robot")
-        if self.spec.robot == CHOSEN and state.peeked:
+        if self.spec.robot == CHOSEN and state.peeked and not self.visualizer.rule.of_all:
             return f"{title} · PEEK: keys drive nothing", f"{title} · PEEK", "PEEK"
         return title, title.split(" ")[0]
 

@@ -189,7 +189,7 @@ class View:
         state = dataclasses.replace(state, banner=banner_of(state, found), attention=self.attention)
         # Refreshes every pane: `any` over a generator would end at the first change.
         changed = [pane.refresh(state) for pane in self.panes]
-        changed.append(self._banner.refresh(self._columns, self._uncovered_rows, self._rows, state))
+        changed.append(self._refresh_banner(state))
         top, rows = self._page_place
         nearest = self._top_zpos + 1
         changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
@@ -293,6 +293,12 @@ class View:
     @property
     def _too_small(self) -> bool:
         return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
+
+    def _refresh_banner(self, state: ConsoleState) -> bool:
+        listed = any(pane.visualizer.rule.of_all and pane.visible(state) for pane in self.panes)
+        return self._banner.refresh(
+            self._columns, self._uncovered_rows, self._rows, state, listed=listed
+        )
 
     def _refresh_notices(self, state: ConsoleState) -> bool:
         logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self.panes)

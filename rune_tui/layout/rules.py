@@ -221,6 +221,7 @@ class VisualizerRule:
         above: Whether a visualizer below it with `draws_over` is drawn again over it.
         logs: Whether it lists notices, so that they need not pass over the view.
         heads: Whether nothing covers a row of it at the upper edge.
+        of_all: Whether it shows all robots, not the one of its viewport.
     """
 
     meaning: str
@@ -238,6 +239,7 @@ class VisualizerRule:
     above: bool = False
     logs: bool = False
     heads: bool = False
+    of_all: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

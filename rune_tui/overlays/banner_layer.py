@@ -26,7 +26,9 @@ class BannerLayer:
         """Height of the banner [cells]."""
         return self.layers[0].canvas.rows if self.layers else 0
 
-    def refresh(self, columns: int, top: int, rows: int, state: ConsoleState) -> bool:
+    def refresh(
+        self, columns: int, top: int, rows: int, state: ConsoleState, *, listed: bool = False
+    ) -> bool:
         """Bring `layers` up to date.
 
         Args:
@@ -34,19 +36,31 @@ class BannerLayer:
             top: The banner's first row [cells].
             rows: Height of the terminal [cells].
             state: The console's state.
+            listed: Whether another pane lists the alarms of all robots. Then those of robots that
+                the operator does not look at take one row only: they cover the picture to drive by.
 
         Returns:
             Whether they changed.
         """
         prefix = state.title(state.banner.robot) if state.banner else ""
-        seen = (columns, top, rows, state.theme.name, len(state.robots), state.banner, prefix)
+        aside = listed and state.banner is not None and state.banner.robot not in {"", state.seen}
+        seen = (
+            columns,
+            top,
+            rows,
+            state.theme.name,
+            len(state.robots),
+            state.banner,
+            prefix,
+            aside,
+        )
         look: tuple[object, ...] = seen if state.banner is not None else ()
         if look == self._look:
             return False
         self._look = look
         self.layers = ()
         if state.banner is not None:
-            tall = rows >= _TALL_ROWS and not state.banner.calm
+            tall = rows >= _TALL_ROWS and not (state.banner.calm or aside)
             canvas = Canvas.blank(columns, 2 * (3 if tall else 1))
             _draw(canvas, state.banner, state)
             nearest = sys.maxsize - 1

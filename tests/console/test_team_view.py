@@ -10,6 +10,8 @@ import math
 import os
 from typing import Any
 
+import numpy as np
+
 from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, HoldKind, Motion
 from hub.gcm.flight import ALTITUDE, Altitude
 from hub.gcm.imu import IMU, Imu
@@ -22,6 +24,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ChooseRobot, Effect, Peek
 from rune_tui.model.robot_state import LinkPhase, Received, RobotState
 from rune_tui.model.state_changes import changed
+from rune_tui.model.theme import DARK
 from rune_tui.view import View
 from tests.console.dispatching import stops
 from tests.console.situations import NOW, ROOT, robot, shipped
@@ -128,9 +131,23 @@ def test_the_team_and_its_alarms_are_in_sight_at_every_size(size: tuple[int, int
 
 @for_each("size", SIZES)
 def test_a_peek_is_said_beside_the_picture(size: tuple[int, int]) -> None:
-    text = drawn(SCENES["peek"], size)
-    assert "PEEK" in text
     assert "PEEK" not in drawn(CALM, size)
+    assert "PEEK" in drawn(SCENES["peek"], size)
+    *_, status = drawn(changed(SCENES["alarms"], Peek(robot="submarine")), size).splitlines()
+    assert "PEEK" in status, "the banner covers the title of the picture"
+
+
+def test_the_alarm_of_another_robot_covers_one_row_of_the_picture() -> None:
+    plates = {}
+    for chosen in ("blimp", "rover"):
+        shown = changed(SCENES["alarms"], ChooseRobot(robot=chosen))
+        view = View(LAYOUT, spent=lambda: 0.0)
+        view.resize(160, 48)
+        cells = view.render(shown)
+        assert cells is not None
+        red = np.all(cells.pixels[:, 0, :3] == DARK.alarm[:3], axis=1)
+        plates[chosen] = int(red.sum()) // 2
+    assert plates == {"blimp": 1, "rover": 3}
 
 
 def pressed(dispatch: Dispatch, name: str, shown: ConsoleState) -> tuple[Effect, ...]:

@@ -35,6 +35,7 @@ class Attention(PlainVisualizer):
         message=Alarms.rule.message,
         others=Alarms.rule.others,
         vital=True,
+        of_all=True,
     )
     urgency: ClassVar[Urgency] = Urgency.ALARM
 

@@ -70,6 +70,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """All parts, in the order of the status line."""
     return (
         *_stop_key(robot, state),
+        *_peek(robot, state),
         Part(state.title(robot.name), 2 if len(state.robots) == 1 else 8),
         _link(robot, state.now),
         *_permission(robot),
@@ -90,6 +91,12 @@ def _stop_key(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     key = state.input_of(Purpose.STOP, robot.name)
     if key and (state.full or state.paged):
         yield Part(f"{key[:1].upper()}{key[1:]} STOP", 10)
+
+
+def _peek(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """That the operator only looks at this robot."""
+    if robot.name == state.peeked:
+        yield Part("PEEK: keys drive nothing", 10, short="PEEK")
 
 
 def _link(robot: RobotState, now: float) -> Part:

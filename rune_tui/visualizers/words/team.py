@@ -48,6 +48,7 @@ class Team(PlainVisualizer):
             VEHICLE_STATE.name,
         ),
         vital=True,
+        of_all=True,
     )
     urgency: ClassVar[Urgency] = Urgency.ALARM
 

@@ -188,6 +188,8 @@ def _level(robot: RobotState, now: float) -> str:
 
 
 def _looked(robot: RobotState, state: ConsoleState) -> str:
+    if robot.name == state.peeked:
+        return "PEEK"
     seconds = state.unseen_s(robot.name)
     if not seconds:
         return "seen now"

@@ -92,7 +92,7 @@ def test_a_robot_that_the_operator_peeks_at_has_its_own_mark(draw) -> None:
     lines = rows(draw, team(peeked="blimp"))
     assert "▶ rover" in lines[0]
     assert "» blimp" in lines[1]
-    assert "seen now" in lines[1]
+    assert "PEEK" in lines[1]
     assert "seen now" not in lines[0]
 
 
