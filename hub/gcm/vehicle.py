@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 import math
-from typing import Annotated, Final
+from typing import Annotated
 
 from hub.gcm.body import MOST_PARTS, HoldKind
 from hub.gcm.fields import LengthIfKnown, Name, Share, Stamp
@@ -12,9 +12,6 @@ from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range
 from hub.ipc.formats.wire_types import FLOAT32, Counted
 from hub.values import dataclass
-
-HOLD_FAILS_M: Final = 0.3
-"""A hold of a height or depth fails when the robot is farther off [m]."""
 
 
 class HoldPhase(enum.IntEnum):

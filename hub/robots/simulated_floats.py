@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import abc
 import math
-import zlib
 from dataclasses import replace
 
 from hub.errors import ArenaError
@@ -183,7 +182,7 @@ class BlimpBody(_FloatingBody):
         self._blimp = SimulatedBlimp(
             Surroundings.in_air(arena), start=start, air=arena.air, seed=seed
         )
-        super().__init__(self._blimp, body, origin_of(arena, start))
+        super().__init__(self._blimp, body, arena.place_number(start))
 
     @property
     def speed(self) -> tuple[float, float]:
@@ -238,7 +237,7 @@ class RovBody(_FloatingBody):
             leaks_at=leaks_at,
             seed=seed,
         )
-        super().__init__(self._rov, body, origin_of(arena, start))
+        super().__init__(self._rov, body, arena.place_number(start))
 
     @property
     def speed(self) -> tuple[float, float]:
@@ -284,8 +283,3 @@ def start_of(arena: Arena, robot: str, height: float) -> SpatialPose:
     if berth is not None:
         return SpatialPose(x=berth.at[0], y=berth.at[1], z=berth.height, yaw=berth.heading)
     return SpatialPose(x=arena.start.x, y=arena.start.y, z=height, yaw=arena.start.theta)
-
-
-def origin_of(arena: Arena, start: SpatialPose) -> int:
-    """Number of a start: its world restarts with a robot, so it is the same place again."""
-    return zlib.crc32(repr((arena.name, start)).encode()) | 1

@@ -18,7 +18,6 @@ from hub.gcm.ranges import LaserScan, scan_of
 from hub.pose import Pose, wrapped
 from hub.robots.interfaces import Sensors
 from hub.robots.simulated_base import STEPS_PER_SCAN
-from hub.robots.simulated_floats import origin_of
 from hub.sim.arena import Arena
 from hub.sim.battery import Battery
 from hub.sim.ground.chassis import Chassis
@@ -71,7 +70,7 @@ class RoughBody:
         self._air = VictimSenses(arena)
         self._heard: dict[SenseKind, float] = {}
         self._battery = Battery()
-        self._origin = origin_of(arena, self._base.pose)
+        self._origin = arena.place_number(self._base.pose)
         self._scanned = -STEPS_PER_SCAN
         self._scans: tuple[LaserScan, ...] = ()
 

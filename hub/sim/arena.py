@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from hub.sim.geometry import Box, Cylinder, Surface
 from hub.sim.ground.height_field import HeightField
 from hub.sim.ground.map_builder import build_ground
 from hub.sim.ground_checks import ground_problems
+from hub.sim.spatial_pose import SpatialPose
 from hub.values import dataclass
 
 SHIPPED = Path(__file__).parent / "arenas"
@@ -124,6 +126,10 @@ class Arena:
     def berth(self, robot: str) -> BerthSpec | None:
         """Where a kind of robot starts; None: the arena does not say."""
         return next((berth for berth in self.berths if berth.robot == robot), None)
+
+    def place_number(self, start: Pose | SpatialPose) -> int:
+        """Number of a place: the world restarts with a robot, so equal numbers are one place."""
+        return zlib.crc32(repr((self.name, start)).encode()) | 1
 
 
 def shipped_arenas() -> tuple[str, ...]:

@@ -64,7 +64,7 @@ def test_turning_on_the_spot_meets_nothing() -> None:
     assert way(0.0, 1.0, (0.1, 0.0), (0.26, 0.0)) == math.inf
 
 
-def test_what_is_inside_already_lets_go_of_who_leaves() -> None:
+def test_a_point_inside_does_not_stop_a_body_that_leaves_it() -> None:
     assert way(0.5, 0.0, (0.2, 0.0)) == 0.0
     assert way(-0.5, 0.0, (0.2, 0.0)) == math.inf
 

@@ -70,13 +70,13 @@ def test_turning_and_backing_off_are_always_possible_before_a_wall() -> None:
     assert WINDOW.towards((0.0, 0.0), (-0.25, 0.0), close) == (-0.25, 0.0)
 
 
-def test_a_wall_behind_stops_only_who_backs_off() -> None:
+def test_a_wall_behind_stops_only_a_robot_that_backs_off() -> None:
     behind = wall(BODY.radius + 0.03, math.pi)
     assert WINDOW.towards((0.0, 0.0), (-0.5, 0.0), behind)[0] == 0.0
     assert WINDOW.towards(FULL, FULL, behind) == FULL
 
 
-def test_a_wall_beside_does_not_hold_back_who_drives_along() -> None:
+def test_a_wall_beside_does_not_hold_back_a_robot_that_drives_along() -> None:
     assert WINDOW.towards(FULL, FULL, wall(BODY.radius + 0.1, math.pi / 2.0))[0] > 0.4
     slowly = WINDOW.towards((0.1, 0.0), (0.1, 0.0), wall(BODY.radius + 0.02, math.pi / 2.0))
     assert slowly[0] > 0.05

@@ -109,13 +109,13 @@ def test_neutral_of_another_does_not_undo_a_stop() -> None:
     assert scene.velocity == (0.0, 0.0)
 
 
-def test_neutral_of_another_does_not_brake_who_drives() -> None:
+def test_neutral_of_another_sender_does_not_brake_the_driving_one() -> None:
     scene = driving(A)
     scene.command(B, 0.0)
     assert scene.velocity == (0.4, -0.5)
 
 
-def test_nobody_takes_over_from_who_drives() -> None:
+def test_no_sender_takes_over_from_the_driving_one() -> None:
     scene = driving(A)
     scene.command(B, 0.0)
     scene.command(B, -0.4)

@@ -127,7 +127,7 @@ def test_turning_on_the_spot_meets_what_is_beside_the_ends() -> None:
     assert free(BOX, 0.0, 1.0, (0.3, 0.25)) < free(BOX, 0.0, -1.0, (0.3, 0.25))
 
 
-def test_what_is_within_the_margin_lets_go_of_who_leaves() -> None:
+def test_a_point_within_the_margin_does_not_stop_a_body_that_leaves_it() -> None:
     assert free(BOX, 0.5, 0.0, (0.52, 0.0), ahead=0.05) == 0.0
     away = BOX @ np.array(((-1.0, 0.0), (0.0, -1.0)))  # it drives backwards
     assert free(away, 0.5, 0.0, (-0.52, 0.0), ahead=0.05) > 1e3

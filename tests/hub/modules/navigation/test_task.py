@@ -196,13 +196,13 @@ def test_a_way_round_something_new_counts_anew_but_not_for_ever() -> None:
     assert task.state is Task.BLOCKED
 
 
-def test_who_has_no_patience_does_not_wait_where_something_stands() -> None:
+def test_a_goal_without_patience_does_not_wait_where_something_stands() -> None:
     task = going((2.0, 0.0))
     task.goes_round(Pose(x=2.0 - 0.9 * OCCUPIED), 1.0)
     assert (task.state, task.cause) == (Task.BLOCKED, Cause.OCCUPIED)
 
 
-def test_who_has_patience_waits_until_the_place_is_free() -> None:
+def test_a_goal_with_patience_waits_until_the_place_is_free() -> None:
     task = going((2.0, 0.0), patience=20.0)
     here = Pose(x=2.0 - 0.9 * OCCUPIED)
     task.aim(here, 1.0)
@@ -213,7 +213,7 @@ def test_who_has_patience_waits_until_the_place_is_free() -> None:
     assert (task.state, task.cause) == (Task.BLOCKED, Cause.OCCUPIED)
 
 
-def test_who_was_held_up_follows_its_way_closely() -> None:
+def test_after_a_blockage_the_robot_follows_its_way_closely() -> None:
     task = going((2.0, 0.0))
     task.planned(((0.0, 0.0), (2.0, 0.0)))
     task.goes_round(Pose(), 1.0)
