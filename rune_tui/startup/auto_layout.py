@@ -48,6 +48,8 @@ _ALWAYS = ("CON_REAL", "NAV_STATE", "NAV_MOVE")
 """What every layout asks for: state, motion and stop; a robot without them says so."""
 _SMALL_MS = 333
 """Shortest time between two of the small pictures [ms]."""
+_LEAST_ROWS = 4
+"""Least height of a panel [half rows]."""
 _LONGEST_TITLE = 40
 """Most characters of a viewport's title."""
 _MOST_SMALL = 3
@@ -352,7 +354,7 @@ def _arrangement(
     yield _place(large.name, 0, 2, edge - 1, bottom - 2)
     top, right = 2, width - edge
     for panel, share in zip(beside, _heights(beside, height - 4), strict=True):
-        if share >= 4:
+        if share >= _LEAST_ROWS:
             yield _place(panel.name, edge, top, right, share)
             top += share
     if gauges:
@@ -365,7 +367,11 @@ def _arrangement(
 
 def _tiny(large: _Panel) -> Iterator[str]:
     yield '    <arrangement name="tiny" xsize="40" ysize="24">'
-    yield _place(large.name, 0, 0, 40, 20)
+    if large.name == "alarms":
+        yield _place("alarms", 0, 0, 40, 20)
+    else:
+        yield _place(large.name, 0, 0, 40, 18)
+        yield _place("alarms", 0, 18, 40, 2)
     yield _place("keys", 0, 20, 40, 2)
     yield _place("status", 0, 22, 40, 2)
     yield "    </arrangement>"
@@ -378,9 +384,16 @@ def _place(name: str, x: int, y: int, width: int, height: int) -> str:
 
 def _heights(panels: Sequence[_Panel], room: int) -> list[int]:
     """The height of each panel [half rows], even, in all at most `room`."""
-    fixed = sum(panel.rows for panel in panels)
     free = sum(1 for panel in panels if not panel.rows)
-    scale = min(1.0, max(0.0, room - 8 * free) / fixed) if fixed else 1.0
-    heights = [int(panel.rows * scale) // 2 * 2 for panel in panels]
+    spare = max(0, room - 8 * free)
+    least = [min(panel.rows, _LEAST_ROWS) for panel in panels]
+    if sum(least) > spare:  # there is no room for all: the smallest are left out
+        least = [0 for _ in panels]
+    more = sum(panel.rows for panel in panels) - sum(least)
+    scale = min(1.0, (spare - sum(least)) / more) if more else 1.0
+    heights = [
+        (low + int((panel.rows - low) * scale)) // 2 * 2
+        for panel, low in zip(panels, least, strict=True)
+    ]
     left = (room - sum(heights)) // max(1, free) // 2 * 2
     return [height if panel.rows else left for panel, height in zip(panels, heights, strict=True)]

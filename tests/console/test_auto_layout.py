@@ -23,6 +23,7 @@ from hub.gcm.body import (
 )
 from hub.gcm.capability import Capability
 from hub.robots.robot_file import SHIPPED, read_description
+from rune_tui.layout.arrangement_notes import arrangement_notes
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.startup.auto_layout import layout_text
 from rune_tui.startup.opening import open_layout
@@ -46,6 +47,8 @@ def test_each_shipped_robot_has_one(tmp_path: Path, robot: str) -> None:
     body = read_description(SHIPPED / f"{robot}.toml")[0].body
     shown = names(opened(tmp_path, body, ALL))
     assert {"camera", "map", "alarms", "status", "keys"} <= shown
+    wide, *_ = opened(tmp_path, body, ALL).view.arrangements
+    assert {place.viewport for place in wide.places} == shown, "all of it where there is room"
     assert ("range" in shown) == (robot in {"magellan", "tracked"})
     assert ("height" in shown) == (robot in {"blimp", "rov"})
 
@@ -115,4 +118,6 @@ def test_every_body_has_a_layout_without_mistakes(
         lights=tuple(LightBody(name=each) for each in joints),
         arms=len(joints) % 2,
     )
-    opened(tmp_path_factory.mktemp("auto"), body, capabilities)
+    layout = opened(tmp_path_factory.mktemp("auto"), body, capabilities)
+    notes = [note for note in arrangement_notes(layout) if note.startswith("note: ")]
+    assert [note for note in notes if "needed at every size" in note or "cover" in note] == []
