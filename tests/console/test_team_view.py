@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, HoldKind, Motion
+from hub.gcm.diagnostics import Diagnostics, DiagnosticStatus, Severity
 from hub.gcm.flight import ALTITUDE, Altitude
 from hub.gcm.imu import IMU, Imu
 from hub.gcm.ranges import RANGES
@@ -81,6 +82,14 @@ ROV = afloat(
     level={"depth": 0.8},
     holds=(held(HoldKind.DEPTH, 1.5, HoldPhase.FAILING),),
 )
+NOT_HELD = DiagnosticStatus(
+    level=Severity.WARN, name="hold depth", message="does not hold its depth: 0.7 m too high"
+)
+ROV = ROV.with_(
+    diagnostics={
+        5: Received(value=Diagnostics(status=(NOT_HELD,)), measured=NOW - 0.1, number=1),
+    }
+)
 LOST = robot("rover", age=7.0, phase=LinkPhase.LOST, since=NOW - 7.0)
 
 
@@ -124,9 +133,22 @@ def test_the_team_and_its_alarms_are_in_sight_at_every_size(size: tuple[int, int
     for cover in ({}, {"full": "camera"}, {"help": True}):
         text = drawn(dataclasses.replace(SCENES["alarms"], **cover), size).replace(".", " ")
         assert "LINK LOST" in text, cover
-        assert "BATTERY LOW" in text, cover
+        assert "BATTERY LOW" in text or "▶ blimp !" in text, cover
         if size[0] >= 100 or (size[0] >= 80 and not cover):
             assert all(name in text for name in ("magellan", "blimp", "rov")), cover
+
+
+def test_a_hold_that_fails_is_an_alarm_with_the_name_of_its_robot() -> None:
+    view = View(LAYOUT, spent=lambda: 0.0)
+    view.resize(120, 40)
+    for chosen, answered in (("rover", False), ("submarine", True)):
+        cells = view.render(changed(CALM, ChooseRobot(robot=chosen)))
+        assert cells is not None
+        (entry,) = (each for each in view.attention if each.cause == "hold depth")
+        assert (entry.robot, entry.answered) == ("submarine", answered)
+        strip = plain_text(cells).splitlines()[3]
+        assert "rov" in strip
+        assert "! does not hold its depth" in strip
 
 
 @for_each("size", SIZES)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Hashable, Sequence
-from typing import ClassVar, Self
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from typing import ClassVar, Final, Self
 
-from hub.gcm.body import ROBOT_DESCRIPTION, Freedom
+from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, RobotBody
 from hub.values import dataclass
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -18,9 +18,19 @@ from rune_tui.raster.lettering import Font, check_font, letter, measured
 
 _BETWEEN = " · "
 """Separates the pieces of a list; pieces that do not fit into one row are left out."""
-_LOOK = "look"
-_CONDITION = re.compile(rf"\{{({'|'.join((*(each.name.lower() for each in Freedom), _LOOK))})\}}")
-"""Begins a piece for robots whose body moves so, or whose main camera turns."""
+_ABILITIES: Final[Mapping[str, Callable[[RobotBody], bool]]] = {
+    "look": lambda body: any(
+        each.pan_limit or each.tilt_lowest < each.tilt_highest for each in body.cameras[:1]
+    ),
+    "hold": lambda body: bool(body.holds),
+    "light": lambda body: bool(body.lights),
+    "arm": lambda body: bool(body.arms),
+}
+"""Conditions of pieces besides degrees of freedom: whether a body has something."""
+_CONDITION = re.compile(
+    rf"\{{({'|'.join((*(each.name.lower() for each in Freedom), *_ABILITIES))})\}}"
+)
+"""Begins a piece for robots whose body moves so, or has that."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +38,7 @@ class Label:
     """Wrapped text from the upper left corner; the rest is clear.
 
     A piece that begins with a degree of freedom in braces, such as `{heave}`, is shown only for
-    robots whose body moves so; `{look}` stands for a main camera that turns.
+    robots whose body moves so. `_ABILITIES` has further conditions.
 
     Attributes:
         text: Its text.
@@ -42,7 +52,8 @@ class Label:
         heads=True,
         meaning="its `text`, in letters of the terminal or of a `font`; a piece between ` · ` that "
         "begins with a degree of freedom in braces, such as `{heave}` or `{sway}`, is shown only "
-        "for robots that move so, and one with `{look}` only if the main camera turns",
+        "for robots that move so; `{look}` is for a main camera that turns, `{hold}`, `{light}` "
+        "and `{arm}` for a body that has holds, has lights, or can be disarmed",
         others=(ROBOT_DESCRIPTION.name,),
         text=True,
         font=True,
@@ -89,11 +100,9 @@ def _met(robot: RobotState) -> frozenset[str]:
     """The conditions that a robot meets; none before its body is known."""
     if robot.body is None:
         return frozenset()
-    moves = {motion.freedom.name.lower() for motion in robot.body.motions}
-    turns = any(
-        each.pan_limit or each.tilt_lowest < each.tilt_highest for each in robot.body.cameras[:1]
-    )
-    return frozenset(moves | {_LOOK} if turns else moves)
+    body = robot.body
+    moves = {motion.freedom.name.lower() for motion in body.motions}
+    return frozenset(moves | {name for name, has in _ABILITIES.items() if has(body)})
 
 
 def _lines(pieces: Sequence[str], canvas: Canvas) -> list[str]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import ClassVar, Final
 
 from hub.gcm.autonomy import AUTONOMY_STATE
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.control import CONTROL_STATE
+from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.flight import ALTITUDE
 from hub.gcm.navigation import NAVIGATION_STATUS, ROBOT_STATE
 from hub.gcm.vehicle import VEHICLE_STATE
@@ -46,6 +47,7 @@ class Team(PlainVisualizer):
             NAVIGATION_STATUS.name,
             ALTITUDE.name,
             VEHICLE_STATE.name,
+            DIAGNOSTICS.name,
         ),
         vital=True,
         of_all=True,
@@ -112,23 +114,33 @@ def _write_rest(canvas: Canvas, rest: Sequence[TeamRow], theme: Theme) -> None:
 
 
 def _write_names(canvas: Canvas, rows: Sequence[TeamRow], theme: Theme) -> None:
-    """All robots side by side; those without room are left out, the least important first."""
-    kept = list(rows)
-    while len(kept) > 1 and len(list(flowing(map(_short, kept), canvas.width))) > 1:
-        kept.remove(min(kept, key=_by_weight))
-    left_out = f"+{len(rows) - len(kept)}" if len(kept) < len(rows) else ""
+    """All robots side by side; those without room are shortened, then left out and counted."""
+    words = {row.name: _short(row) for row in rows}
+    for row in sorted(rows, key=lambda row: row.rank):
+        if not _fits(words, canvas):
+            words[row.name] = _short(row, bare=True)
+    for row in sorted(rows, key=_by_weight)[:-1]:
+        if not _fits(words, canvas):
+            del words[row.name]
     column = 0
-    for word in map(_short, kept):
+    for word in words.values():
         text = cut(word.text, canvas.width - column)
         canvas.text(column, 0, text, ink_of(word.severity, theme))
         column += len(text) + GAP
-    if left_out and column + len(left_out) <= canvas.width:
-        canvas.text(column, 0, left_out, ink_of(Severity.WARNING, theme))
+    if (left_out := len(rows) - len(words)) and column < canvas.width:
+        text = f"+{left_out}"[: canvas.width - column]
+        canvas.text(column, 0, text, ink_of(Severity.WARNING, theme))
 
 
-def _short(row: TeamRow) -> TextRow:
-    """Key, name and worst problem in one word, or what it does."""
+def _fits(words: Mapping[str, TextRow], canvas: Canvas) -> bool:
+    return len(list(flowing(words.values(), canvas.width))) <= 1
+
+
+def _short(row: TeamRow, *, bare: bool = False) -> TextRow:
+    """Key, name and worst problem in one word, or what it does; bare: the problem's sign only."""
     name = f"{row.cells[_KEY]}{row.cells[_NAME]}" if row.cells[_KEY] else row.cells[_NAME]
-    worst = row.severities[_WORST]
     said = row.cells[_WORST if row.rank[0] else _DOES].strip()
-    return TextRow(printable_text(f"{name} {said}"), worst if row.rank[0] else Severity.PLAIN)
+    if bare:
+        said = said.split(" ")[0] if row.rank[0] else ""
+    severity = row.severities[_WORST] if row.rank[0] else Severity.PLAIN
+    return TextRow(printable_text(f"{name} {said}".rstrip()), severity)
