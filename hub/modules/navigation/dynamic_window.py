@@ -380,7 +380,7 @@ class DynamicWindow:
         """Velocities from 0 to the fastest, each with all turn rates; both shape (m,)."""
         limit = self.body.angular_limit
         gain = self.body.angular_braking * WINDOW_S
-        low, high = max(-limit, turning - gain), min(limit, turning + gain)
+        low, high = _limited(turning - gain, limit), _limited(turning + gain, limit)
         self._linear[:] = (fastest * self._steps)[:, None]
         self._angular[:, :-1] = low + (high - low) * self._spread
         self._angular[:, -1] = max(low, min(high, wanted))

@@ -208,6 +208,14 @@ def test_a_body_of_any_shape_can_stop_before_it_touches(
     assert stands_clear(body, linear, angular, places, axis)
 
 
+def test_a_body_that_turns_faster_than_its_limit_is_commanded_no_more_than_that() -> None:
+    for limit in (0.0, 0.5):
+        slow = DynamicWindow(dataclasses.replace(LONG_BODY, angular_limit=limit))
+        for turning in (-2.0, 2.0):
+            given = slow.towards((0.0, turning), (0.5, 0.0), wall(0.6))
+            assert abs(given[1]) <= limit
+
+
 LONG_BODY = BodyLimits(
     radius=0.5,
     margin=0.05,
