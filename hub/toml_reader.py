@@ -153,11 +153,21 @@ class Problems(list[str]):
     def add(self, place: str, text: str, key: str = "") -> None:
         """Add a sentence about a place, or a key there."""
         text = plain(text)
-        line = self._lines.get((place, key)) or self._lines.get((place, ""))
+        header = _header(place)
+        key = "" if "," in place else key
+        line = self._lines.get((header, key)) or self._lines.get((header, ""))
         if line is None:  # an unknown table, or a value in the place of one
-            table = f"[{key}]" if place == TOP else place
+            table = f"[{key}]" if place == TOP else header
             line = self._lines.get((table, "")) or self._lines.get((TOP, table.strip("[]")))
         self.append((f"line {line}: " if line else "") + text)
+
+
+def _header(place: str) -> str:
+    """The header of a place that is named without brackets: "start", "wall 2, doorway 1"."""
+    if place == TOP or place.startswith("["):
+        return place
+    name, _, count = place.partition(",")[0].partition(" ")
+    return repeated(name, int(count)) if count.isdecimal() else f"[{name}]"
 
 
 def number(low: float, high: float) -> Within:

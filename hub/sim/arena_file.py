@@ -80,28 +80,35 @@ def read_arena_file(path: Path) -> ArenaSpec:
     Raises:
         ArenaError: It cannot be read, is not TOML, or has mistakes, which are all listed.
     """
-    data, _ = toml.load(path, ArenaError)
-    spec, problems = check_arena(data)
+    data, problems = toml.load(path, ArenaError)
+    spec, problems = check_arena(data, problems)
     if spec is None:
         raise ArenaError(str(path), problems)
     return spec
 
 
-def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
-    """Turn the file's content into a spec; None and all problems if it has mistakes."""
-    problems = toml.Problems()
+def check_arena(
+    data: Mapping[str, Any], problems: toml.Problems | None = None
+) -> tuple[ArenaSpec | None, toml.Problems]:
+    """Turn the file's content into a spec; None and all problems if it has mistakes.
+
+    Args:
+        data: The content.
+        problems: Gets the mistakes, and knows the lines of the file.
+    """
+    problems = toml.Problems() if problems is None else problems
     top = toml.keys_of(ArenaSpec)
     known = [*top, *_TABLES, *_GROUND]
-    problems += [
-        f"unknown table or key {toml.shorten(name)}{did_you_mean(name, known)}"
-        for name in data
-        if name not in known
-    ]
+    for name in data:
+        if name not in known:
+            text = f"unknown table or key {toml.shorten(name)}{did_you_mean(name, known)}"
+            problems.add(toml.TOP, text, name)
     values = {name: value for name, value in data.items() if name in top}
     fields = toml.read_table(top, values, toml.TOP, problems)
     objects = sum(len(value) for value in data.values() if isinstance(value, list))
     if objects > MAX_OBJECTS:
-        return None, [*problems, f"{objects} objects are more than the {MAX_OBJECTS} allowed"]
+        problems.append(f"{objects} objects are more than the {MAX_OBJECTS} allowed")
+        return None, problems
     fields |= _read_tables(_TABLES, data, problems)
     _check_names(fields, problems)
     shape = _read_tables(_GROUND, data, problems)
@@ -111,7 +118,8 @@ def check_arena(data: Mapping[str, Any]) -> tuple[ArenaSpec | None, list[str]]:
     rows, columns = map_size(ground)
     if rows * columns > MAX_CELLS:
         text = f"terrain: {rows} by {columns} cells are more than the {MAX_CELLS} allowed"
-        return None, [f"{text}; make key 'cell' larger"]
+        problems.add("terrain", f"{text}; make key 'cell' larger", "cell")
+        return None, problems
     return ArenaSpec(**fields, ground=ground), problems
 
 
@@ -142,7 +150,7 @@ def _read_repeated(
 ) -> tuple[Any, ...]:
     """One spec for each table without mistakes."""
     if not isinstance(value, list):
-        problems.append(f"{place} has to be a list of tables: [[{place}]]")
+        problems.add(toml.TOP, f"{place} has to be a list of tables: [[{place}]]", place)
         return ()
     specs = (
         _read_spec(table, item, f"{place} {index}", problems)
@@ -160,7 +168,8 @@ def _read_spec(table: _Table, values: object, place: str, problems: toml.Problem
         return None
     spec = table.spec(**fields)
     if isinstance(spec, WallSpec):
-        problems.extend(f"{place}: {problem}" for problem in _wall_problems(spec))
+        for problem in _wall_problems(spec):
+            problems.add(place, f"{place}: {problem}")
     return spec
 
 
@@ -168,10 +177,11 @@ def _read_doorways(value: object, place: str, problems: toml.Problems) -> tuple[
     if value == ():
         return ()
     if not isinstance(value, list):
-        problems.append(f"{place}, key 'doorways': {toml.shorten(value)} is not a list of tables")
+        text = f"{place}, key 'doorways': {toml.shorten(value)} is not a list of tables"
+        problems.add(place, text, "doorways")
         return ()
     if len(value) > MAX_DOORWAYS:
-        problems.append(f"{place}, key 'doorways': more than {MAX_DOORWAYS}")
+        problems.add(place, f"{place}, key 'doorways': more than {MAX_DOORWAYS}", "doorways")
         return ()
     return _read_repeated(f"{place}, doorway", _DOORWAY, value, problems)
 
@@ -199,8 +209,9 @@ def _check_names(fields: Mapping[str, Any], problems: toml.Problems) -> None:
     """Names identify victims, landmarks and berths, so each occurs once."""
     for kind, key in (("victim", "name"), ("landmark", "name"), ("berth", "robot")):
         seen: set[str] = set()
-        for spec in fields[_TABLES[kind].field]:
+        for number, spec in enumerate(fields[_TABLES[kind].field], start=1):
             name = getattr(spec, key)
             if name in seen:
-                problems.append(f"{kind} {toml.shorten(name)}: two have this name")
+                text = f"{kind} {toml.shorten(name)}: two have this name"
+                problems.add(f"{kind} {number}", text, key)
             seen.add(name)

@@ -136,8 +136,18 @@ def test_all_mistakes_of_a_file_are_told_at_once(tmp_path: Path) -> None:
         load_arena(str(path))
     found = caught.value.problems
     assert len(found) == 4
-    for place in ("wall 1: unknown key 'too'", "wall 1: key 'to'", "cylinder 1", "victim 1"):
-        assert any(problem.startswith(place) for problem in found)
+    places = {
+        "wall 1: unknown key 'too'": "too = ",
+        "wall 1: key 'to'": "[[wall]]",
+        "cylinder 1": "radius = ",
+        "victim 1": "facing = ",
+    }
+    lines = path.read_text().splitlines()
+    for place, line in places.items():
+        (problem,) = (each for each in found if place in each)
+        number = re.match(r"line (\d+): ", problem)
+        assert number is not None
+        assert lines[int(number[1]) - 1].startswith(line)
     assert str(caught.value).count(str(path)) == 4
 
 
