@@ -283,6 +283,19 @@ class JointBody:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CarriedPart:
+    """A message that the robot brings.
+
+    Attributes:
+        message: Its name.
+        part: What it has, such as "ranges".
+    """
+
+    message: Name
+    part: Name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RobotBody:
     """The constants of a robot; the hub publishes them once and keeps them.
 
@@ -305,6 +318,7 @@ class RobotBody:
         joints: The joints that the operator moves, besides cameras.
         arms: 1: its motors can be armed and disarmed, else 0.
         senses: Its sensors of the air.
+        messages: What the hub brings of this robot, at least; made from its parts and its kind.
     """
 
     name: Name
@@ -324,6 +338,7 @@ class RobotBody:
     joints: Annotated[tuple[JointBody, ...], Counted("joint_count"), Most(MOST_PARTS)] = ()
     arms: Flag = 0
     senses: Annotated[tuple[SenseBody, ...], Counted("sense_count"), Most(len(SenseKind))] = ()
+    messages: Annotated[tuple[CarriedPart, ...], Counted("message_count"), Most(MOST_PARTS)] = ()
 
 
 ROBOT_DESCRIPTION = MessageDefinition(

@@ -10,11 +10,12 @@ from hub.gcm.body import BodyFrame, CameraBody, HoldKind, RobotBody
 from hub.inspection import value_text
 from hub.inspection.output import put, table
 from hub.robots.description import RobotDescription
+from hub.robots.registry import body_of
 
 
 def check(robot: RobotDescription, *, as_json: bool) -> int:
     """Show the robot of a file without mistakes; returns the exit code."""
-    body = robot.body
+    body = body_of(robot)
     if as_json:
         put(json.dumps(value_text.plain(body)))
         return 0
@@ -47,6 +48,8 @@ def _rows(body: RobotBody) -> Iterator[tuple[str, str, str]]:
         yield "camera", camera.name, f"{words}, {_place(frames[camera.name])}"
     yield from _vehicle_rows(body)
     yield "left alone", "", body.left_alone
+    for each in body.messages:
+        yield "message", each.message, each.part
 
 
 def _head(camera: CameraBody) -> str:

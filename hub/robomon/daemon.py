@@ -39,6 +39,7 @@ from hub.robomon.process_supervisor import ProcessSupervisor
 from hub.robomon.reporting import Reporting
 from hub.robomon.sd_notify import Notifier
 from hub.robomon.warm_parent import WarmParent
+from hub.robots.registry import body_of
 
 _logger = logging.getLogger(__name__)
 
@@ -145,7 +146,7 @@ class Daemon:
             parent=self._parent,
             changed=lambda: self._changed(reporting),
         )
-        reporting = Reporting(client, processes, outputs, self._table.robot.body)
+        reporting = Reporting(client, processes, outputs, body_of(self._table.robot))
         ready = False
         try:
             processes.step()

@@ -5,12 +5,20 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Callable
+from typing import Any
 
 from hub.errors import CameraError, UnknownKindError
+from hub.gcm.battery import BATTERY
+from hub.gcm.body import RobotBody
+from hub.gcm.flight import ALTITUDE, FLUID_PRESSURE
+from hub.gcm.ground_truth import GROUND_TRUTH
+from hub.gcm.imu import IMU
+from hub.ipc.definition import MessageDefinition
 from hub.nearest import did_you_mean
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import Base, RobotDescription
 from hub.robots.interfaces import Body, Camera
+from hub.robots.messages_of import described
 from hub.robots.robot_file import shipped_bodies
 from hub.values import dataclass
 
@@ -23,12 +31,14 @@ class RobotKind:
         open_body: Opens wheels, range sensors, bumpers, battery.
         open_camera: Opens a camera of its own, by its table in the robot file; None: it has none.
             Use the function `open_camera`.
+        measures: The messages of what the hardware measures besides the described parts.
         imports: Python modules that the two functions import. The daemon imports them once, for
             all modules of the robot; they start no threads.
     """
 
     open_body: Callable[[RobotDescription], Body]
     open_camera: Callable[[RobotDescription, CameraTable], Camera] | None = None
+    measures: Callable[[RobotDescription], tuple[MessageDefinition[Any], ...]] = lambda _: ()
     imports: tuple[str, ...] = ()
 
 
@@ -71,9 +81,23 @@ def _simulated_camera(robot: RobotDescription, table: CameraTable) -> Camera:
     )
 
 
+def _simulated_measures(robot: RobotDescription) -> tuple[MessageDefinition[Any], ...]:
+    from hub.sim.arena import load_arena
+
+    match robot.base:
+        case Base.ROV:
+            return BATTERY, IMU, ALTITUDE, FLUID_PRESSURE, GROUND_TRUTH
+        case Base.BLIMP:
+            return BATTERY, IMU, ALTITUDE, GROUND_TRUTH
+        case Base.WHEELS if load_arena(robot.arena).ground is None:
+            return BATTERY, GROUND_TRUTH
+    return BATTERY, IMU, GROUND_TRUTH
+
+
 _SIMULATED = RobotKind(
     open_body=_simulated_body,
     open_camera=_simulated_camera,
+    measures=_simulated_measures,
     imports=("hub.robots.simulated_camera", "hub.robots.simulated_base", "numpy.random"),
 )
 KINDS = {"simulated-wheels": _SIMULATED, **dict.fromkeys(shipped_bodies(), _SIMULATED)}
@@ -108,6 +132,15 @@ def kind_of(robot: RobotDescription) -> RobotKind:
         text = f"kind {robot.kind!r} is no RobotKind but a {type(kind).__name__}"
         raise UnknownKindError(text)
     return kind
+
+
+def body_of(robot: RobotDescription) -> RobotBody:
+    """The robot's body with the messages that it brings, as the hub publishes it.
+
+    Raises:
+        UnknownKindError: The robot is of no known kind.
+    """
+    return described(robot.body, kind_of(robot).measures(robot))
 
 
 def open_camera(robot: RobotDescription, table: CameraTable) -> Camera:

@@ -22,6 +22,8 @@ from collections.abc import Collection, Iterator, Sequence
 from xml.sax.saxutils import quoteattr
 
 from hub.gcm.body import Freedom, RobotBody
+from hub.gcm.flight import ALTITUDE
+from hub.gcm.imu import IMU
 from hub.plain_text import is_plain, plain
 from hub.values import dataclass
 from rune_tui.layout.rules import NumberOption
@@ -175,9 +177,7 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
     if body.ranges:
         shown = '<visualizer function="visualizeRangeData" option="3"/>'
         yield _Panel(name="range", body=shown, rows=26, title="ranges")
-    if any(motion.freedom is Freedom.HEAVE for motion in body.motions):
-        yield _Panel(name="attitude", body=_shows("visualizeAttitude"), rows=18, title="attitude")
-        yield _Panel(name="height", body=_shows("visualizeDepth"), rows=18, title="height")
+    yield from _stance(body)
     if body.holds or body.joints or body.arms:
         rows = min(26, 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights)))
         yield _Panel(name="vehicle", body=_shows("visualizeVehicle"), rows=rows, title="vehicle")
@@ -192,6 +192,16 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
 def _can_be_named(part: str) -> bool:
     """Whether a layout can name this part of the body."""
     return is_plain(part) and part == part.strip() != "" and "${" not in part
+
+
+def _stance(body: RobotBody) -> Iterator[_Panel]:
+    """How the robot stands, flies or dives, as far as it measures that."""
+    brought = {each.message for each in body.messages}
+    flies = any(motion.freedom is Freedom.HEAVE for motion in body.motions)
+    if flies or IMU.name in brought:
+        yield _Panel(name="attitude", body=_shows("visualizeAttitude"), rows=18, title="attitude")
+    if flies or ALTITUDE.name in brought:
+        yield _Panel(name="height", body=_shows("visualizeDepth"), rows=18, title="height")
 
 
 def _gauges() -> Iterator[_Panel]:

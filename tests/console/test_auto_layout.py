@@ -22,6 +22,7 @@ from hub.gcm.body import (
     RobotBody,
 )
 from hub.gcm.capability import Capability
+from hub.robots.registry import body_of
 from hub.robots.robot_file import SHIPPED, read_description
 from rune_tui.layout.arrangement_notes import arrangement_notes
 from rune_tui.layout.spec import LayoutSpec
@@ -44,13 +45,14 @@ def names(layout: LayoutSpec) -> set[str]:
 
 @pytest.mark.parametrize("robot", sorted(path.stem for path in SHIPPED.glob("*.toml")))
 def test_each_shipped_robot_has_one(tmp_path: Path, robot: str) -> None:
-    body = read_description(SHIPPED / f"{robot}.toml")[0].body
+    body = body_of(read_description(SHIPPED / f"{robot}.toml")[0])
     shown = names(opened(tmp_path, body, ALL))
     assert {"camera", "map", "alarms", "status", "keys"} <= shown
     wide, *_ = opened(tmp_path, body, ALL).view.arrangements
     assert {place.viewport for place in wide.places} == shown, "all of it where there is room"
     assert ("range" in shown) == (robot in {"magellan", "tracked"})
     assert ("height" in shown) == (robot in {"blimp", "rov"})
+    assert ("attitude" in shown) == (robot != "magellan")
 
 
 def test_a_robot_with_nothing_has_words_and_gauges(tmp_path: Path) -> None:
