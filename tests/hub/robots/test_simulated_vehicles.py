@@ -18,6 +18,10 @@ from hub.robomon.module_table import load_robot_table
 from hub.robots.left_alone import LeftAlone
 from hub.robots.registry import kind_of
 from hub.robots.robot_file import SHIPPED, read_description
+from hub.robots.simulated_rough_base import RoughBody
+from hub.sim.ground.chassis import WHEELED
+from tests.hub.sim.ground.grounds import block, ground_arena, ramp
+from tests.support.magellan import magellan_body
 
 VERTICAL = {"blimp": HoldKind.HEIGHT, "rov": HoldKind.DEPTH}
 CLIMB = Twist(linear=Vector3(z=0.2))
@@ -182,3 +186,27 @@ def test_parts_that_a_simulated_body_lacks_are_mistakes(
     with pytest.raises(RobotFileError) as refused:
         load_robot_table(str(path))
     assert mistake in str(refused.value)
+
+
+def names_while_driving(ground: str) -> set[str]:
+    """The problems of a Magellan that drives ahead over this ground for nine seconds."""
+    arena = ground_arena(ground)
+    body = RoughBody(arena, magellan_body(), WHEELED)
+    body.command(Twist(linear=Vector3(x=0.4)))
+    found = set()
+    for _ in range(180):
+        body.advance(0.05)
+        found |= {each.name for each in problems(body.sensors(0.0))}
+    return found
+
+
+def test_wheels_that_spin_before_a_steep_ramp_are_stuck() -> None:
+    assert names_while_driving(ramp(25.0)) == {"stuck"}
+
+
+def test_a_robot_that_drives_off_an_edge_tips_over() -> None:
+    assert "tipped" in names_while_driving(block(-1.0, 0.5, 2.5))
+
+
+def test_a_robot_on_level_ground_has_no_problems() -> None:
+    assert names_while_driving(block(-1.0, 0.5, 9.0)) == set()
