@@ -99,12 +99,13 @@ def _hold(hold: HoldState) -> Part:
         return Part(f"{name}: no hold", 0, Severity.FAINT)
     if hold.phase is HoldPhase.READY or not math.isfinite(hold.target):
         return Part(f"{name}: holds when you let go", 0, Severity.FAINT)
-    if hold.kind is HoldKind.HEADING:
+    if not math.isfinite(hold.error):
+        off = ""
+    elif hold.kind is HoldKind.HEADING:
         # Headings of a compass go the other way round.
-        off = f"{-math.degrees(hold.error):+.0f} deg"
+        off = f" ({0.0 - round(math.degrees(hold.error)):+.0f} deg)"
     else:
-        off = f"{hold.error:+.2f} m"
-    off = f" ({off})" if math.isfinite(hold.error) else ""
+        off = f" ({round(hold.error, 2) + 0.0:+.2f} m)"
     if hold.phase is HoldPhase.FAILING:
         return Part(f"{name}: HOLD FAILS {target_words(hold)}{off}", 0, Severity.WARNING)
     return Part(f"{name}: holds {target_words(hold)}{off}", 0, Severity.GOOD)

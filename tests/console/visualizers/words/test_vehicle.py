@@ -144,3 +144,12 @@ def test_a_problem_that_is_old_says_its_age_and_a_publisher_that_is_gone_is_forg
     known = diagnosed(LEAK, known=robot(), publisher=4, age=12.0)
     assert said(known) == [("water in the hull (12 s ago)", True)]
     assert said(diagnosed(known=known, publisher=5)) == []
+
+
+def test_an_error_of_nearly_nothing_has_no_minus(draw: Draw) -> None:
+    holds = (
+        HoldState(kind=HoldKind.DEPTH, phase=HoldPhase.HOLDING, target=1.0, error=-0.001),
+        HoldState(kind=HoldKind.HEADING, phase=HoldPhase.HOLDING, target=0.0, error=0.001),
+    )
+    drawn = rows(draw, robot(dataclasses.replace(VEHICLE, holds=holds)), 18)
+    assert drawn[1:3] == ["depth: holds 1.0 m (+0.00 m)", "heading: holds 090 (+0 deg)"]
