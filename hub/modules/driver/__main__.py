@@ -166,12 +166,10 @@ class Driver:
             self._client.publish(ranges.RANGES, readings, measured=now)
         self._publish_measurements(sensors, stamp, now)
         self._publish_vehicle(sensors, stamp, now)
-        rests = reports.stands(sensors)
         truth = self._body.ground_truth()
         if truth is not None:
             self._client.publish(navigation.GROUND_TRUTH, truth, measured=now)
-            rests = rests and not self._client.has_subscribers(navigation.GROUND_TRUTH)
-        return rests
+        return reports.rests(sensors)
 
     def _publish_vehicle(self, sensors: Sensors, stamp: float, now: float) -> None:
         """Publish what the body does besides its motion, what is wrong, and its joints."""

@@ -25,6 +25,9 @@ from hub.gcm.vehicle import Arming, VehicleState
 from hub.modules.driver.problems import problems
 from hub.robots.interfaces import Sensors
 
+_SLOW = 0.05
+"""Speeds below this need fewer reports [m/s or rad/s]."""
+
 
 def drive_state(sensors: Sensors, stamp: float, reckoning: int = 0) -> DriveState:
     """The state of the base.
@@ -132,6 +135,17 @@ def joints(sensors: Sensors, stamp: float) -> JointStates:
 def diagnostics(sensors: Sensors, stamp: float) -> Diagnostics:
     """What is wrong with the body now."""
     return Diagnostics(header=Header(stamp=Time.of(stamp)), status=tuple(problems(sensors)))
+
+
+def rests(sensors: Sensors) -> bool:
+    """Whether the body has no order to move and moves too slowly to be reported often.
+
+    A body that flies or dives never stands: air and water carry it while it holds.
+    """
+    linear, angular = sensors.velocity.linear, sensors.velocity.angular
+    speeds = (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
+    slow = all(abs(speed) < _SLOW for speed in speeds)
+    return slow and sensors.commanded.neutral and not sensors.bumpers
 
 
 def stands(sensors: Sensors) -> bool:

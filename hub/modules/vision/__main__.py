@@ -108,7 +108,7 @@ class Vision:
         self._next_state.due = self._state_at = max(self._state_at + period, self._clock())
         if self._client.has_subscribers(vision.CAMERA_STATE):
             self._need()
-        self._publish_state()
+            self._publish_state()
         self._look()
 
     def _answer_or_fail(self, request: vision.ImageRequest, reply: Reply[vision.Image]) -> None:

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import pytest
 
 from hub.gcm.geometry import Point3D, Pose3D, Twist, Vector3
 from hub.gcm.imu import Acceleration
 from hub.gcm.standard import Header, Time
-from hub.modules.driver.reports import altitude, battery, drive_state, fluid_pressure, imu, stands
+from hub.modules.driver.reports import (
+    altitude,
+    battery,
+    drive_state,
+    fluid_pressure,
+    imu,
+    rests,
+    stands,
+)
 from hub.robots.interfaces import Sensors
 
 NOTHING = Sensors()
@@ -98,3 +107,20 @@ def test_a_body_stands_only_without_any_motion_order_or_contact() -> None:
     assert not stands(dataclasses.replace(NOTHING, velocity=sideways))
     assert not stands(dataclasses.replace(NOTHING, commanded=sideways))
     assert not stands(dataclasses.replace(NOTHING, bumpers=1))
+
+
+@pytest.mark.parametrize(
+    ("changes", "quiet"),
+    [
+        ({}, True),
+        ({"velocity": Twist(linear=Vector3(y=0.03), angular=Vector3(z=-0.03))}, True),
+        ({"velocity": Twist(linear=Vector3(z=0.06))}, False),
+        ({"velocity": Twist(angular=Vector3(z=math.nan))}, False),
+        ({"commanded": Twist(linear=Vector3(x=0.01))}, False),
+        ({"bumpers": 1}, False),
+    ],
+)
+def test_a_body_that_only_drifts_is_reported_less_often(
+    changes: dict[str, Any], *, quiet: bool
+) -> None:
+    assert rests(dataclasses.replace(NOTHING, **changes)) is quiet
