@@ -205,8 +205,10 @@ class RangeSensors:
         lean: SpatialPose,
     ) -> tuple[Floats, ...]:
         """What beams of light meet from a pose in space, except a height map."""
-        solids = solids.around(lean.x, lean.y, group.reach())
         origins, rays = group.leaning(lean)
+        heights = np.concatenate((origins[:, 2], origins[:, 2] + group.farthest * rays[:, 2]))
+        span = float(heights.min()), float(heights.max())
+        solids = solids.around(lean.x, lean.y, group.reach(), *span)
         distance, number = solids.hits(origins, rays)
         brightness = np.append(solids.brightness, 1.0)[number]
         if self._ground is None:

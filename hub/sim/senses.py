@@ -36,14 +36,18 @@ class VictimSenses:
     def at(self, x: float, y: float, z: float) -> tuple[float, float]:
         """Sound level [dB] and carbon dioxide [ppm] at a place [m]."""
         power, co2 = 10.0 ** (QUIET_DB / 10.0), FRESH_PPM
-        for victim in self._victims:
-            way = np.array((victim.x - x, victim.y - y, victim.z - z))
-            away = max(float(np.linalg.norm(way)), _NEAREST)
-            hit, _ = self._solids.hits(np.array([(x, y, z)]), way[None] / away)
-            is_hidden = bool(hit[0] < away - _OWN)
+        here = np.array((x, y, z))
+        mouths = np.array([(each.x, each.y, each.z) for each in self._victims]).reshape(-1, 3)
+        ways = mouths - here
+        away = np.maximum(np.linalg.norm(ways, axis=1), _NEAREST)
+        hit, _ = self._solids.hits(np.broadcast_to(here, ways.shape), ways / away[:, None])
+        hidden = hit < away - _OWN
+        for victim, far, is_hidden in zip(
+            self._victims, away.tolist(), hidden.tolist(), strict=True
+        ):
             if victim.sound:
-                level = victim.sound - 20.0 * math.log10(away) - WALL_DB * is_hidden
+                level = victim.sound - 20.0 * math.log10(far) - WALL_DB * is_hidden
                 power += 10.0 ** (level / 10.0)
             if not is_hidden:
-                co2 += victim.co2 / (away * away)
+                co2 += victim.co2 / (far * far)
         return 10.0 * math.log10(power), min(co2, MOST_PPM)

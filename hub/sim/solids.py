@@ -32,12 +32,14 @@ class Solids:
     span: Floats
     brightness: Floats
 
-    def around(self, x: float, y: float, reach: float) -> Solids:
-        """Those within reach of a point [m], seen from above."""
+    def around(self, x: float, y: float, reach: float, low: float, high: float) -> Solids:
+        """Those within reach of a point [m], seen from above, and between two heights [m]."""
         point = np.array((x, y))
         beyond = np.maximum(np.maximum(self.low[:, :2] - point, point - self.high[:, :2]), 0.0)
         boxes = np.hypot(*beyond.T) <= reach
+        boxes &= (self.low[:, 2] <= high) & (self.high[:, 2] >= low)
         cylinders = np.hypot(*(self.centre - point).T) - self.radius <= reach
+        cylinders &= (self.span[:, 0] <= high) & (self.span[:, 1] >= low)
         return Solids(
             low=self.low[boxes],
             high=self.high[boxes],
