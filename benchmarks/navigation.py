@@ -18,15 +18,17 @@ import numpy as np
 from benchmarks.barn import BODY, Outcome, World, drive, load, ours
 from benchmarks.figures import median_ms, report, say
 from benchmarks.peers.reference_window import ReferenceWindow
-from hub.gcm.beam_scans import ScanReader
+from hub.gcm.beam_scans import BeamScan, ScanReader
 from hub.gcm.body import BodyFrame, RangeGroup, RangeKind, RobotBody
 from hub.gcm.ranges import RangeReadings, scan_of
 from hub.ipc.transport import heap
 from hub.modules.navigation.beam_rules import BeamRules
 from hub.modules.navigation.dynamic_window import DynamicWindow
+from hub.modules.navigation.ground_memory import GroundMemory
 from hub.modules.navigation.obstacle_memory import ObstacleMemory
 from hub.modules.navigation.path_follower import GOAL_REACH
 from hub.modules.navigation.sweeps import Sweep
+from hub.pose import Pose
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import load_arena
 from tests.hub.modules.navigation.drives import Drive, random_start
@@ -39,6 +41,7 @@ PROCESSES = 2
 LONG = np.array(((0.3, -0.15), (0.3, 0.15), (-0.3, 0.15), (-0.3, -0.15)))
 _AROUND = np.arange(32) * (math.tau / 32)
 ROUNDED = np.stack((0.3 * np.cos(_AROUND), 0.2 * np.sin(_AROUND)), axis=1)
+TRACKED = read_description(find_robot_file("tracked"))[0].body
 MAGELLAN = read_description(find_robot_file("magellan"))[0].body
 _NOTE = "25 worlds, kinematic, perfect sensing within 1.5 m; the recorded runs are Gazebo's"
 
@@ -171,6 +174,26 @@ def scans() -> None:
     report("nav.scan_magellan_ms", _scan_ms(MAGELLAN), "ms", note="16 sonars and 16 infrareds")
 
 
+def ground() -> None:
+    """Time of taking the tracked robot's two scans of the ground, half of them over an edge."""
+    heap.keep_heap()
+    reader = ScanReader(TRACKED)
+    memory = GroundMemory(TRACKED, reader.beams, 0.15)
+    floor = reader.beams.to_floor()
+    random = np.random.default_rng(7)
+
+    def take(number: int) -> None:
+        along = floor * random.normal(1.0, 0.01, len(floor))
+        if number % 2:
+            along[number % 31 :: 2] = np.inf
+        pose = Pose(x=0.05 * number, theta=0.01 * number)
+        memory.scanned(BeamScan(pose=pose, ranges=along, fresh=along > 0.0, along=along), number)
+
+    beams = int((reader.beams.elevation < 0.0).sum())
+    note = f"{beams} beams to the ground, half of the scans with an edge"
+    report("nav.ground_scan_ms", median_ms(take, 300), "ms", note=note)
+
+
 def _scan_ms(body: RobotBody) -> float:
     """Median time to read a scan and to remember its points [ms]; without scan matching."""
     reader = ScanReader(body)
@@ -223,7 +246,7 @@ def pushes() -> None:
 
 
 def main() -> None:
-    parts = {"worlds": worlds, "cycle": cycle, "scans": scans, "pushes": pushes}
+    parts = {"worlds": worlds, "cycle": cycle, "scans": scans, "ground": ground, "pushes": pushes}
     for name in sys.argv[1:] or parts:
         parts[name]()
 

@@ -182,7 +182,7 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
         rows = min(26, 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights)))
         yield _Panel(name="vehicle", body=_shows("visualizeVehicle"), rows=rows, title="vehicle")
     if body.senses:
-        yield _Panel(name="air", body=_shows("visualizeEnvironment"), rows=6, title="air")
+        yield _Panel(name="air", body=_shows("visualizeEnvironment"), rows=10)
     yield _Panel(name="alarms", body=_shows("visualizeAlarms"), title="problems")
     if "AUT_PILOT" in capabilities:
         yield _Panel(name="autonomy", body=_shows("visualizeAutonomy"), title="by itself")

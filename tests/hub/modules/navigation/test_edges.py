@@ -46,6 +46,23 @@ def test_an_assisted_robot_stops_before_an_edge(linear: float) -> None:
     assert len(known_edges(made.pilot).cells) >= len(x) > 5
 
 
+@pytest.mark.parametrize("assisted", [True, False])
+def test_on_the_deck_of_the_orange_arena(*, assisted: bool) -> None:
+    """Up the ramp to the deck, a turn to the north, and on to the deck's edge at y = 2.7."""
+    made = drive(load_arena("orange"), Pose(x=6.6, y=0.95))
+    made.push(0.4, 0.0, 6.0)
+    assert made.truth.x > 7.75
+    made.push(0.0, 0.8, 0.5 * math.pi / 0.8)
+    if not assisted:
+        made.pilot.assist(Assistance.OFF, made.now)
+    made.push(0.4, 0.0, 8.0)
+    if assisted:
+        assert made.truth.z == pytest.approx(0.96, abs=0.01)
+        assert 2.2 < made.truth.y + HALF_LENGTH < 2.7
+    else:
+        assert made.truth.z < 0.9
+
+
 def test_without_assistance_it_falls() -> None:
     made = drive(ground_arena(TABLE), Pose(x=0.8, y=1.5), assisted=False)
     made.push(0.4, 0.0, 8.0)
