@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from hub.gcm.catalog import MESSAGES
+from hub.ipc import ros_schema
 from hub.ipc.formats import grammar, ranges
 from hub.ipc.formats.dataclass_codec import DataclassCodec
 
@@ -25,6 +26,25 @@ _HEAD = """# Messages, field by field
 The dataclasses of `hub/gcm` declare these fields: type, range and meaning. From there come the
 format on the wire, the checks of receivers and this page. The [hub guide](hub-guide.md#messages)
 says who sends what to whom; the [protocol](protocol.md#formats) explains the formats.
+"""
+
+_FRAMES = ("map", "odom", "base_link")
+_OVERVIEW = """## Rates, units and frames
+
+Units are those of ROS REP 103: m, rad, s, m/s, rad/s, and 0 to 1 for shares. A field with another
+one says so. Axes are x forward, y left, z up; yaw turns first, then pitch, then roll. Frames are
+those of REP 105:
+
+| frame | counts from |
+| --- | --- |
+| `map` | the robot's first place, corrected by what it sees |
+| `odom` | the robot's place at the start of its dead reckoning, which drifts |
+| `base_link` | the robot: on the ground where it turns |
+| a sensor or camera, by its name | its own place, as `GCM_RobotDescription` has it |
+| `NAME_optical` of a camera | the same place, with z ahead and x to the right |
+
+A message without a rate comes at a change or on demand. Types that ROS 2 does not have are in the
+package `rune_msgs`.
 """
 
 
@@ -85,7 +105,7 @@ def _inner(record: DataclassCodec, tree: Any) -> Iterator[tuple[DataclassCodec, 
 
 
 def _page() -> str:
-    lines = [_HEAD]
+    lines = [_HEAD, *_overview(), ""]
     shown: dict[type[Any], tuple[DataclassCodec, grammar.Struct]] = {}
     for definition in MESSAGES:
         lines += [f"## {definition.name}", "", _about(definition.type), ""]
@@ -96,6 +116,20 @@ def _page() -> str:
         lines += [f"## {kind.__name__}, inside messages", "", _about(kind), ""]
         lines += [*_table(record, tree), ""]
     return "\n".join(lines).rstrip() + "\n"
+
+
+def _overview() -> Iterator[str]:
+    """Rates, frames and types of ROS 2 of all messages."""
+    yield _OVERVIEW
+    yield "| message | rate | frames | type in ROS 2 |"
+    yield "| --- | --- | --- | --- |"
+    for each in MESSAGES:
+        inner = [record.kind for record, _ in _inner(each.record, each.tree)]
+        said = "".join(kind.__doc__ or "" for kind in (each.type, *inner))
+        frames = [f"`{name}`" for name in _FRAMES if f"`{name}`" in said]
+        rate = f"{each.rate_hz:g} Hz" if each.rate_hz else ""
+        ros = ros_schema.ros_type(each) if dataclasses.fields(each.type) else ""
+        yield f"| `{each.name}` | {rate} | {', '.join(frames)} | `{ros}` |"
 
 
 def _about(kind: type[Any]) -> str:

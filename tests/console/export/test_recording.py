@@ -79,6 +79,26 @@ def test_messages_are_read_back_by_tools_of_ros(tmp_path: Path) -> None:
     assert about.metadata == {"layout": "x.xml", "run": "7", "operator": "ada"}
 
 
+def test_a_recording_of_the_last_protocol_is_read_by_its_own_schemas() -> None:
+    """It has messages that are another type now, or none: ranges in the state, an attitude."""
+    path = Path(__file__).parents[2] / "data" / "recordings" / "protocol-4.mcap"
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        found = [
+            (channel.topic.rpartition("/")[2], decoded)
+            for _, channel, _, decoded in reader.iter_decoded_messages()
+        ]
+    names = {topic for topic, _ in found}
+    assert names == {"GCM_RobotState", "GCM_Velocity_Command", "GCM_Attitude"}
+    states = [decoded for topic, decoded in found if topic == "GCM_RobotState"]
+    assert [state.x for state in states] == [0.0, 1.0, 2.0]
+    assert len(states[0].sonar) == 16
+    (command,) = (decoded for topic, decoded in found if topic == "GCM_Velocity_Command")
+    assert (command.linear.x, command.angular.z) == (0.25, -0.5)
+    (tilt,) = (decoded for topic, decoded in found if topic == "GCM_Attitude")
+    assert (tilt.roll, tilt.pitch) == (0.1, -0.2)
+
+
 def test_a_value_that_does_not_fit_is_left_out(tmp_path: Path) -> None:
     recording = Recording(tmp_path / "a.mcap", {})
     recording.add("left", ROBOT_STATE, object(), 0.0)
