@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from hub import toml_reader as toml
@@ -39,6 +40,13 @@ def simulation_faults(robot: RobotDescription, arena: Arena) -> Iterator[tuple[s
     if base is Base.ROV and arena.water is None:
         yield "[simulation]", "arena", NO_WATER
     yield from _motion_faults(robot, arena)
+    if base is Base.WHEELS and arena.ground is None and not robot.footprint:
+        distances = arena.footprints.distances(arena.start.x, arena.start.y).tolist()
+        far, name = min(
+            zip(distances, arena.footprints.origin, strict=True), default=(math.inf, "")
+        )
+        if far < robot.radius:
+            yield "[simulation]", "arena", f"the robot would touch {name} at the start"
     if robot.ranges and base in _FLOATS:
         yield toml.repeated("range", 1), "name", _NONE
     for count, table in enumerate(robot.holds, start=1):

@@ -219,6 +219,7 @@ def test_no_text_keeps_the_reader_busy(tmp_path: Path, text: str) -> None:
             "[limits], key 'sway': a simulated body of this kind cannot sway on rough ground",
         ),
         ("tracked", "[limits]\nsway = 0.3\n", "of this kind cannot sway"),
+        ("wheels", "[body]\nradius = 5.0\n", "the robot would touch wall 1 at the start"),
         ("blimp", "[limits]\nsway = 0.3\n", "of this kind cannot sway"),
         (
             "blimp",
