@@ -7,6 +7,8 @@ import math
 from collections.abc import Iterable
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND
 from rune_tui.controls.events import ControlEvent
@@ -272,3 +274,53 @@ def test_a_peek_goes_to_the_first_alarm_that_was_not_answered(team: LayoutSpec) 
     operator.state = dataclasses.replace(operator.state, attention=queue)
     operator.press("'")
     assert operator.state.peeked == "rov"
+
+
+HANDS = (
+    *(("press", key) for key in "w'w'w2n"),
+    *(("press", key) for key in ("space", "f1", "escape", "z")),
+    *(("lift", key) for key in "w'2n"),
+    *(("push", value) for value in ("1.0", "1.0", "-0.4", "0")),
+    ("focus", ""),
+)
+"""What hands do, the likely more often."""
+
+
+@given(
+    reports=st.booleans(),
+    steps=st.lists(st.tuples(st.sampled_from(HANDS), st.integers(0, 12)), min_size=3, max_size=40),
+)
+def test_only_the_chosen_robot_moves_and_none_while_the_operator_peeks(
+    team: LayoutSpec, *, reports: bool, steps: list[tuple[tuple[str, str], int]]
+) -> None:
+    operator = Operator(team, reports_releases=reports)
+    operator.state = dataclasses.replace(operator.state, attention=(raised("rov"),))
+    down: set[str] = set()
+    deflected = False
+
+    def check() -> None:
+        moving = {name for name, speed in operator.speeds.items() if speed}
+        assert moving <= ({operator.state.chosen} if not operator.state.peeked else set())
+
+    for (action, what), ticks in steps:
+        if action == "press":
+            operator.press(what, repeat=reports and what in down)
+            down.add(what)
+        elif action == "lift" and reports and what in down:
+            operator.lift(what)
+            down.discard(what)
+        elif action == "push":
+            operator.push(float(what), repeat=deflected and what != "0")
+            deflected = what != "0"
+        elif action == "focus":
+            operator.lose_focus()
+        check()
+        for _ in range(ticks):
+            operator.wait(0.05)
+            check()
+    for key in sorted(down):
+        operator.lift(key)
+    operator.push(0.0)
+    operator.wait(PEEK_S + 1.0)
+    assert set(operator.speeds.values()) == {0.0}
+    assert operator.state.peeked == ""
