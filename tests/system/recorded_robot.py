@@ -18,10 +18,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hub.gcm.geometry import Twist
-from hub.gcm.navigation import GroundTruth
-from hub.robots.description import Base, RobotDescription
-from hub.robots.interfaces import BodyLeftAlone, Sensors
-from hub.robots.left_alone import LeftAlone
+from hub.robots.description import RobotDescription
+from hub.robots.interfaces import Body
 from hub.robots.registry import KINDS, RobotKind
 from hub.robots.simulated_base import STEP
 from tests.support.bodies import STANDING, STILL, hub_with
@@ -57,11 +55,12 @@ class Row(NamedTuple):
         return math.hypot(self.surge, self.sway, self.heave)
 
 
-class RecordedBody:
-    """The robot; it rolls out when its driver ends, as a real one does."""
+class Recorder:
+    """Writes what a body gets and does; it rolls out when its driver ends, as a real one does."""
 
-    def __init__(self, robot: RobotDescription) -> None:
-        self._body = KINDS["simulated-wheels"].open_body(robot)
+    def __init__(self, body: Body) -> None:
+        self._body = body
+        self._command, self._advance = body.command, body.advance
         self._wanted = (0.0, 0.0, 0.0, 0.0)
         flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC
         self._file = os.open(os.environ[_VARIABLE], flags)
@@ -69,28 +68,21 @@ class RecordedBody:
         self._write()
 
     def command(self, twist: Twist) -> None:
-        """As every body, and note it."""
-        self._body.command(twist)
+        """As the body, and note it."""
+        self._command(twist)
         before, linear = self._wanted, twist.linear
         self._wanted = (linear.x, linear.y, linear.z, twist.angular.z)
         if self._wanted != before:
             self._write()
 
     def advance(self, seconds: float) -> None:
-        """As every body, and note it."""
-        self._body.advance(seconds)
+        """As the body, and note it."""
+        self._advance(seconds)
         self._write()
 
-    def sensors(self, stamp: float) -> Sensors:
-        return self._body.sensors(stamp)
-
-    def ground_truth(self) -> GroundTruth:
+    def _write(self) -> Row:
         truth = self._body.ground_truth()
         assert truth is not None
-        return truth
-
-    def _write(self) -> Row:
-        truth = self.ground_truth()
         moves = truth.linear, truth.sway, truth.heave, truth.angular
         row = Row(time.monotonic(), *self._wanted, *moves)
         os.write(self._file, _ROW.pack(*row))
@@ -99,22 +91,18 @@ class RecordedBody:
     def _roll_out(self) -> None:
         for _ in range(_LONGEST_ROLL):
             time.sleep(STEP)
-            self._body.advance(STEP)
+            self._advance(STEP)
             row = self._write()
             if max(row.speed, abs(row.yaw)) < STANDING:
                 return
 
 
-class RecordedFloat(RecordedBody):
-    """A robot that does more than stand when it is left alone."""
-
-    def left_alone(self, action: LeftAlone | None) -> None:
-        assert isinstance(self._body, BodyLeftAlone)
-        self._body.left_alone(action)
-
-
-def _opened(robot: RobotDescription) -> RecordedBody:
-    return (RecordedFloat if robot.base in {Base.BLIMP, Base.ROV} else RecordedBody)(robot)
+def _opened(robot: RobotDescription) -> Body:
+    """The body itself, with all its abilities; only two of its methods are recorded."""
+    body = KINDS["simulated-wheels"].open_body(robot)
+    recorder = Recorder(body)
+    vars(body).update(command=recorder.command, advance=recorder.advance)
+    return body
 
 
 KIND = RobotKind(open_body=_opened)
