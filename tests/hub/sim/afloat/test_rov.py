@@ -351,3 +351,9 @@ def test_the_same_seed_and_calls_give_the_same_bits() -> None:
 
     assert run(1, peek=False) == run(1, peek=True)
     assert run(1, peek=False) != run(2, peek=False)
+
+
+def test_it_goes_no_higher_than_the_surface_for_a_hold() -> None:
+    robot = rov()
+    robot.start_hold(HoldKind.DEPTH, -5.0)
+    assert robot.hold_state(HoldKind.DEPTH, tolerance=0.3).target == SURFACED
