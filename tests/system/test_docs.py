@@ -97,7 +97,7 @@ def test_commands_of_missions_work(
     kept = str(hub.log.parent / "missions")
     for command in MISSION:
         words = shlex.split(command)[1:]
-        reads = words[1] in ("list", "show", "export")
+        reads = words[1] in ("list", "show", "export", "score")
         where = ("--folder", kept) if reads else ("--hub", hub.endpoint)
         done = rune_hub(*words, *where)
         assert done.returncode == 0, f"{command}: {done.stderr}"
