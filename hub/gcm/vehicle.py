@@ -150,7 +150,7 @@ VEHICLE_COMMAND = MessageDefinition(
     type=VehicleCommand,
     keep=Keep.ALL,
     plane=Plane.COMMAND,
-    lifespan_s=1.0,
 )
+"""It has no lifespan: a late `DISARM` is obeyed; the driver refuses the other orders when late."""
 
 MESSAGES = (VEHICLE_STATE, VEHICLE_COMMAND)
