@@ -210,7 +210,7 @@ DRIVE_STATE = MessageDefinition(
     type=DriveState,
     rate_hz=50.0,
 )
-"""20 Hz while the robot stands and its ground truth has no subscriber."""
+"""20 Hz while the robot stands or only drifts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

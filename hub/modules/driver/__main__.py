@@ -40,7 +40,7 @@ from hub.runtime import run_module
 _PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
 """Time between two reports of the hardware [s]."""
 _RESTING_PERIOD = 0.05
-"""The same while the robot stands and its true pose has no subscriber [s]."""
+"""The same while the robot stands or only drifts [s]."""
 _LONGEST_STEP = 0.25
 """Longest time that the hardware advances in one step; the rest of a pause is left out [s]."""
 

@@ -142,14 +142,12 @@ def test_a_robot_that_moves_reports_fifty_times_a_second_and_one_that_stands_les
     assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
 
 
-def test_a_simulated_robot_that_stands_reports_as_often_while_its_true_pose_is_seen(
+def test_a_simulated_robot_that_stands_reports_as_seldom_while_its_true_pose_is_seen(
     scene: Scene,
 ) -> None:
     scene.wheels.truth = SimulatedMagellan(load_arena("empty")).ground_truth()
-    assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
     scene.bus.watched = True
-    scene.bus.wait(0.1)
-    assert scene.rate(2.0) == pytest.approx(50.0, abs=1.0)
+    assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
 
 
 def test_the_wheels_stop_although_the_hardware_cannot_be_read(scene: Scene) -> None:

@@ -79,25 +79,22 @@ def test_from_the_edge_it_turns_and_backs_off() -> None:
     assert abs(made.truth.theta) > 0.8
 
 
-@pytest.mark.parametrize("degrees", [15.0, 20.0])
-def test_ramps_are_no_edges(degrees: float) -> None:
-    down = 2.0 * math.tan(math.radians(degrees))
+@pytest.mark.parametrize(("degrees", "linear"), [(20.0, 0.5), (15.0, -0.5)])
+def test_ramps_are_no_edges(degrees: float, linear: float) -> None:
+    top = 2.0 * math.tan(math.radians(degrees))
     ground = ramp(degrees).replace("length = 3.0", "")
-    ground += f'[[ramp]]\nat = [6.5, 0.0]\nsize = [2.0, 3.0]\nrises = "west"\nhigh = {down}\n'
-    made = drive(ground_arena(ground), Pose(x=0.6, y=1.5))
-    made.push(0.5, 0.0, 70.0)
-    assert made.truth.x > 9.0, made.truth
-    # And backwards over the same ramps.
-    made.push(-0.5, 0.0, 70.0)
-    assert made.truth.x < 4.0, made.truth
+    ground += f'[[ramp]]\nat = [6.5, 0.0]\nsize = [2.0, 3.0]\nrises = "west"\nhigh = {top}\n'
+    made = drive(ground_arena(ground), Pose(x=0.6, y=1.5, theta=0.0 if linear > 0 else math.pi))
+    made.push(linear, 0.0, 38.0)
+    assert made.truth.x > 8.5, made.truth
 
 
 def test_on_level_ground_no_edge_is_known() -> None:
     arena = load_arena("yellow")
-    for seed in range(4):
+    for seed in range(2):
         made = drive(arena, random_start(arena, seed, 0.3))
         for linear, angular in ((0.5, 0.3), (0.0, 1.0), (-0.5, 0.0), (0.5, -0.5)):
-            made.push(linear, angular, 3.0)
+            made.push(linear, angular, 2.0)
             assert not known_edges(made.pilot).cells
 
 
