@@ -50,6 +50,12 @@ _ALWAYS = ("CON_REAL", "NAV_STATE", "NAV_MOVE")
 """What every layout asks for: state, motion and stop; a robot without them says so."""
 _SMALL_MS = 333
 """Shortest time between two of the small pictures [ms]."""
+_LEFT_OUT = ("log", "autonomy", "attitude")
+"""Panels that are left out where there is little room, in this order."""
+_LOWEST_SHARE = 0.6
+"""Share of their height down to which panels shrink before some are left out."""
+_FREE_ROWS = 8
+"""Height of a panel that takes what is left [half rows]."""
 _LEAST_ROWS = 4
 """Least height of a panel [half rows]."""
 _LONGEST_TITLE = 40
@@ -136,6 +142,7 @@ def layout_text(body: RobotBody, capabilities: Collection[str], hub: str) -> str
         f'      <visualizer function="visualizeLabel" text={legend}/>',
         "    </viewport>",
         '    <viewport name="status" zpos="5"><visualizer function="visualizeStatus"/></viewport>',
+        *_arrangement("large", (160, 48), (160, 96), 113, large, beside, gauges=True),
         *_arrangement("wide", (120, 40), (120, 80), 89, large, beside, gauges=True),
         *_arrangement("small", (80, 24), (80, 48), 55, large, beside, gauges=False),
         *_tiny(large),
@@ -363,7 +370,8 @@ def _arrangement(
     yield _place("keys", 0, 0, width, 2)
     yield _place(large.name, 0, 2, edge - 1, bottom - 2)
     top, right = 2, width - edge
-    for panel, share in zip(beside, _heights(beside, height - 4), strict=True):
+    kept = _with_room(beside, height - 4)
+    for panel, share in zip(kept, _heights(kept, height - 4), strict=True):
         if share >= _LEAST_ROWS:
             yield _place(panel.name, edge, top, right, share)
             top += share
@@ -392,10 +400,21 @@ def _place(name: str, x: int, y: int, width: int, height: int) -> str:
     return f"      <place viewport={quoteattr(name)} {where}/>"
 
 
+def _with_room(panels: Sequence[_Panel], room: int) -> list[_Panel]:
+    """The panels for a height [half rows]; those of `_LEFT_OUT` go before others get low."""
+    kept = list(panels)
+    for name in _LEFT_OUT:
+        wished = sum(panel.rows * _LOWEST_SHARE or _FREE_ROWS for panel in kept)
+        if wished <= room:
+            break
+        kept = [panel for panel in kept if panel.name != name]
+    return kept
+
+
 def _heights(panels: Sequence[_Panel], room: int) -> list[int]:
     """The height of each panel [half rows], even, in all at most `room`."""
     free = sum(1 for panel in panels if not panel.rows)
-    spare = max(0, room - 8 * free)
+    spare = max(0, room - _FREE_ROWS * free)
     least = [min(panel.rows, _LEAST_ROWS) for panel in panels]
     if sum(least) > spare:  # there is no room for all: the smallest are left out
         least = [0 for _ in panels]
