@@ -164,7 +164,7 @@ class DisarmWidget(OrderWidget):
         if why := _why_no_arming(robot):
             return (Notify.now(state, why, robot=robot.name),)
         send = _order(robot, VehicleCommand(order=VehicleOrder.DISARM))
-        return (send, Notify.now(state, "the motors shall be off", robot=robot.name))
+        return (send, Notify.now(state, "motors off", robot=robot.name))
 
 
 def _why_no_arming(robot: RobotState) -> str:

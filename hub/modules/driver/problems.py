@@ -4,6 +4,7 @@
 | --- | --- | --- |
 | those that the body reports | its own | |
 | tipped | ERROR | roll or pitch beyond 60 degrees |
+| disarmed | WARN | its motors are off |
 | hold KIND | WARN | the hold fails |
 | tether | WARN | more than 90 % of it is out, or more than two turns twist it |
 """
@@ -15,7 +16,7 @@ from collections.abc import Iterator
 
 from hub.gcm.body import HoldKind
 from hub.gcm.diagnostics import DiagnosticStatus, Severity
-from hub.gcm.vehicle import HoldPhase, HoldState, VehicleState
+from hub.gcm.vehicle import Arming, HoldPhase, HoldState, VehicleState
 from hub.robots.interfaces import Sensors
 
 TIPPED = math.radians(60.0)
@@ -30,6 +31,9 @@ def problems(sensors: Sensors) -> Iterator[DiagnosticStatus]:
     """All present problems."""
     yield from sensors.diagnostics
     yield from _tilt(sensors.roll, sensors.pitch)
+    if sensors.vehicle.arming is Arming.DISARMED:
+        text = "disarmed: the motors are off, and commands change nothing"
+        yield DiagnosticStatus(level=Severity.WARN, name="disarmed", message=text)
     for hold in sensors.vehicle.holds:
         if hold.phase is HoldPhase.FAILING:
             yield _failing(hold)

@@ -145,7 +145,8 @@ def write_rows(canvas: Canvas, rows: Sequence[TextRow], theme: Theme) -> None:
     """Write rows from the top; the number of further entries replaces rows that do not fit."""
     if len(rows) > canvas.rows > 1:
         left_out = sum(not row.continues for row in rows[canvas.rows - 1 :])
-        more = f"{left_out} more" if left_out else _ELLIPSIS
+        lines = "line" if left_out == 1 else "lines"
+        more = f"{left_out} more {lines}" if left_out else _ELLIPSIS
         rows = [*rows[: canvas.rows - 1], TextRow(more, Severity.FAINT)]
     for index, row in enumerate(rows):
         canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.severity, theme))

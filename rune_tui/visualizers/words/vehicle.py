@@ -1,4 +1,4 @@
-"""visualizeVehicle: what a vehicle does, holds and has: arming, lights, joints, tether, trim."""
+"""visualizeVehicle: what a vehicle does, holds and has: arming, joints, lights, tether, trim."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ _TURNS = 2.0
 
 
 class VisualizeVehicle(PlainVisualizer):
-    """A row each: what it does, its holds, lights, joints, tether, and the trim."""
+    """A row each: what it does, its holds, joints, lights, tether, and the trim."""
 
     rule: ClassVar = VisualizerRule(
         meaning="what the vehicle does: whether it is armed, what it holds and how far it is off, "
-        "its lights, joints and tether, and the trim of your controls",
+        "its joints, lights and tether, and the trim of your controls",
         message=VEHICLE_STATE.name,
         others=(JOINT_STATES.name, CAMERA_STATE.name, ROBOT_DESCRIPTION.name),
     )
@@ -67,7 +67,7 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         return (Part("no state of the vehicle", 0, Severity.FAINT),)
     vehicle = known.value
     parts = [_activity(vehicle), *(_hold(each) for each in vehicle.holds)]
-    parts += [*_lights(robot), *_joints(robot), *_tether(vehicle)]
+    parts += [*_joints(robot), *_lights(robot), *_tether(vehicle)]
     trims = [f"{name} {trim:+.3g}" for name, trim in state.trim(robot.name).items() if trim]
     parts += [Part(f"trim {', '.join(trims)}", 0)] * bool(trims)
     return tuple(parts)

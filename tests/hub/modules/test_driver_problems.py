@@ -8,7 +8,7 @@ import pytest
 
 from hub.gcm.body import HoldKind
 from hub.gcm.diagnostics import DiagnosticStatus, Severity
-from hub.gcm.vehicle import HoldPhase, HoldState, VehicleState
+from hub.gcm.vehicle import Arming, HoldPhase, HoldState, VehicleState
 from hub.modules.driver.problems import problems
 from hub.robots.interfaces import Sensors
 
@@ -40,6 +40,13 @@ def test_problems_of_the_body_are_passed_on() -> None:
 )
 def test_a_body_on_its_side_is_tipped(measured: dict[str, float], text: str) -> None:
     assert found(**measured) == [("tipped", Severity.ERROR, text)]
+
+
+def test_motors_that_are_off_are_said() -> None:
+    text = "disarmed: the motors are off, and commands change nothing"
+    disarmed = [("disarmed", Severity.WARN, text)]
+    for arming, said in ((Arming.NONE, []), (Arming.ARMED, []), (Arming.DISARMED, disarmed)):
+        assert found(vehicle=VehicleState(arming=arming)) == said
 
 
 def test_a_hold_that_fails_is_said_with_its_error() -> None:

@@ -69,10 +69,15 @@ def test_a_wrapped_row_keeps_its_letters_and_the_width(text: str, columns: int) 
 
 @for_each(
     ("height", "shown"),
-    [(8, ["a", "b", "  b", "c"]), (6, ["a", "b", "1 more"]), (4, ["a", "2 more"]), (2, ["a"])],
+    [
+        (8, ["a", "b", "  b", "c"]),
+        (6, ["a", "b", "1 more line"]),
+        (4, ["a", "2 more lines"]),
+        (2, ["a"]),
+    ],
 )
 def test_what_does_not_fit_is_counted_without_what_only_continues(height, shown) -> None:
-    canvas = Canvas.blank(10, height)
+    canvas = Canvas.blank(12, height)
     rows = [TextRow("a"), TextRow("b"), TextRow("  b", continues=True), TextRow("c")]
     write_rows(canvas, rows, DARK)
     assert words(canvas) == shown

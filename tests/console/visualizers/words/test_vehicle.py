@@ -76,8 +76,8 @@ def test_it_says_what_is_held_how_far_off_and_what_it_has(draw: Draw) -> None:
         "HOLDS 1.2 m 090, armed",
         "depth: holds 1.2 m (-0.03 m)",
         "heading: holds 090 (-6 deg)",
-        "headlight 70%",
         "front flippers +35 deg",
+        "headlight 70%",
         "tether 12.0 of 25 m, 1.5 turns right",
     ]
 
@@ -97,6 +97,10 @@ def test_without_room_what_fails_comes_first(draw: Draw) -> None:
     hold = HoldState(kind=HoldKind.DEPTH, phase=HoldPhase.FAILING, target=1.0, error=0.45)
     vehicle = dataclasses.replace(VEHICLE, holds=(hold,))
     assert rows(draw, robot(vehicle), 2) == ["depth: HOLD FAILS 1.0 m (+0.45 m)"]
+
+
+def test_joints_are_said_before_lights_and_what_has_no_room_is_counted(draw: Draw) -> None:
+    assert rows(draw, robot(), 10)[3:] == ["front flippers +35 deg", "2 more lines"]
 
 
 def test_disarmed_motors_are_said_and_an_old_state_is_marked(draw: Draw) -> None:
