@@ -111,7 +111,7 @@ def test_robot_of_the_page_drives_and_stops(
             going[0] = True
             robot.until(lambda: firmware.velocity == (0.3, 0.0))
             robot.until(lambda: states[-1].x > 0.01)
-            assert states[-1].battery_voltage == pytest.approx(12.4)
+            robot.until(lambda: states[-1].battery_voltage == pytest.approx(12.4))
             timer.cancel()
             until(lambda: firmware.velocity == (0.0, 0.0), 5.0, meanwhile=firmware.run)
 
