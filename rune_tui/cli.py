@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO
 from hub.command_line import ExitCode, login_name, write_completion
 from hub.ipc.endpoints import DEFAULT_ENDPOINT
 from hub.plain_text import plain
-from rune_tui.commands.arguments import AUTO, DEMO_LAYOUT, parser
+from rune_tui.commands.arguments import parser
+from rune_tui.commands.demo import AUTO, DEMO_LAYOUT
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import ConsoleError, TunnelError
@@ -126,15 +127,14 @@ def _demo(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
     from rune_tui.commands.auto import with_file
-    from rune_tui.commands.demo import ARENAS, DemoHub, demo_robots
+    from rune_tui.commands.demo import ARENAS, DemoHub, demo_layout, demo_robots
 
-    layout, arena = options.layout, _arena(options.arena) if options.arena else ""
-    if layout in ARENAS and not Path(layout).exists():
-        layout, arena = DEMO_LAYOUT, arena or layout
+    named, arena = options.layout or "", _arena(options.arena)
+    if named in ARENAS and not Path(named).exists():
+        named, arena = "", arena or named
+    layout = named or demo_layout(arena, options.robot)
     _need_screen([layout], options.set)
     log = log_to_file()
-    sys.stderr.write("rune: starting a simulated robot and the console; this takes some seconds\n")
-    sys.stderr.flush()
     with ExitStack() as stack:
 
         def started(robot: str, arena: str) -> DemoHub:
@@ -144,6 +144,7 @@ def _demo(options: argparse.Namespace) -> int:
         hubs = []
         if layout in (DEMO_LAYOUT, AUTO):  # one robot, whose hub starts while the console is loaded
             (robot,), _ = demo_robots(["robot"], arena, options.robot)
+            _say_start(1)
             hubs.append(started(robot, arena))
             import rune_tui.app  # noqa: F401
 
@@ -152,9 +153,17 @@ def _demo(options: argparse.Namespace) -> int:
         source = _source([layout], options.set, watched=True)
         roles = [each.name for each in source.layout.robots]
         robots, arena = demo_robots(roles, arena, options.robot)
+        if not hubs:
+            _say_start(len(robots))
         hubs += [started(each, arena) for each in robots[len(hubs) :]]
         links = _links(source.layout, [hub.endpoint() for hub in hubs], operator=options.operator)
         return _console(source, links, options, log)
+
+
+def _say_start(robots: int) -> None:
+    those = "a simulated robot" if robots == 1 else f"{robots} simulated robots"
+    sys.stderr.write(f"rune: starting {those} and the console; this takes some seconds\n")
+    sys.stderr.flush()
 
 
 def _source(
@@ -189,11 +198,11 @@ def _check(options: argparse.Namespace) -> int:
     return code
 
 
-def _arena(named: str) -> str:
-    """Absolute path of an arena file; the name of a shipped arena stays as it is."""
-    path = Path(named)
+def _arena(named: str | None) -> str:
+    """Absolute path of an arena file; the name of a shipped arena as it is; empty if none."""
+    path = Path(named or "")
     if path.suffix != ".toml":
-        return named
+        return named or ""
     if not path.is_file():
         text = f"there is no arena file {named}"
         raise _UsageError(text)
@@ -222,22 +231,28 @@ def _shot(options: argparse.Namespace) -> int:
     from rune_tui.commands.demo import DemoHub, demo_robots
     from rune_tui.compositor.picture import PictureFile
 
+    if (options.robot or options.arena) and not options.demo:
+        text = "--robot and --arena choose what --demo starts; add --demo"
+        raise _UsageError(text)
+    arena = _arena(options.arena)
     path: Path = options.output
     glyphs = GlyphSet(options.glyphs or GlyphSet.HALF)
     output = PictureFile(path, depth=ColourDepth(options.colors), glyphs=glyphs)
     with ExitStack() as stack:
+
+        def started(roles: Sequence[str]) -> list[str]:
+            robots, where = demo_robots(roles, arena, options.robot)
+            settings, log = [f"simulation.arena={where}"] if where else [], log_to_file()
+            demo = [stack.enter_context(DemoHub(each, log.path, settings)) for each in robots]
+            return [hub.endpoint() for hub in demo]
+
         hubs = _endpoints(options.hub)
-        if options.demo and options.layout == AUTO and not hubs:
-            (robot,), _ = demo_robots([""], "", None)
-            hubs = [stack.enter_context(DemoHub(robot, log_to_file().path)).endpoint()]
+        if options.demo and options.layout == AUTO:
+            hubs = started(["robot"])
         (name,) = stack.enter_context(_made([options.layout], hubs, options))
         layout = _load(name, options.set)
         if options.demo and not hubs:
-            log = log_to_file()
-            robots, arena = demo_robots([each.name for each in layout.robots], "", None)
-            settings = [f"simulation.arena={arena}"] if arena else []
-            demo = [stack.enter_context(DemoHub(each, log.path, settings)) for each in robots]
-            hubs = [hub.endpoint() for hub in demo]
+            hubs = started([each.name for each in layout.robots])
         tunnels = stack.enter_context(_tunnels(options, layout))
         answered = shot.take(
             layout,

@@ -6,13 +6,10 @@ import argparse
 from pathlib import Path
 
 from hub.command_line import CommandParser, Commands, ShowVersion, add_completion, number_type
-from rune_tui.commands.demo import ARENAS, ROBOTS
+from rune_tui.commands.demo import ARENAS, AUTO, DEMO_LAYOUT, ROBOTS
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 
-DEMO_LAYOUT = "demo"
-AUTO = "auto"
-"""The layout that is made from what the robot's hub describes."""
 _LONGEST_NAME = 64
 
 
@@ -74,15 +71,10 @@ def parser() -> CommandParser:
     demo.add_argument(
         "layout",
         nargs="?",
-        default=DEMO_LAYOUT,
-        help=f"a layout, auto, or one of the arenas {', '.join(ARENAS)}; default: %(default)s",
+        help=f"a layout, {AUTO}, or one of the arenas {', '.join(ARENAS)}; "
+        f"default: {DEMO_LAYOUT} for {ROBOTS[0]}, {AUTO} for another robot",
     )
-    demo.add_argument(
-        "--robot", choices=ROBOTS, help="the simulated robot; default: the one that suits the arena"
-    )
-    demo.add_argument(
-        "--arena", metavar="ARENA", help="a shipped arena, or the path of one that you wrote"
-    )
+    demo.advice = "--arena chooses the arena of a layout; rune demo --help says more"
 
     _add_layout(commands, keys_help)
     layouts = commands.add_parser("layouts", help="list the layouts that come with Rune")
@@ -104,6 +96,7 @@ def parser() -> CommandParser:
     shot.add_argument("--ssh", action="append", default=[], metavar="HOST", help=ssh_help)
     shot.add_argument("--keys", type=Path, help=keys_help)
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
+    _add_robot_and_arena(demo, shot)
     shot.add_argument("--offline", action="store_true", help="draw it even if no hub answers")
     terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
     terminal.add_argument("--json", action="store_true", help="in one line, for machines")
@@ -132,6 +125,14 @@ def parser() -> CommandParser:
             help="give a variable of the layout this value; as often as needed",
         )
     return parser
+
+
+def _add_robot_and_arena(*commands: CommandParser) -> None:
+    robot_help = "the simulated robot; default: the one that suits the arena"
+    arena_help = "a shipped arena, or the path of one that you wrote"
+    for command in commands:
+        command.add_argument("--robot", choices=ROBOTS, help=robot_help)
+        command.add_argument("--arena", metavar="ARENA", help=arena_help)
 
 
 def _add_joytest(commands: Commands) -> CommandParser:

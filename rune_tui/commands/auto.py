@@ -14,7 +14,7 @@ from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.supervision import CAPABILITY_REPORTS
 from hub.ipc.client import Client
 from hub.ipc.security.client_keys import read_client_keys
-from rune_tui.commands.arguments import AUTO
+from rune_tui.commands.demo import AUTO
 from rune_tui.startup.auto_layout import layout_text
 
 _ANSWER_S = 5.0

@@ -17,6 +17,9 @@ from typing import Self
 from hub.plain_text import plain
 from rune_tui.errors import DemoError
 
+DEMO_LAYOUT = "demo"
+AUTO = "auto"
+"""The layout that is made from what the robot's hub describes."""
 ROBOTS = ("magellan", "tracked", "blimp", "rov")
 """The robots that come with the hub."""
 ARENAS = ("empty", "hall", "orange", "pool", "red", "yellow")
@@ -46,6 +49,18 @@ def demo_robots(roles: Sequence[str], arena: str, robot: str | None) -> tuple[li
     if not arena and len(set(robots)) > 1:
         arena = _ALL_ELEMENTS
     return robots, arena
+
+
+def demo_layout(arena: str, robot: str | None) -> str:
+    """The layout of a demo where none is named.
+
+    Args:
+        arena: Name or path of the arena; empty: that of the robot.
+        robot: Name of the robot; None: the one that suits the arena.
+    """
+    (chosen,), _ = demo_robots(["robot"], arena, robot)
+    # The shipped layout has no keys for holds, joints or motion up and down.
+    return DEMO_LAYOUT if chosen == ROBOTS[0] else AUTO
 
 
 class DemoHub:

@@ -63,12 +63,15 @@ _LONGEST_TITLE = 40
 _MOST_SMALL = 3
 """Most small pictures beside the large one."""
 _KEYS = {
-    Freedom.SURGE: ("translate", "w", "s", "W S"),
-    Freedom.YAW: ("rotate", "a", "d", "A D"),
-    Freedom.SWAY: ("strafe", ",", ".", "comma, period"),
-    Freedom.HEAVE: ("climb", "pageup", "pagedown", "PageUp, PageDown"),
+    Freedom.SURGE: ("translate", "w", "s", "W S drive"),
+    Freedom.YAW: ("rotate", "a", "d", "A D turn"),
+    Freedom.HEAVE: ("climb", "pageup", "pagedown", "PgUp PgDn climb"),
+    Freedom.SWAY: ("strafe", ",", ".", ", . sideways"),
 }
-"""Control of each degree of freedom, its keys for plus and minus, and their names."""
+"""Control of each degree of freedom, its keys for plus and minus, and their piece of the legend.
+
+The first are the most important.
+"""
 _SPEED_OPTIONS = {
     Freedom.SURGE: "linear",
     Freedom.YAW: "angular",
@@ -228,12 +231,13 @@ def _shows(function: str, **options: str) -> str:
 
 
 def _bound(body: RobotBody) -> list[tuple[Freedom, float]]:
-    """The degrees of freedom with keys, and their limits."""
+    """The degrees of freedom with keys, the most important first, and their limits."""
     known = WIDGETS["widgetSetSpeed"].rule.controls
+    limits = {motion.freedom: motion.limit for motion in body.motions}
     return [
-        (motion.freedom, motion.limit)
-        for motion in body.motions
-        if motion.freedom in _KEYS and _KEYS[motion.freedom][0] in known
+        (freedom, limits[freedom])
+        for freedom, (control, *_) in _KEYS.items()
+        if freedom in limits and control in known
     ]
 
 
@@ -329,10 +333,13 @@ def _looks(body: RobotBody) -> bool:
 
 
 def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
-    words = {Freedom.SURGE: "drive", Freedom.YAW: "turn", Freedom.SWAY: "sideways"}
-    parts = ["Space STOP"]
-    for freedom, _ in _bound(body):
-        parts.append(f"{_KEYS[freedom][3]} {words.get(freedom, 'up and down')}")
+    """The keys, the most important first: a narrow terminal leaves out the last ones."""
+    bound = [freedom for freedom, _ in _bound(body)] if "NAV_MOVE" in capabilities else []
+    drives = [_KEYS[freedom][3] for freedom in bound if freedom is not Freedom.SWAY]
+    if bound[:2] == [Freedom.SURGE, Freedom.YAW]:
+        drives[:2] = ["WASD drive"]
+    sideways = [_KEYS[Freedom.SWAY][3]] * (Freedom.SWAY in bound)
+    parts = ["Space STOP", *drives, "T control", *sideways]
     if _looks(body) and "VIS_PTZ" in capabilities:
         parts.append("IJKL look")
     if len(body.cameras) > 1:
@@ -346,7 +353,6 @@ def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
         parts.append(f"{down} {up} {joint.name}")
     if body.lights and "DRV_LIGHT" in capabilities:
         parts.append("O light")
-    parts.append("T control")
     if "AUT_PILOT" in capabilities:
         parts.append("E explore")
     return " · ".join([*parts, "F1 help", "Q quit"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -71,6 +72,25 @@ def test_keys_are_those_of_its_degrees_of_freedom() -> None:
     assert 'control="translate"' in text(Freedom.SURGE)
     assert "widgetSetSpeed" not in text()
     assert "widgetStop" in text()
+
+
+@pytest.mark.parametrize(
+    ("robot", "first"),
+    [
+        ("magellan", "Space STOP · WASD drive · T control · IJKL look"),
+        ("tracked", "Space STOP · WASD drive · T control · IJKL look"),
+        ("blimp", "Space STOP · WASD drive · PgUp PgDn climb · T control"),
+        ("rov", "Space STOP · WASD drive · PgUp PgDn climb · T control · , . sideways"),
+    ],
+)
+def test_the_most_important_keys_are_the_first_in_the_line_of_keys(robot: str, first: str) -> None:
+    text = layout_text(body_of(read_description(SHIPPED / f"{robot}.toml")[0]), ALL, HUB)
+    (line,) = re.findall(r'visualizeLabel" text="(.*)"', text)
+    assert line.startswith(first)
+    most = " · ".join([*line.split(" · ")[: first.count("·") + 1][:4], "F1 help", "Q quit"])
+    assert len(most) <= 80, "a line of 80 columns"
+    if robot == "rov":
+        assert "G hold depth · Y hold heading" in line
 
 
 def test_each_velocity_has_its_own_limit() -> None:

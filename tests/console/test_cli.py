@@ -144,6 +144,30 @@ def test_a_misspelt_word_is_answered_with_the_nearest_one(
     assert said.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("arguments", "hint"),
+    [
+        (["demo", "auto", "red"], "'red' is one argument too many; --arena chooses"),
+        (["demo", "--robot", "trackd"], "did you mean 'tracked'?"),
+    ],
+)
+def test_a_demo_says_how_to_choose_its_arena_and_robot(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], hint: str
+) -> None:
+    with pytest.raises(SystemExit):
+        main(arguments)
+    assert hint in capsys.readouterr().err
+
+
+def test_a_picture_chooses_robot_and_arena_only_for_a_demo(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "shot.png"
+    assert main(["shot", "auto", "--robot", "rov", "-o", str(path)]) == ExitCode.USAGE
+    assert "add --demo" in capsys.readouterr().err
+    assert not path.exists()
+
+
 def test_without_a_command_the_commands_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main([])

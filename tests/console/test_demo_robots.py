@@ -8,7 +8,7 @@ import pytest
 
 from hub.robots.robot_file import SHIPPED
 from hub.sim.arena import load_arena, shipped_arenas
-from rune_tui.commands.demo import ARENAS, ROBOTS, DemoHub, demo_robots
+from rune_tui.commands.demo import ARENAS, ROBOTS, DemoHub, demo_layout, demo_robots
 from rune_tui.errors import DemoError
 
 
@@ -41,6 +41,24 @@ def test_roles_choose_robots(
     roles: list[str], arena: str, robot: str | None, wanted: tuple[list[str], str]
 ) -> None:
     assert demo_robots(roles, arena, robot) == wanted
+
+
+@pytest.mark.parametrize(
+    ("arena", "robot", "layout"),
+    [
+        ("", None, "demo"),
+        ("red", None, "demo"),
+        ("red", "magellan", "demo"),
+        ("red", "tracked", "auto"),
+        ("", "blimp", "auto"),
+        ("pool", None, "auto"),
+        ("pool", "magellan", "demo"),
+    ],
+)
+def test_a_robot_with_more_than_wheels_has_a_layout_made_for_it(
+    arena: str, robot: str | None, layout: str
+) -> None:
+    assert demo_layout(arena, robot) == layout
 
 
 def test_a_hub_that_does_not_start_says_why_in_one_sentence(tmp_path: Path) -> None:

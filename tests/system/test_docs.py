@@ -22,8 +22,8 @@ from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring, default_folder
-from rune_tui.commands.arguments import AUTO, parser
-from rune_tui.commands.demo import ARENAS
+from rune_tui.commands.arguments import parser
+from rune_tui.commands.demo import ARENAS, AUTO
 from rune_tui.startup.opening import open_layout
 from tests.support import warm_start
 from tests.support.command_line import rune, rune_hub

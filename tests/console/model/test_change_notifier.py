@@ -84,6 +84,15 @@ def test_what_a_robot_is_made_without_is_said_once_and_is_no_alarm():
     assert seen(watch, LinkPhase.CONNECTED, PRO_MAP=ABSENT, now=later + 60.0) == []
 
 
+def test_what_only_some_bodies_have_is_not_missed_without_such_a_part():
+    watch = ChangeNotifier()
+    seen(watch, LinkPhase.CONNECTED)
+    seen(watch, LinkPhase.CONNECTED, DRV_JOINT=ABSENT)
+    assert seen(watch, LinkPhase.CONNECTED, DRV_JOINT=ABSENT, now=1.1 + GRACE_S) == []
+    (alarm,) = seen(watch, LinkPhase.CONNECTED, DRV_JOINT=BROKEN, now=2.0 + GRACE_S)
+    assert alarm.alarm, "a module that should be there is missed"
+
+
 def test_a_capability_that_was_there_and_whose_module_is_gone_is_an_alarm():
     watch = ChangeNotifier()
     seen(watch, LinkPhase.CONNECTED, "VIS_VID")
