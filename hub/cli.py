@@ -446,7 +446,9 @@ def _add_missions(commands: Commands, look: CommandParser) -> None:
     mission = commands.add_parser("mission", help="what robots have kept, and the one that runs")
     tasks = mission.add_subparsers(dest="task", required=True, metavar="TASK")
     where = CommandParser(add_help=False)
-    where.add_argument("--robot", default="", help="a robot file, or the name of a shipped one")
+    where.add_argument(
+        "--robot", default="", help="a name of column 'robot' of the list, or a robot file"
+    )
     where.add_argument("--folder", default="", help="folder of the missions, if not the usual one")
     listing = tasks.add_parser("list", parents=[where], help="all missions, the oldest first")
     show = tasks.add_parser("show", parents=[where], help="marks and events of a mission")

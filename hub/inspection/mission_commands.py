@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hub.command_line import login_name
-from hub.errors import MissionError, NoHandlerError, QueryError
+from hub.errors import MissionError, NoHandlerError, QueryError, RobotFileError
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
 from hub.inspection.output import put, report, span, table
@@ -15,7 +15,7 @@ from hub.ipc.client import Client
 from hub.missions.export import MissionPhase, facts_of_marks, mission_facts, moment
 from hub.missions.export import export as export_files
 from hub.missions.folder import MissionFolder
-from hub.paths import for_missions
+from hub.paths import as_file_name, for_missions
 from hub.plain_text import plain
 from hub.robots.robot_file import find_robot_file, read_description
 
@@ -31,24 +31,23 @@ _STATES = {
 def list_all(robot: str, folder: str, *, as_json: bool) -> int:
     """Show all missions, the oldest first."""
     rows = []
-    for each in _folders(robot, folder):
-        for mission in each.missions():
-            facts = _facts(each, mission)
-            if as_json:
-                put(json.dumps(facts))
-                continue
-            ended = facts.get("ended") or 0.0
-            lasted = span(ended - facts["begun"]) if ended else ""
-            rows.append(
-                (
-                    plain(facts["robot"]),
-                    mission,
-                    plain(facts["name"]),
-                    lasted or facts["state"],
-                    str(facts["marks"]),
-                    f"{facts['size_bytes'] / 1e6:.1f} MB",
-                )
+    found = [_facts(each, known) for each in _folders(robot, folder) for known in each.missions()]
+    for facts in sorted(found, key=lambda facts: (facts["id"], facts["robot"])):
+        if as_json:
+            put(json.dumps(facts))
+            continue
+        ended = facts.get("ended") or 0.0
+        lasted = span(ended - facts["begun"]) if ended else ""
+        rows.append(
+            (
+                plain(facts["robot"]),
+                facts["id"],
+                plain(facts["name"]),
+                lasted or facts["state"],
+                str(facts["marks"]),
+                f"{facts['size_bytes'] / 1e6:.1f} MB",
             )
+        )
     if rows:
         table(("robot", "mission", "name", "lasted", "marks", "size"), rows, words=4)
     elif not as_json:
@@ -112,7 +111,7 @@ def chosen(mission: str, robot: str, folder: str) -> tuple[MissionFolder, str]:
 
     Args:
         mission: Its id; empty: the newest.
-        robot: Robot file or name; empty: any robot.
+        robot: Name in the list, or robot file; empty: any robot.
         folder: Folder of the missions; empty: the usual one.
 
     Raises:
@@ -128,15 +127,23 @@ def chosen(mission: str, robot: str, folder: str) -> tuple[MissionFolder, str]:
     newest = max(known for _, known in found)
     meant = [each for each, known in found if known == newest]
     if len(meant) > 1:
-        text = f"several robots have a mission {newest}; say whose with --robot FILE"
+        text = f"several robots have a mission {newest}; say whose with --robot NAME"
         raise MissionError(text)
     return meant[0], newest
 
 
 def _folders(robot: str, folder: str) -> list[MissionFolder]:
     """The folders of the robots that are meant."""
+    kept = for_missions(folder)
+    if robot and (kept / as_file_name(robot)).is_dir():
+        return [MissionFolder(kept, robot)]
     if robot:
-        described, problems = read_description(find_robot_file(robot))
+        try:
+            described, problems = read_description(find_robot_file(robot))
+        except RobotFileError as error:
+            wanted = "a name of column 'robot' of `rune-hub mission list`, or a robot file"
+            text = f"{error}; --robot wants {wanted}"
+            raise MissionError(text) from error
         if problems:
             raise MissionError(problems[0])
         return [MissionFolder(for_missions(folder or described.mission_folder), described.name)]

@@ -56,7 +56,7 @@ def show(
             json.dumps({"robot": each.robot, "mission": mission, "arena": spec.name, **facts(made)})
         )
         return 0
-    put(plain(f"mission {book.name} of {each.robot} in {spec.name}"))
+    put(plain(f"mission {book.name} of {each.robot}, compared with arena {spec.name}"))
     table(("VICTIM", "MARK", "OFF [m]", "POINTS"), list(map(_row, made.findings)))
     for line in _sums(made):
         put(line)

@@ -63,9 +63,9 @@ def undelivered(
     if isinstance(effect, SendEffect):
         may_send = robot.link.may_send(effect.definition.name)
     if not may_send:
-        text = f"{what} not sent: your key may watch and stop {robot.title}, not drive it"
+        text = f"{what} not sent: your key may watch and stop it, not drive it"
     elif robot.link.phase is not LinkPhase.CONNECTED:
-        text = f"{what} not sent: there is no link to {robot.title}"
+        text = f"{what} not sent: there is no link"
     elif isinstance(effect, SendEffect) and (why := why_unsupported(robot, effect.definition.name)):
         text = f"{what} has no effect: {why}"
     else:
@@ -98,7 +98,7 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
     newest = robot.newest(INTEREST_POINTS)
     points = newest.value.points if newest is not None else ()
     if not points:
-        return Outcome(text=f"nothing is marked on the map of {robot.title}", robot=robot.name)
+        return Outcome(text="nothing is marked on its map", robot=robot.name)
     grid = robot.map.value if robot.map is not None else None
     files = {
         "csv": csv_table(points),

@@ -64,7 +64,7 @@ def unknown_camera(camera: str, robot: RobotState) -> str:
     if robot.body is None or camera == MAIN or camera in names:
         return ""
     there = f"it has {', '.join(names)}" if names else "it describes none"
-    return f"{robot.title} has no camera {camera}; {there}"
+    return f"no camera {camera}; {there}"
 
 
 def seen_by(robot: RobotState, camera: str) -> RobotState:

@@ -37,6 +37,7 @@ class Notice:
         alarm: Whether the operator must act.
         quiet: Whether it is for the log only.
         routine: Whether it only confirms an order of the operator, such as to save a file.
+        question_s: Time in which a second press answers its question [s]; 0: it asks nothing.
     """
 
     text: str
@@ -46,6 +47,7 @@ class Notice:
     alarm: bool = False
     quiet: bool = False
     routine: bool = False
+    question_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

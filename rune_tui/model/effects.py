@@ -405,10 +405,11 @@ class Notify(EffectFacts):
         robot: str = "",
         alarm: bool = False,
         routine: bool = False,
+        question_s: float = 0.0,
     ) -> Notify:
         """Report an event."""
         notice = state.notice(text, robot=robot, alarm=alarm)
-        return cls(notice=dataclasses.replace(notice, routine=routine))
+        return cls(notice=dataclasses.replace(notice, routine=routine, question_s=question_s))
 
 
 CoverEffect = FillView | ToggleHelp | ToggleLog | TurnPage | AskToLeave

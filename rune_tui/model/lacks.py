@@ -20,4 +20,4 @@ def why_unsupported(robot: RobotState, message: str, *, lasting: bool = False) -
         return ""
     if lasting and any(lack is not None and lack.kind is LackKind.COMING for lack in lacks):
         return ""
-    return f"{robot.title} does not provide {takers[0]}: {lacks[0].why}"
+    return f"it does not provide {takers[0]}: {lacks[0].why}"

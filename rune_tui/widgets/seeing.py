@@ -108,8 +108,7 @@ class ChooseCameraWidget(OrderWidget):
             return (Notify.now(state, why, robot=robot.name),)
         if not wanted:
             if len(names) < 2:
-                text = f"{robot.title} describes no other camera"
-                return (Notify.now(state, text, robot=robot.name),)
+                return (Notify.now(state, "it has no other camera", robot=robot.name),)
             now = camera_of(CHOSEN, robot, state) or names[0]
             number = names.index(now) + 1 if now in names else 0
             wanted = names[number % len(names)]

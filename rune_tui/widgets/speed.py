@@ -256,7 +256,7 @@ class SetSpeed:
         if robot is None:
             return ()
         why = "its body has no such motion" if self._body is not None else "its body is not known"
-        text = f"{control} does nothing on {robot.title}: {why}"
+        text = f"{control} does nothing: {why}"
         return (Notify.now(state, text, robot=robot.name),)
 
     def _press(self, event: ControlEvent, event_spec: EventSpec) -> None:

@@ -73,7 +73,7 @@ class HoldWidget(OrderWidget):
         kind = hold_named(robot, name)
         if kind is None:
             wanted = "height or depth" if name == VERTICAL else name
-            text = f"{robot.title} cannot hold its {wanted}"
+            text = f"it cannot hold its {wanted}"
             return (Notify.now(state, text, robot=robot.name),)
         known = hold_state(robot, kind)
         on = known is not None and known.phase is not HoldPhase.OFF
@@ -103,7 +103,7 @@ class LightWidget(OrderWidget):
         name = self.spec.options.word("light")
         light = light_named(robot, name)
         if light is None:
-            text = f"{robot.title} has no light{f' {name!r}' if name else ''}"
+            text = f"it has no light{f' {name!r}' if name else ''}"
             return (Notify.now(state, text, robot=robot.name),)
         lit = brightness(robot, light) > 0.0
         value = 0.0 if lit else self.spec.options.number("brightness")
@@ -135,14 +135,16 @@ class ArmWidget(OrderWidget):
             return (Notify.now(state, why, robot=robot.name),)
         known = vehicle_of(robot)
         if known is not None and known.arming is Arming.ARMED:
-            return (Notify.now(state, f"{robot.title} is armed", robot=robot.name),)
+            return (Notify.now(state, "it is armed", robot=robot.name),)
         asked, since = self._asked
-        if asked != robot.name or state.now - since > AGAIN_S:
+        left = state.looked.get(robot.name, -math.inf) >= since
+        if asked != robot.name or left or state.now - since > AGAIN_S:
             self._asked = robot.name, state.now
-            text = f"ARM {robot.title}? Its motors can turn then: press again to arm"
-            return (Notify.now(state, text, robot=robot.name, alarm=True),)
+            text = "ARM the motors? They can turn then: press again to arm"
+            return (Notify.now(state, text, robot=robot.name, alarm=True, question_s=AGAIN_S),)
         self._asked = "", -math.inf
-        return (_order(robot, VehicleCommand(order=VehicleOrder.ARM)),)
+        send = _order(robot, VehicleCommand(order=VehicleOrder.ARM))
+        return (send, Notify.now(state, "the motors shall be armed", robot=robot.name))
 
 
 class DisarmWidget(OrderWidget):
@@ -169,7 +171,7 @@ class DisarmWidget(OrderWidget):
 
 def _why_no_arming(robot: RobotState) -> str:
     arms = robot.body is not None and robot.body.arms
-    return "" if arms else f"{robot.title} cannot be armed or disarmed"
+    return "" if arms else "it cannot be armed or disarmed"
 
 
 class JointWidget(PressWidget):
@@ -257,7 +259,7 @@ class JointWidget(PressWidget):
 
     def _none(self, robot: RobotState, state: ConsoleState) -> Notify:
         name = self.spec.options.word("joint")
-        text = f"{robot.title} has no joint{f' {name!r}' if name else ''}"
+        text = f"it has no joint{f' {name!r}' if name else ''}"
         return Notify.now(state, text, robot=robot.name)
 
 

@@ -226,8 +226,7 @@ class RangeData:
     @property
     def _nothing(self) -> str:
         """What the robot does not have, in words."""
-        kind = {"sonar": "sonar", "infrared": "infrared or laser sensor"}
-        return f"no {kind.get(self.sensors, 'range sensor')} looks around"
+        return f"no {self.sensors if self.sensors in _KINDS else 'ranges'} around"
 
     def _wanted(self, ranges: RobotRanges) -> Bools:
         """Which beams are drawn, shape (n,)."""

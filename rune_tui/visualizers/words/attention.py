@@ -12,7 +12,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import TextRow, tabled
+from rune_tui.visualizers.parts.rows import TextRow, cut, tabled
 from rune_tui.visualizers.parts.severity import Severity, ink_of
 from rune_tui.visualizers.parts.task_words import duration
 from rune_tui.visualizers.visualizer import PlainVisualizer
@@ -56,8 +56,8 @@ class Attention(PlainVisualizer):
             canvas.text(canvas.width - len(more), canvas.rows - 1, more, theme.ink)
         if not rows:
             several = len(state.robots) > 1
-            words = f"no alarms: all {len(state.robots)} robots are well"
-            canvas.text(0, 0, (words if several else "no alarms")[: canvas.width], theme.faint)
+            words = "no alarms: all well" if several else "no alarms"
+            canvas.text(0, 0, cut(words, canvas.width), theme.faint)
 
     def source(self, _robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word."""

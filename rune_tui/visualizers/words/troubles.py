@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Final
 
@@ -10,7 +11,7 @@ from hub.gcm.diagnostics import Severity as Level
 from hub.gcm.navigation import Assistance
 from rune_tui.model.attention import Problem
 from rune_tui.model.body import pressed_bumpers
-from rune_tui.model.console_state import Banner, ConsoleState
+from rune_tui.model.console_state import Banner, ConsoleState, Notice
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.model.robot_task import task_of
@@ -64,11 +65,17 @@ def banner_of(state: ConsoleState, all_troubles: Mapping[str, tuple[Part, ...]])
     worst = max(found, key=lambda each: each[0], default=None)
     # An event is not shown beside its result, such as a lost link.
     recent = worst is None or worst[0] < _REPORT_WEIGHT
-    if recent and newest is not None and newest.alarm and state.now - newest.when <= REPORT_S:
+    if recent and newest is not None and newest.alarm and _is_fresh(newest, state):
         return Banner(robot=newest.robot, text=newest.text, more=len(found))
     if worst is None:
         return next(_own_tasks(state), None)
     return Banner(robot=worst[1], text=worst[2], more=len(found) - 1)
+
+
+def _is_fresh(notice: Notice, state: ConsoleState) -> bool:
+    """Whether the banner still shows an alarm: a question only while it can be answered."""
+    left = bool(notice.question_s) and state.looked.get(notice.robot, -math.inf) >= notice.when
+    return not left and state.now - notice.when <= (notice.question_s or REPORT_S)
 
 
 def _own_tasks(state: ConsoleState) -> Iterator[Banner]:

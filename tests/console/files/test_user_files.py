@@ -96,8 +96,7 @@ def test_an_order_that_nothing_on_the_robot_takes_is_told():
     outcome = user_files.undelivered(TURNING, robot)
     assert outcome is not None
     assert outcome.text == (
-        "turn command has no effect: magellan does not provide NAV_GOAL: "
-        "this robot has no module for it"
+        "turn command has no effect: it does not provide NAV_GOAL: this robot has no module for it"
     )
     # A stop has other takers too; a stream of commands is not told of 20 times a second.
     assert user_files.undelivered(STOPPING, robot) is None

@@ -85,8 +85,8 @@ def test_the_speed_limit_holds_for_a_climb() -> None:
 @pytest.mark.parametrize(
     ("body", "words"),
     [
-        (CAR, "climb does nothing on car: its body has no such motion"),
-        (None, "climb does nothing on magellan: its body is not known"),
+        (CAR, "climb does nothing: its body has no such motion"),
+        (None, "climb does nothing: its body is not known"),
     ],
 )
 def test_a_control_that_the_body_does_not_have_drives_nothing_and_says_so(

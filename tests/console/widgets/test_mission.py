@@ -181,11 +181,11 @@ def test_the_pane_says_name_time_marks_and_the_saved_map() -> None:
 @pytest.mark.parametrize(
     ("handler", "capability", "said"),
     [
-        ("widgetMission", "PRO_POINTS", "no mission: magellan does not provide PRO_POINTS: why"),
+        ("widgetMission", "PRO_POINTS", "no mission: it does not provide PRO_POINTS: why"),
         (
             "widgetToggleNightMode",
             "VIS_NIGHT",
-            "no night mode: magellan does not provide VIS_NIGHT: why",
+            "no night mode: it does not provide VIS_NIGHT: why",
         ),
     ],
 )

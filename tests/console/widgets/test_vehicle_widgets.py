@@ -30,10 +30,12 @@ from hub.gcm.vehicle import (
     VehicleState,
 )
 from rune_tui.layout.spec import EventSpec
-from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import Effect, Notify, SendEffect, TrimSpeed
+from rune_tui.model.console_state import Banner, ConsoleState
+from rune_tui.model.effects import ChooseRobot, Effect, Notify, SendEffect, TrimSpeed
 from rune_tui.model.state_changes import changed
+from rune_tui.visualizers.words.troubles import banner_of
 from rune_tui.widgets.speed_rule import FREEDOMS
+from rune_tui.widgets.vehicle import AGAIN_S
 from tests.console.visualizers.conftest import Made, received
 from tests.console.widgets.presses import again, down, event_spec, up, widget_of
 from tests.support.car import CAR
@@ -111,11 +113,34 @@ def test_arming_asks_first_and_disarming_does_not() -> None:
     assert isinstance(asks, Notify)
     assert asks.notice.alarm
     assert orders(widget.handle(down("x"), KEY, state(disarmed, now=5.0))) == [], "too late"
-    (arm,) = orders(widget.handle(down("x"), KEY, state(disarmed, now=6.0)))
+    answer = widget.handle(down("x"), KEY, state(disarmed, now=6.0))
+    (arm,) = orders(answer)
     assert arm.order is VehicleOrder.ARM
+    (said,) = (effect for effect in answer if isinstance(effect, Notify))
+    assert not said.notice.alarm, "the answer takes the question off the screen"
     assert orders(widget.handle(down("x"), KEY, state(disarmed, now=6.1))) == [], "asks anew"
     (disarm,) = orders(pressed("widgetDisarm", state(VehicleState(arming=Arming.ARMED))))
     assert disarm.order is VehicleOrder.DISARM
+
+
+def test_a_question_goes_with_its_time_and_when_its_robot_is_left() -> None:
+    disarmed = VehicleState(arming=Arming.DISARMED)
+    widget = widget_of("widgetArm", "*")
+    (asks,) = widget.handle(down("x"), KEY, state(disarmed))
+    assert isinstance(asks, Notify)
+    asked = changed(state(disarmed), asks)
+
+    def shown(**changes: Any) -> Banner | None:
+        return banner_of(dataclasses.replace(asked, **changes), {})
+
+    assert shown() is not None
+    assert shown(now=1.0 + AGAIN_S) is not None
+    assert shown(now=1.1 + AGAIN_S) is None
+    left = changed(dataclasses.replace(asked, now=1.5), ChooseRobot(robot="rover"))
+    assert banner_of(left, {}) is None
+    back = changed(dataclasses.replace(left, now=2.0), ChooseRobot(robot="magellan"))
+    assert banner_of(back, {}) is None
+    assert orders(widget.handle(down("x"), KEY, back)) == [], "it asks anew"
 
 
 @pytest.mark.parametrize("handler", ["widgetArm", "widgetDisarm"])

@@ -70,8 +70,21 @@ def test_all_missions_of_all_robots_are_listed(
     assert known == {("rover", "ended", 2, 2), ("my robot", "interrupted", 2, 2)}
     assert main(["mission", "list", "--folder", str(root)]) == 0
     said = capsys.readouterr().out
-    assert "search of rover" in said
+    assert said.index("search of rover") < said.index("search of my robot"), "the oldest first"
     assert "interrupted" in said
+
+
+@pytest.mark.parametrize("name", ["rover", "my robot"])
+def test_missions_are_found_by_the_name_in_the_list(
+    root: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    assert main(["mission", "show", "--robot", name, "--folder", str(root)]) == 0
+    assert f"search of {name}" in capsys.readouterr().out
+
+
+def test_an_unknown_robot_is_answered_with_what_is_wanted(root: Path) -> None:
+    with pytest.raises(MissionError, match="a name of column 'robot'"):
+        main(["mission", "show", "--robot", "omni", "--folder", str(root)])
 
 
 def test_a_mission_runs_only_while_a_hub_keeps_it(
@@ -181,6 +194,7 @@ def test_a_mission_is_scored_against_an_arena(
     assert made["score"] == 0.5 * 20.0 / 4.0
     assert main(command) == 0
     shown = capsys.readouterr().out
+    assert "mission search of rover, compared with arena hut" in shown
     assert "1 of 2 found" in shown
     assert "score 2.5, with weight 0.5 and 1 operator" in shown
 

@@ -301,10 +301,10 @@ def test_a_body_without_sensors_that_look_around_is_drawn_with_words(made, draw)
     robot = car(made, down=0.1)
     robot = robot.with_(messages={**robot.messages, ROBOT_DESCRIPTION.name: made.received(bare)})
     canvas = draw(NAME, robot, CAR_SIZE)
-    assert "no range sensor looks around" in words(canvas)[-1]
+    assert "no ranges around" in words(canvas)[-1]
     assert marks(canvas, "X") == []
     assert canvas.pixels[32, 32].any()
-    assert "no sonar looks around" in words(draw(NAME, robot, CAR_SIZE, sensors="sonar"))[-1]
+    assert "no sonar around" in words(draw(NAME, robot, CAR_SIZE, sensors="sonar"))[-1]
 
 
 def test_the_token_changes_only_with_what_is_drawn(made) -> None:
