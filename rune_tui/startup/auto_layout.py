@@ -50,14 +50,16 @@ _ALWAYS = ("CON_REAL", "NAV_STATE", "NAV_MOVE")
 """What every layout asks for: state, motion and stop; a robot without them says so."""
 _SMALL_MS = 333
 """Shortest time between two of the small pictures [ms]."""
-_LEFT_OUT = ("log", "autonomy", "attitude")
-"""Panels that are left out where there is little room, in this order."""
-_LOWEST_SHARE = 0.6
-"""Share of their height down to which panels shrink before some are left out."""
+_LEFT_OUT = (
+    *("log", "autonomy", "attitude"),
+    *("camera 4", "camera 3", "camera 2"),
+    *("air", "range", "height", "map"),
+)
+"""Panels that are left out where there is no room for the least height of all, in this order."""
 _FREE_ROWS = 8
 """Height of a panel that takes what is left [half rows]."""
-_LEAST_ROWS = 4
-"""Least height of a panel [half rows]."""
+_MOST_WORDS = 26
+"""Most rows of the vehicle's state [half rows]."""
 _LONGEST_TITLE = 40
 """Most characters of a viewport's title."""
 _MOST_SMALL = 3
@@ -97,7 +99,8 @@ class _Panel:
 
     Attributes:
         name: Its name.
-        rows: Its height in the large arrangement [half rows]; 0: a share of what is left.
+        rows: Its height where there is room [half rows]; 0: a share of what is left.
+        least: The least height in which it can be read, with its title [half rows].
         body: Its visualizer and widgets.
         title: Its title; empty: none.
     """
@@ -105,6 +108,7 @@ class _Panel:
     name: str
     body: str
     rows: int = 0
+    least: int = 6
     title: str = ""
 
 
@@ -147,7 +151,7 @@ def layout_text(body: RobotBody, capabilities: Collection[str], hub: str) -> str
         '    <viewport name="status" zpos="5"><visualizer function="visualizeStatus"/></viewport>',
         *_arrangement("large", (160, 48), (160, 96), 113, large, beside, gauges=True),
         *_arrangement("wide", (120, 40), (120, 80), 89, large, beside, gauges=True),
-        *_arrangement("small", (80, 24), (80, 48), 55, large, beside, gauges=False),
+        *_arrangement("small", (80, 24), (80, 48), 50, large, beside, gauges=False),
         *_tiny(large),
         "  </view>",
         "</rune>",
@@ -177,22 +181,24 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
         picture += '<widget handler="widgetChooseCamera">'
         picture += f'<option name="camera" value={quoteattr(name)}/><event mouse="left"/></widget>'
         title = name[:_LONGEST_TITLE].strip()
-        yield _Panel(name=f"camera {number}", body=picture, rows=20, title=title)
+        yield _Panel(name=f"camera {number}", body=picture, rows=20, least=12, title=title)
     if "PRO_MAP" in capabilities:
         shown = '<visualizer function="visualizeMapData" option="8"/>'
         shown += '<widget handler="widgetZoomMap"><event mouse="wheel"/></widget>'
         if "NAV_GOAL" in capabilities:
             shown += '<widget handler="widgetGoTo"><event mouse="left"/></widget>'
-        yield _Panel(name="map", body=shown, rows=26, title="map")
+        yield _Panel(name="map", body=shown, rows=26, least=14, title="map")
     if body.ranges:
         shown = '<visualizer function="visualizeRangeData" option="3"/>'
-        yield _Panel(name="range", body=shown, rows=26, title="ranges")
+        yield _Panel(name="range", body=shown, rows=26, least=12, title="ranges")
     yield from _stance(body)
     if body.holds or body.joints or body.arms:
-        rows = min(26, 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights)))
-        yield _Panel(name="vehicle", body=_shows("visualizeVehicle"), rows=rows, title="vehicle")
+        words = 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights))
+        rows = min(_MOST_WORDS, words)
+        shown = _shows("visualizeVehicle")
+        yield _Panel(name="vehicle", body=shown, rows=rows, least=rows, title="vehicle")
     if body.senses:
-        yield _Panel(name="air", body=_shows("visualizeEnvironment"), rows=10)
+        yield _Panel(name="air", body=_shows("visualizeEnvironment"), rows=4, least=4)
     yield _Panel(name="alarms", body=_shows("visualizeAlarms"), title="problems")
     if "AUT_PILOT" in capabilities:
         yield _Panel(name="autonomy", body=_shows("visualizeAutonomy"), title="by itself")
@@ -209,9 +215,11 @@ def _stance(body: RobotBody) -> Iterator[_Panel]:
     brought = {each.message for each in body.messages}
     flies = any(motion.freedom is Freedom.HEAVE for motion in body.motions)
     if flies or IMU.name in brought:
-        yield _Panel(name="attitude", body=_shows("visualizeAttitude"), rows=18, title="attitude")
+        shown = _shows("visualizeAttitude")
+        yield _Panel(name="attitude", body=shown, rows=18, least=12, title="attitude")
     if flies or ALTITUDE.name in brought:
-        yield _Panel(name="height", body=_shows("visualizeDepth"), rows=18, title="height")
+        shown = _shows("visualizeDepth")
+        yield _Panel(name="height", body=shown, rows=18, least=12, title="height")
 
 
 def _gauges() -> Iterator[_Panel]:
@@ -378,9 +386,8 @@ def _arrangement(
     top, right = 2, width - edge
     kept = _with_room(beside, height - 4)
     for panel, share in zip(kept, _heights(kept, height - 4), strict=True):
-        if share >= _LEAST_ROWS:
-            yield _place(panel.name, edge, top, right, share)
-            top += share
+        yield _place(panel.name, edge, top, right, share)
+        top += share
     if gauges:
         yield _place("heading", 0, bottom, 40, 6)
         yield _place("speed", 42, bottom, edge - 43, 4)
@@ -407,11 +414,10 @@ def _place(name: str, x: int, y: int, width: int, height: int) -> str:
 
 
 def _with_room(panels: Sequence[_Panel], room: int) -> list[_Panel]:
-    """The panels for a height [half rows]; those of `_LEFT_OUT` go before others get low."""
+    """The panels whose least heights fit into a height [half rows]; `_LEFT_OUT` go first."""
     kept = list(panels)
     for name in _LEFT_OUT:
-        wished = sum(panel.rows * _LOWEST_SHARE or _FREE_ROWS for panel in kept)
-        if wished <= room:
+        if sum(panel.least for panel in kept) <= room:
             break
         kept = [panel for panel in kept if panel.name != name]
     return kept
@@ -419,16 +425,15 @@ def _with_room(panels: Sequence[_Panel], room: int) -> list[_Panel]:
 
 def _heights(panels: Sequence[_Panel], room: int) -> list[int]:
     """The height of each panel [half rows], even, in all at most `room`."""
-    free = sum(1 for panel in panels if not panel.rows)
-    spare = max(0, room - _FREE_ROWS * free)
-    least = [min(panel.rows, _LEAST_ROWS) for panel in panels]
-    if sum(least) > spare:  # there is no room for all: the smallest are left out
-        least = [0 for _ in panels]
-    more = sum(panel.rows for panel in panels) - sum(least)
-    scale = min(1.0, (spare - sum(least)) / more) if more else 1.0
+    spare = room - sum(panel.least for panel in panels)
+    wishes = [(panel.rows or _FREE_ROWS) - panel.least for panel in panels]
+    scale = min(1.0, spare / max(1, sum(wishes)))
     heights = [
-        (low + int((panel.rows - low) * scale)) // 2 * 2
-        for panel, low in zip(panels, least, strict=True)
+        panel.least + int(wish * scale) // 2 * 2 for panel, wish in zip(panels, wishes, strict=True)
     ]
-    left = (room - sum(heights)) // max(1, free) // 2 * 2
-    return [height if panel.rows else left for panel, height in zip(panels, heights, strict=True)]
+    free = sum(1 for panel in panels if not panel.rows)
+    left = (room - sum(heights)) // free // 2 * 2  # the problems are always there
+    return [
+        height if panel.rows else height + left
+        for panel, height in zip(panels, heights, strict=True)
+    ]

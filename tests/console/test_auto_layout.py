@@ -93,6 +93,20 @@ def test_the_most_important_keys_are_the_first_in_the_line_of_keys(robot: str, f
         assert "G hold depth · Y hold heading" in line
 
 
+@pytest.mark.parametrize("robot", sorted(path.stem for path in SHIPPED.glob("*.toml")))
+def test_panels_are_high_enough_to_be_read_at_every_size(tmp_path: Path, robot: str) -> None:
+    body = body_of(read_description(SHIPPED / f"{robot}.toml")[0])
+    *sizes, _ = opened(tmp_path, body, ALL).view.arrangements
+    for size in sizes:
+        heights = {place.viewport: place.ysize for place in size.places}
+        assert min(heights[name] for name in ("map", "alarms")) >= 6
+        for picture in heights.keys() & {"map", "range", "attitude", "height", "camera 2"}:
+            assert heights[picture] >= 12, "a title, and five rows of the picture"
+        if body.holds or body.joints or body.arms:
+            words = len(body.holds) + len(body.joints) + len(body.lights)
+            assert heights["vehicle"] >= 2 * (2 + words), "a title, and a row for each part"
+
+
 def test_each_velocity_has_its_own_limit() -> None:
     limits = {Freedom.SURGE: 0.6, Freedom.SWAY: 0.4, Freedom.HEAVE: 0.9, Freedom.YAW: 1.2}
     motions = tuple(Motion(freedom=f, limit=v, acceleration=1.0) for f, v in limits.items())
