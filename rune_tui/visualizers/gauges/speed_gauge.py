@@ -16,7 +16,11 @@ from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.gauges.bars import Bar, write_gauge
 from rune_tui.visualizers.parts.message_gauge import MessageGauge
 from rune_tui.visualizers.parts.rows import fitting_form
+from rune_tui.visualizers.words.motion_words import along_words, other_speed_words, other_speeds
 from rune_tui.visualizers.words.status_words import signed, turn_words
+
+_BAR_COLUMNS = 16
+"""Room of a gauge's name and its shortest bar [cells]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,10 +31,21 @@ class _Pair:
     commanded: float
 
 
-class Speed(MessageGauge[NavigationState, tuple[_Pair, _Pair]]):
+@dataclass(frozen=True, slots=True)
+class _Speeds:
+    """The visible speeds: ahead, turning, to the left and upward."""
+
+    linear: _Pair
+    angular: _Pair
+    sway: float
+    heave: float
+
+
+class Speed(MessageGauge[NavigationState, _Speeds]):
     """Two gauges from the middle, ahead to the right and turning to where it turns.
 
-    A sign marks the commanded speed, and the words have both speeds.
+    A sign marks the commanded speed, and the words have both speeds. Motion to the side and up or
+    down has rows of words below, or stands in place of the commanded speed where these lack.
     """
 
     rule: ClassVar = VisualizerRule(
@@ -49,27 +64,40 @@ class Speed(MessageGauge[NavigationState, tuple[_Pair, _Pair]]):
     definition = ROBOT_STATE
     subject = "speed"
 
-    def reading(self, value: NavigationState, _robot: RobotState) -> tuple[_Pair, _Pair]:
+    def reading(self, value: NavigationState, robot: RobotState) -> _Speeds:
         """Velocities in hundredths of m/s and whole degrees a second."""
         turns = (-math.degrees(value.angular), -math.degrees(value.commanded_angular))
-        return (
+        sway, heave = other_speeds(robot, value)
+        return _Speeds(
             _Pair(_rounded(value.linear, 2), _rounded(value.commanded_linear, 2)),
             _Pair(*(_rounded(turn, 0) for turn in turns)),
+            _rounded(sway, 2),
+            _rounded(heave, 2),
         )
 
-    def show(self, canvas: Canvas, reading: tuple[_Pair, _Pair], theme: Theme) -> None:
-        """Two gauges, or both values in one row."""
-        linear, angular = reading
+    def show(self, canvas: Canvas, reading: _Speeds, theme: Theme) -> None:
+        """Two gauges, or the values in one row."""
+        linear, angular = reading.linear, reading.angular
+        others = other_speed_words(reading.sway, reading.heave)
+        along = along_words(signed(linear.actual, 2), reading.sway, reading.heave)
         if canvas.rows == 1:
-            both = f"{signed(linear.actual, 2)} m/s  {turn_words(angular.actual)}°/s"
+            both = f"{along}  {turn_words(angular.actual)}°/s"
             short = f"{signed(linear.actual, 2)} {turn_words(angular.actual)}°"
-            words = fitting_form(canvas.width, both, short, signed(linear.actual, 2))
-            canvas.text(0, 0, words, theme.ink)
+            forms = (both, along, short) if others else (both, short)
+            forms = (*forms, signed(linear.actual, 2))
+            canvas.text(0, 0, fitting_form(canvas.width, *forms), theme.ink)
             return
         speed, turn = _linear_words(linear), _angular_words(angular)
-        most = self.options.number("linear"), self.options.number("angular_deg")
-        write_gauge(canvas, 0, "speed", _bar(linear, most[0]), speed, theme)
-        write_gauge(canvas, 1, "turn", _bar(angular, most[1]), turn, theme)
+        bar = _bar(linear, self.options.number("linear"))
+        if others and canvas.rows < 2 + len(others):
+            speed, others = (along, *speed[1:]), ()
+            # Words about motion to the side matter more than the bar.
+            bar = bar if len(along) <= canvas.width - _BAR_COLUMNS else None
+        write_gauge(canvas, 0, "speed", bar, speed, theme)
+        end = self.options.number("angular_deg")
+        write_gauge(canvas, 1, "turn", _bar(angular, end), turn, theme)
+        for row, words in enumerate(others, 2):
+            write_gauge(canvas, row, "moves", None, (words,), theme)
 
 
 def _rounded(value: float, digits: int) -> float:
@@ -79,15 +107,12 @@ def _rounded(value: float, digits: int) -> float:
 
 def _linear_words(pair: _Pair) -> tuple[str, ...]:
     actual, commanded = signed(pair.actual, 2), signed(pair.commanded, 2)
-    return f"{actual} of {commanded} m/s", f"{actual} m/s", actual
+    return f"{actual} m/s, command {commanded}", f"{actual} m/s", actual
 
 
 def _angular_words(pair: _Pair) -> tuple[str, ...]:
     actual, commanded = turn_words(pair.actual), turn_words(pair.commanded)
-    both = f"{actual} of {commanded}°/s"
-    if pair.actual * pair.commanded > 0.0:
-        both = f"{actual} of {abs(pair.commanded):.0f}°/s"
-    return both, f"{actual}°/s", actual
+    return f"{actual}°/s, command {commanded}", f"{actual}°/s", actual
 
 
 def _bar(pair: _Pair, most: float) -> Bar | None:

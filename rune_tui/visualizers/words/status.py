@@ -7,8 +7,10 @@ from collections.abc import Hashable, Iterable, Sequence
 from typing import ClassVar, Self
 
 from hub.gcm.autonomy import AUTONOMY_STATE
+from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.navigation import NAVIGATION_STATUS
 from hub.gcm.ranges import RANGES
+from hub.gcm.vehicle import VEHICLE_STATE
 from hub.values import dataclass
 from rune_tui.layout.rules import ChoiceOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
@@ -47,6 +49,8 @@ class Status:
             AUTONOMY_STATE.name,
             NAVIGATION_STATUS.name,
             RANGES.name,
+            VEHICLE_STATE.name,
+            DIAGNOSTICS.name,
         ),
         options={
             "beside": ChoiceOption(

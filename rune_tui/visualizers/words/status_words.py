@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.navigation import MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.ranges import RANGES
@@ -14,6 +15,7 @@ from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_ranges import lack_of_ranges, ranges_of
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.robot_task import task_of
+from rune_tui.model.vehicle import problems_of
 from rune_tui.visualizers.parts.control_words import control_parts
 from rune_tui.visualizers.parts.nearness import Nearness, avoids_obstacles, nearness_of
 from rune_tui.visualizers.parts.severity import Part, Severity
@@ -23,47 +25,29 @@ from rune_tui.visualizers.parts.staleness import (
     MENTION_AFTER_S,
     Staleness,
     age_text,
+    pause_of,
     staleness,
     usual_age,
 )
 from rune_tui.visualizers.parts.task_words import task_parts
+from rune_tui.visualizers.words.motion_words import (
+    motion_words,
+    other_speed_words,
+    other_speeds,
+    short_motion,
+)
 
 LOW_BATTERY = 0.2
 CRITICAL_BATTERY = 0.1
 OFF_CENTRE_DEG = 5.0
-ROLLING = 0.02
-"""Least speed of a moving robot: forward [m/s], and turning twice that [rad/s]."""
 _LEAST_ZOOM = 0.01
 _HELD_BACK = 0.05
 
 _SIDES = ("ahead", "left", "behind", "right")
-_MOTION = {
-    MotionState.STANDING: "STANDING",
-    MotionState.MOVING: "MOVING",
-    MotionState.SILENCE: "STOPPED: commands fell silent",
-    MotionState.STOPPED: "STOPPED: a stop was sent",
-    MotionState.NO_DRIVER: "NO DRIVER: cannot move",
-    MotionState.WAITING: "WAITING for a neutral command",
-    MotionState.GOING: "GOING by itself",
-}
-_ROLLING_ON = {
-    MotionState.STANDING: "STOPPING",
-    MotionState.SILENCE: "STOPPING: commands fell silent",
-    MotionState.STOPPED: "STOPPING: a stop was sent",
-    MotionState.NO_DRIVER: "NO DRIVER, and it moves",
-    MotionState.WAITING: "STOPPING, then waits for a neutral command",
-}
-"""The same while the robot still rolls without a command."""
 _FAULTS = frozenset({MotionState.SILENCE, MotionState.NO_DRIVER})
 """Unintended states of motion; a stop is intended."""
-_SHORT_MOTION = {
-    "WAITING for a neutral command": "WAITING",
-    "STOPPING, then waits for a neutral command": "STOPPING",
-    "STOPPED: commands fell silent": "STOPPED: silence",
-    "STOPPED: a stop was sent": "STOPPED",
-    "STOPPING: commands fell silent": "STOPPING",
-    "STOPPING: a stop was sent": "STOPPING",
-}
+_CAUSES = (("tilt", "tilted"), ("edge", "edge near"), ("range ", "sensor silent"))
+"""Beginnings of the names of navigation's problems that slow the robot down, and their words."""
 
 
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
@@ -161,24 +145,33 @@ def _moving(robot: RobotState, navigation: NavigationState, now: float) -> Itera
     motion = navigation.motion
     if motion is MotionState.WAITING and not robot.link.may_command:
         motion = MotionState.STANDING  # an observer sends no neutral command
-    text = _MOTION[motion]
-    if _rolls(navigation):
-        text = _ROLLING_ON.get(motion, text)
+    text = motion_words(robot, motion, now)
     by_itself = tuple(task_parts(robot, now))
     if motion is not MotionState.GOING or not by_itself:
         severity = Severity.ALARM if motion in _FAULTS else Severity.PLAIN
-        yield Part(text, 7, severity, short=_SHORT_MOTION.get(text, ""), cause="motion")
+        yield Part(text, 7, severity, short=short_motion(text), cause="motion")
     yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
     speed = f"{signed(navigation.linear, 2)} m/s"
     yield Part(f"{speed} {turning}°/s", 6, short=speed, gauge=True)
+    for words in other_speed_words(*other_speeds(robot, navigation)):
+        yield Part(words, 6, gauge=True)
     if motion is MotionState.MOVING and navigation.held_back >= _HELD_BACK:
-        yield Part(f"HELD BACK {navigation.held_back:.0%}", 6, Severity.WARNING)
+        held = f"HELD BACK {navigation.held_back:.0%}"
+        why = _causes(robot, now)
+        yield Part(f"{held} ({why})" if why else held, 6, Severity.WARNING, short=held)
 
 
-def _rolls(navigation: NavigationState) -> bool:
-    speeds = abs(navigation.linear), abs(navigation.angular) / 2.0
-    return any(math.isfinite(speed) and speed >= ROLLING for speed in speeds)
+def _causes(robot: RobotState, now: float) -> str:
+    """Present problems that slow the robot down, besides obstacles."""
+    names = [
+        problem.value.name
+        for problem in problems_of(robot)
+        if staleness(problem.age(now), pause_of(DIAGNOSTICS)) is Staleness.FRESH
+    ]
+    return ", ".join(
+        words for start, words in _CAUSES if any(name.startswith(start) for name in names)
+    )
 
 
 def turn_words(degrees: float) -> str:

@@ -6,16 +6,18 @@ import math
 
 from hub.gcm.flight import ALTITUDE
 from hub.gcm.navigation import MotionState
-from hub.gcm.vehicle import VEHICLE_STATE, HoldPhase, VehicleState
+from hub.gcm.vehicle import HoldPhase
 from hub.values import dataclass
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, asks, control_of, standing
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.robot_task import task_of
+from rune_tui.model.vehicle import vehicle_of
 from rune_tui.visualizers.parts.severity import Part, Severity
-from rune_tui.visualizers.parts.staleness import Staleness, age_text, pause_of, staleness
+from rune_tui.visualizers.parts.staleness import Staleness, age_text, staleness
 from rune_tui.visualizers.parts.task_words import duration, head
+from rune_tui.visualizers.words.motion_words import HOLD_FAILS, activity, is_disarmed, moves_on
 from rune_tui.visualizers.words.status_words import CRITICAL_BATTERY, LOW_BATTERY
 from rune_tui.visualizers.words.troubles import troubles
 from rune_tui.visualizers.words.vehicle import target_words
@@ -129,26 +131,26 @@ def does(robot: RobotState, now: float) -> Part:
     task = task_of(robot)
     if motion is MotionState.GOING and task is not None and task.under_way:
         return Part(head(task).lower(), 0)
-    vehicle = robot.newest(VEHICLE_STATE)
-    if vehicle is not None and motion in _QUIET:
-        fresh = staleness(vehicle.age(now), pause_of(VEHICLE_STATE)) is not Staleness.STALE
-        if fresh and vehicle.value.activity:
-            return _activity(vehicle.value)
+    if is_disarmed(robot, motion, now):
+        return Part("disarmed", 0)
+    if motion is not MotionState.NO_DRIVER and moves_on(robot, motion, now):
+        return Part("STOPPING", 0)
+    if motion in _QUIET and (own := activity(robot, now)):
+        if own.startswith(HOLD_FAILS):
+            return Part(own, 0, Severity.ALARM)
+        return Part(f"{own}{_targets(robot)}", 0)
     severity = Severity.ALARM if motion is MotionState.NO_DRIVER else Severity.PLAIN
     return Part(_DOES[motion], 0, severity)
 
 
-def _activity(vehicle: VehicleState) -> Part:
-    """The vehicle's own word, with the targets of its holds."""
-    failing = [hold for hold in vehicle.holds if hold.phase is HoldPhase.FAILING]
-    if failing:
-        kinds = " ".join(hold.kind.name.lower() for hold in failing)
-        return Part(f"HOLD FAILS: {kinds}", 0, Severity.ALARM)
-    words = [vehicle.activity]
-    for hold in vehicle.holds:
-        if hold.phase is HoldPhase.HOLDING and math.isfinite(hold.target):
-            words.append(target_words(hold))
-    return Part(" ".join(words), 0)
+def _targets(robot: RobotState) -> str:
+    """The targets of the holds."""
+    vehicle = vehicle_of(robot)
+    return "".join(
+        f" {target_words(hold)}"
+        for hold in (vehicle.holds if vehicle is not None else ())
+        if hold.phase is HoldPhase.HOLDING and math.isfinite(hold.target)
+    )
 
 
 def _link(robot: RobotState, now: float) -> Part:

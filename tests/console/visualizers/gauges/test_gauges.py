@@ -12,11 +12,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, Motion
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, LIGHT
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.gauges.heading import LETTERS, bearing_words
+from tests.console.states import described
 from tests.console.visualizers.conftest import made_by, words
+from tests.support.car import CAR
 from tests.support.cases import for_each
 
 GAUGES = {
@@ -87,7 +90,7 @@ def test_the_token_of_what_is_not_a_number_stays_the_same(made, name) -> None:
 @pytest.mark.parametrize(
     ("width", "lines"),
     [
-        (48, ["speed", "+0.25 of -0.30 m/s", "turn", "left 30 of right 5°/s"]),
+        (48, ["speed", "+0.25 m/s, command -0.30", "turn", "left 30°/s, command right 5"]),
         (30, ["speed", "+0.25 m/s", "turn", "left 30°/s"]),
         (8, ["+0.25", "left 30"]),
     ],
@@ -98,6 +101,30 @@ def test_speed_says_what_is_and_what_is_commanded_in_the_room_there_is(shown, wi
     rows = words(shown("visualizeSpeed", (width, 4), **speed, **turn))
     told = [part.strip() for row in rows for part in re.split(r"  +|[│▼]", row)]
     assert [part for part in told if part] == lines
+
+
+@pytest.mark.parametrize(
+    ("size", "lines"),
+    [
+        ((48, 8), {"moves 0.40 m/s to the right", "moves 0.10 m/s up"}),
+        ((40, 4), {"right 0.40, up 0.10 m/s"}),
+        ((40, 2), {"0.00, right 0.40, up 0.10 m/s 0°/s"}),
+    ],
+)
+def test_speed_says_motion_to_the_side_and_up_where_the_robot_has_it(
+    made, draw, size, lines
+) -> None:
+    speeds = made.received(made.navigation(sway=-0.4, heave=0.1))
+    wheeled = made.robot(navigation=speeds)
+    motion = Motion(freedom=Freedom.HEAVE, limit=0.3, acceleration=1.0)
+    body = made.received(dataclasses.replace(CAR, motions=(motion,)))
+    floating = wheeled.with_(messages={**wheeled.messages, ROBOT_DESCRIPTION.name: body})
+    text = " ".join(" ".join(words(draw("visualizeSpeed", floating, size))).split())
+    assert all(line in text for line in lines), text
+    on_wheels = wheeled.with_(
+        messages={**wheeled.messages, ROBOT_DESCRIPTION.name: described("wheels")}
+    )
+    assert "0.40" not in " ".join(words(draw("visualizeSpeed", on_wheels, size)))
 
 
 def test_speed_runs_right_when_ahead_and_turns_to_where_the_robot_turns(shown) -> None:
@@ -129,7 +156,7 @@ def test_speed_beyond_the_bar_is_marked_at_its_end(shown, linear, mark) -> None:
 def test_speed_that_is_not_known_is_a_question_mark_without_a_bar(shown) -> None:
     canvas = shown("visualizeSpeed", (40, 8), linear=math.nan, angular=math.inf)
     assert words(canvas)[0].startswith("speed")
-    assert "? of 0.00 m/s" in words(canvas)[0]
+    assert "? m/s, command 0.00" in words(canvas)[0]
     assert not accent(canvas, 1)
     assert not accent(canvas, 3)
 
