@@ -133,6 +133,8 @@ def _values(widget: WidgetSpec, event: EventSpec, rule: HandlerRule) -> dict[str
             values[name] = str(value) or own
         elif isinstance(option, ChoiceOption):
             values[name] = option.words.get(str(value), str(value))
+        elif isinstance(option, TextOption):
+            values[name] = str(value) or option.unnamed
         else:
             values[name] = _shown(value, option)
     return values

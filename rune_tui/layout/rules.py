@@ -139,12 +139,14 @@ class TextOption:
         longest: How many characters are allowed.
         names: What of the layout it names, or that it names a field of the message that is drawn;
             empty if it may be any words.
+        unnamed: An empty value in words, for the help.
         meaning: Its meaning, for the reference.
     """
 
     default: str = ""
     longest: int = 200
     names: Literal["", "robot", "viewport", "joystick", "field"] = ""
+    unnamed: str = ""
     meaning: str
 
     @property

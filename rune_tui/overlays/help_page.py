@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
+from typing import Final
 
 from hub.values import dataclass
 from rune_tui.layout.actions import Action
@@ -14,6 +15,8 @@ from rune_tui.model.own_keys import OwnKey
 from rune_tui.visualizers.parts.severity import Severity
 
 _SECTIONS = list(Section)
+_SHIFTED: Final = {"!": "Shift+1 (!)", '@, "': 'Shift+2 (@ ")', "#, £, §": "Shift+3 (# £ §)"}
+"""Digits with Shift, by the characters that they are on keyboards of several countries."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,6 +48,7 @@ class _Entry:
 def help_lines(
     actions: Sequence[Action],
     own: Iterable[OwnKey],
+    robots: frozenset[str],
     *,
     search: str,
     left: int,
@@ -55,6 +59,7 @@ def help_lines(
     Args:
         actions: Actions of the layout's inputs.
         own: The console's keys that the layout does not bind.
+        robots: Names of all robots of the layout.
         search: Text that an entry must contain.
         left: Width of the column of inputs [cells].
         right: Width of the column of actions [cells].
@@ -62,7 +67,7 @@ def help_lines(
     wanted = search.casefold()
     entries = [
         entry
-        for entry in (*_of_layout(actions), *_of_console(own))
+        for entry in (*_of_layout(actions, robots), *_of_console(own))
         if wanted in f"{entry.section.value} {entry.robot} {entry.inputs} {entry.words}".casefold()
     ]
     entries.sort(key=lambda entry: (_SECTIONS.index(entry.section), entry.robot, not entry.safe))
@@ -78,16 +83,34 @@ def help_lines(
                 )
 
 
-def _of_layout(actions: Sequence[Action]) -> Iterator[_Entry]:
+def _of_layout(actions: Sequence[Action], robots: frozenset[str]) -> Iterator[_Entry]:
     several = len({action.robot for action in actions if action.robot}) > 1
+    merged: dict[tuple[Section, str, str, bool], list[str]] = {}
     for action in actions:
+        for said in action.inputs:
+            robot = robot_words(action.robot) if several and action.robot else ""
+            words = action.words
+            alike = {each.robot for each in actions if _is_alike(each, action, said)}
+            if len(alike) > 1:
+                named = "all robots" if alike >= robots else ", ".join(sorted(alike))
+                robot, words = "", f"{words}: {named}"
+            inputs = merged.setdefault((action.section, robot, words, action.safe), [])
+            inputs += [said] if said not in inputs else []
+    for (section, robot, words, safe), inputs in merged.items():
+        said = ", ".join(inputs)
         yield _Entry(
-            section=action.section,
-            robot=robot_words(action.robot) if several and action.robot else "",
-            inputs=", ".join(action.inputs),
-            words=action.words,
-            safe=action.safe,
+            section=section,
+            robot=robot,
+            inputs=_SHIFTED.get(said, said),
+            words=words,
+            safe=safe,
         )
+
+
+def _is_alike(one: Action, other: Action, said: str) -> bool:
+    """Whether an input means the same for two named robots."""
+    named = {one.robot, other.robot}.isdisjoint({"", CHOSEN})
+    return named and said in one.inputs and (one.section, one.words) == (other.section, other.words)
 
 
 def _of_console(own: Iterable[OwnKey]) -> Iterator[_Entry]:

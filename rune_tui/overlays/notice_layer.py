@@ -6,6 +6,8 @@
 | a trouble of the console | the trouble | its end |
 | a joystick that waits for the operator | the prompt | the operator's action |
 | a notice that neither the banner nor an event log shows | the notice | a few seconds later |
+
+While a page is open, they stand on its last row, which it leaves to them.
 """
 
 from __future__ import annotations
@@ -14,9 +16,11 @@ from rune_tui.compositor.blend import Layer
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.leaving import question
 from rune_tui.model.theme import Theme
+from rune_tui.overlays.page_layer import FOOT_ROWS
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.notice import write_notice
+from rune_tui.visualizers.parts.rows import cut
 from rune_tui.visualizers.words.troubles import REPORT_S
 
 _MOST_ROWS = 4
@@ -57,14 +61,14 @@ class NoticeLayer:
         Returns:
             Whether they changed.
         """
-        columns, rows = size[0], min(_MOST_ROWS, size[1])
+        columns, rows = size[0], min(FOOT_ROWS if state.paged else _MOST_ROWS, size[1])
         words = question(state.leaving) or state.trouble or _prompt(state)
         notice = None if words or logged else _recent_notice(state)
         if notice is not None:
             words = f"{state.title(notice.robot)}: " if notice.robot else ""
             words += notice.text
-            # The upper edge of a page names its keys.
-            top = max(0, page_rows - rows) if state.paged else top
+        if state.paged:  # a page leaves its last row to them
+            top, words = max(0, page_rows - rows), cut(words, columns - 2)
         asks = bool(state.leaving)
         seen = (columns, rows, top, zpos, state.theme.name, asks, words)
         look: tuple[object, ...] = seen if words else ()

@@ -24,6 +24,8 @@ _MOST_INPUTS = 26
 _HEAD_ROWS = 2
 """Rows of the page's head: its title and its keys [cells]."""
 _LEAST_WORDS = 8
+FOOT_ROWS = 1
+"""Rows at the end of a page that notices have for themselves [cells]."""
 _CLOSE = {True: "? or escape: close", False: "escape: close"}
 
 
@@ -37,6 +39,7 @@ class PageLayer:
     def __init__(self, layout: LayoutSpec) -> None:
         """Prepare the help of a layout."""
         self._actions = actions_of(layout)
+        self._robots = frozenset(robot.name for robot in layout.robots)
         widgets = [*layout.view.widgets]
         for viewport in layout.view.viewports:
             widgets += viewport.widgets
@@ -85,7 +88,7 @@ class PageLayer:
         where = f"{top + 1}-{top + len(shown)} of {len(lines)}" if lines else "nothing"
         canvas.text(max(10, columns - 1 - len(where)), 0, where, theme.soft)
         canvas.text(1, 1, _hint(state, columns - 2), theme.soft)
-        height = max(1, canvas.rows - _HEAD_ROWS)
+        height = _height(canvas.rows)
         left, right, _ = self._widths(columns, state)
         for number, line in enumerate(shown):
             column = 1 + number // height * (left + right + 2)
@@ -99,7 +102,7 @@ class PageLayer:
 
     def _room(self, columns: int, rows: int, state: ConsoleState) -> int:
         """Number of visible lines."""
-        return max(1, rows - _HEAD_ROWS) * self._widths(columns, state)[2]
+        return _height(rows) * self._widths(columns, state)[2]
 
     @staticmethod
     def _widths(columns: int, state: ConsoleState) -> tuple[int, int, int]:
@@ -112,8 +115,14 @@ class PageLayer:
         left, right, _ = self._widths(columns, state)
         search = state.page.search
         if state.help:
-            return [*help_lines(self._actions, self._own, search=search, left=left, right=right)]
+            known = self._actions, self._own, self._robots
+            return [*help_lines(*known, search=search, left=left, right=right)]
         return [*log_lines(state, search=search, right=right)]
+
+
+def _height(rows: int) -> int:
+    """Rows of a page for its lines [cells]."""
+    return max(1, rows - _HEAD_ROWS - FOOT_ROWS)
 
 
 def _hint(state: ConsoleState, columns: int) -> str:

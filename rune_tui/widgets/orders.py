@@ -20,6 +20,7 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify, SendEffect
+from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.pointing import PointedWidget
@@ -59,6 +60,8 @@ class GoTo(PointedWidget):
         self, place: WorldPoint, _event: ControlEvent, robot: RobotState, state: ConsoleState
     ) -> tuple[Effect, ...]:
         """The goal, with any heading."""
+        if why := why_unsupported(robot, GOAL_COMMAND.name, lasting=True):
+            return (Notify.now(state, f"not sent there: {why}", robot=robot.name, alarm=True),)
         goal = GoalCommand(
             points=(Point(x=place.x, y=place.y),),
             linear_limit=self.spec.options.number("linear") or math.nan,
@@ -96,6 +99,8 @@ class Autonomy(OrderWidget):
     def order(self, robot: RobotState, state: ConsoleState) -> tuple[Effect, ...]:
         """The order."""
         order = self.spec.options.word("order")
+        if why := why_unsupported(robot, AUTONOMY_COMMAND.name, lasting=True):
+            return (Notify.now(state, f"no order {order}: {why}", robot=robot.name, alarm=True),)
         command = AutonomyCommand(behaviour=_ORDERS[order])
         send = SendEffect(robot=robot.name, definition=AUTONOMY_COMMAND, value=command)
         return (send, Notify.now(state, f"the order is: {order}", robot=robot.name))

@@ -95,7 +95,11 @@ class ChooseCameraWidget(OrderWidget):
         says={"": "Camera: {camera}"},
         meaning="Shows another camera of the robot in viewports with the camera `*`.",
         options={
-            "camera": TextOption(longest=100, meaning="name of the camera; empty: the next one")
+            "camera": TextOption(
+                longest=100,
+                unnamed="the next one",
+                meaning="name of the camera; empty: the next one",
+            )
         },
         uses=(ROBOT_DESCRIPTION.name,),
     )

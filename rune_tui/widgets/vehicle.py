@@ -187,7 +187,9 @@ class JointWidget(PressWidget):
         ),
         options={
             "joint": TextOption(
-                default="", longest=64, meaning="name of the joint; empty: the first one"
+                longest=64,
+                unnamed="the first joint",
+                meaning="name of the joint; empty: the first one",
             ),
             "share": NumberOption(
                 default=1.0, least=0.05, most=1.0, meaning="share of its largest turn rate"

@@ -24,6 +24,7 @@ from tests.support.cases import for_each
 
 LAYOUTS = Path(__file__).parents[3] / "layouts"
 SEARCH = open_layout(LAYOUTS / "search.xml")
+TEAM = open_layout(LAYOUTS / "land-sea-air.xml")
 TWO = open_layout(LAYOUTS / "two-robots.xml")
 HELPED = ConsoleState(now=0.0, help=True)
 
@@ -54,6 +55,13 @@ def test_the_help_begins_with_the_stop_and_how_to_drive():
         " down",
         " A, left, pad left stick    Turn left",
     ]
+
+
+def test_a_key_that_does_the_same_to_all_robots_has_one_row_and_no_word_is_missing():
+    rows = [" ".join(row.split()) for row in whole(HELPED, layout=TEAM)]
+    assert "0, pad X Stop: all robots" in rows
+    assert rows[rows.index("Stop and drive: blimp") + 1] == 'Shift+2 (@ ") Stop'
+    assert "V Camera: the next one" in rows
 
 
 def test_the_help_has_its_sections_in_order_and_the_keys_of_the_console():
@@ -119,10 +127,10 @@ def said(count: int) -> ConsoleState:
 
 def test_the_page_of_messages_has_all_of_them_the_newest_first():
     rows = page(said(60))
-    assert rows[0].split() == ["MESSAGES", "1-22", "of", "60"]
+    assert rows[0].split() == ["MESSAGES", "1-21", "of", "60"]
     assert rows[2].split() == ["12:00:59", "event", "59"]
-    end = dataclasses.replace(said(60), page=Page(top=38))
-    assert page(end)[-1].split() == ["12:00:00", "event", "0"]
+    end = dataclasses.replace(said(60), page=Page(top=39))
+    assert page(end)[-2].split() == ["12:00:00", "event", "0"]
     found = dataclasses.replace(said(60), page=Page(search="event 17"))
     assert [row.split() for row in page(found)[2:] if row] == [["12:00:17", "event", "17"]]
 
@@ -218,7 +226,11 @@ def test_what_happens_meanwhile_covers_no_hint_of_a_page(size: tuple[int, int]):
     told = (Notice(text="victim 3 is marked", when=STATE.now - 1.0),)
     rows, _ = at_size(*size, help=True, notices=told)
     assert "escape: close" in rows[1]
-    assert "victim 3 is marked" in "".join(rows[-4:])
+    plain, _ = at_size(*size, help=True)
+    changes = [pair for pair in zip(rows, plain, strict=True) if pair[0] != pair[1]]
+    ((row, before),) = changes
+    assert "victim 3 is marked" in row
+    assert not before.strip(), "a row of its own"
     rows, _ = at_size(*size, log=True, notices=told)
     assert sum("victim 3 is marked" in row for row in rows) == 1
 

@@ -181,6 +181,11 @@ def test_the_pane_says_name_time_marks_and_the_saved_map() -> None:
 @pytest.mark.parametrize(
     ("handler", "capability", "said"),
     [
+        (
+            "widgetAutonomy",
+            "AUT_PILOT",
+            "no order explore: it does not provide AUT_PILOT: why",
+        ),
         ("widgetMission", "PRO_POINTS", "no mission: it does not provide PRO_POINTS: why"),
         (
             "widgetToggleNightMode",
