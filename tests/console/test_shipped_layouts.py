@@ -218,3 +218,13 @@ def test_the_title_of_the_chosen_robot_is_marked(name: str, size: tuple[int, int
         assert question.robot == role
         for effect in dispatch.handle(ControlEvent(name="tab", pressed=True), state):
             state = changed(state, cast("StateEffect", effect))
+
+
+@pytest.mark.parametrize("name", ["demo", "search", "land-sea-air"])
+def test_f12_writes_the_screen_into_files(name: str) -> None:
+    keys = {
+        event.name: widget.handler
+        for widget in shipped(name).view.widgets
+        for event in widget.events
+    }
+    assert keys["f12"] == "widgetScreenshot"
