@@ -68,6 +68,8 @@ _KEYS = {
 }
 """The keys of motions that not every body has, and their controls."""
 _CENTRE, _THROW = 128, 127
+_READY = "STANDING", "HOLDS", "BRAKES", "DRIFTS"
+"""Words of the status line for a robot that follows the next command."""
 _TRIES = 5
 _PRELOAD = "LD_PRELOAD"
 _REPEAT_S = 0.033
@@ -373,7 +375,8 @@ class DrivenRobot:
         axes = [words[2] for words in shown if words[:1] and words[0].endswith(("x", "y"))]
         seen = self.pad is None or (axes and set(axes) <= {"+0.00", "-0.00"})
         text = self.console.text
-        return bool(seen and "STANDING" in text and "LET GO OF" not in text)
+        ready = any(word in text for word in _READY)
+        return bool(seen and ready and "LET GO OF" not in text)
 
     def _drives(self, row: Row) -> bool:
         return row.commanded and (row.speed > 0.1 or abs(row.yaw) > 0.2)
