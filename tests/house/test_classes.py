@@ -43,7 +43,7 @@ def classes() -> list[ClassFacts]:
             lines=(node.end_lineno or 0) - node.lineno + 1,
             absent=frozenset() if node.bases else _absent(node),
         )
-        for package in ("hub", "rune_tui")
+        for package in ("hub", "rune_study", "rune_tui")
         for path in (ROOT / package).rglob("*.py")
         for node in _classes_in(ast.parse(path.read_text()))
     ]

@@ -31,7 +31,7 @@ def test_code_blocks_of_a_page_are_closed(page: Path) -> None:
     assert not is_open
 
 
-HALVES = ("hub", "rune_tui", "tests", "benchmarks")
+HALVES = ("hub", "rune_study", "rune_tui", "tests", "benchmarks")
 FILES = [f"/{path.relative_to(ROOT)}" for half in HALVES for path in (ROOT / half).rglob("*.py")]
 OF_THE_HOUSE = [
     *sorted((ROOT / "docs" / "decisions").glob("*.md")),
@@ -66,7 +66,7 @@ def test_classes_that_a_page_names_exist(name: str) -> None:
 
 def test_no_class_name_stands_for_two_things() -> None:
     """One name, one thing, in each half."""
-    for half in ("hub", "rune_tui"):
+    for half in ("hub", "rune_study", "rune_tui"):
         names = [
             each
             for path in (ROOT / half).rglob("*.py")

@@ -8,7 +8,9 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-SOURCES = sorted(p for package in ("hub", "rune_tui") for p in (ROOT / package).rglob("*.py"))
+SOURCES = sorted(
+    p for package in ("hub", "rune_study", "rune_tui") for p in (ROOT / package).rglob("*.py")
+)
 MAX_LINES = 500
 VAGUE = {"util", "utils", "helper", "helpers", "misc", "core", "base", "types", "manager"}
 

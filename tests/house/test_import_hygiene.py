@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-CONSOLE_ONLY = {"textual", "rich", "lxml", "hid", "hidraw", "PIL", "rune_tui"}
+CONSOLE_ONLY = {"textual", "rich", "lxml", "hid", "hidraw", "PIL", "rune_study", "rune_tui"}
 ON_DEMAND = {"av"}
 
 

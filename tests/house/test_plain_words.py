@@ -66,7 +66,7 @@ NAMES_TO_AVOID = re.compile(
     r"|un(?:settled|taken|told)|vain|veil|whence"
 )
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
-ROOMS = ("hub", "rune_tui")
+ROOMS = ("hub", "rune_study", "rune_tui")
 """Rooms whose names, docstrings and comments are plain."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
 _END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")
