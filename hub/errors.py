@@ -24,6 +24,7 @@
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
     ├── UnknownKindError (LookupError)         a kind of robot that is not known, or not usable
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
+    ├── RecordingError (ValueError)            a recording that is damaged, or of a form not known
     ├── MapFileError (ValueError)              files of a map that cannot be written or read
     └── ModuleStartError (RuntimeError)        a module that could not be started
 
@@ -165,6 +166,10 @@ class UnknownKindError(HubError, LookupError):
 
 class MapFileError(HubError, ValueError):
     """Files of a map that cannot be written or read."""
+
+
+class RecordingError(HubError, ValueError):
+    """A recording, or a part of it, that cannot be read or written."""
 
 
 class MissionError(HubError, ValueError):

@@ -62,10 +62,12 @@ NAMES_TO_AVOID = re.compile(
     r"anew|bur(?:y|ied)|chores?|complaints?|deeds?|errands?|heeds?|hind(?:er|rances?)|lest|minds?"
     r"|moods?|somebody|strangers?|tell|tells|telling|told|weather|whose"
     r"|apology|bearers?|beat|dearer|everybodys|forg(?:ive|iven)|gravest|homeward|makings|mend"
-    r"|neglect(?:ed)?|sayable|saying|sendings|strays|tidy|troubled|un(?:asked|hurried|noted|said)"
+    r"|sayable|saying|sendings|strays|tidy|troubled|un(?:asked|hurried|noted|said)"
     r"|un(?:settled|taken|told)|vain|veil|whence"
 )
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
+FIELD_TERMS = {"tell"}
+"""Names that others gave: the method of a file."""
 ROOMS = ("hub", "rune_study", "rune_tui")
 """Rooms whose names, docstrings and comments are plain."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
@@ -217,7 +219,7 @@ def test_names_are_of_the_field(room: str) -> None:
         f"{path.relative_to(ROOT)}:{line}: {name}"
         for path in python_files(room)
         for line, name in written_in(path).names
-        if any(map(NAMES_TO_AVOID.fullmatch, words_of(name)))
+        if name not in FIELD_TERMS and any(map(NAMES_TO_AVOID.fullmatch, words_of(name)))
     ]
     assert found == []
 

@@ -1,0 +1,250 @@
+"""Reads recordings: the newest message of each topic at any time, and all messages in order.
+
+Damaged parts are left out; `faults` names them. An unfinished file, as after a crash, is read as
+far as its records are whole.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.errors import RecordingError
+from hub.recording.anchor import TimeAnchor
+from hub.recording.chunks import (
+    LoadedChunk,
+    LoggedMessage,
+    load,
+    message_at,
+)
+from hub.recording.order import ChannelChunks, WaitingMessages, by_channel
+from hub.recording.summary import AttachmentPlace, Summary, summary_of
+from hub.recording.topics import RecordedTopic
+from hub.recording.writer import ABOUT
+
+__all__ = ["AttachmentPlace", "LoggedMessage", "Recording"]
+
+_CACHE_BYTES = 64 * 1024 * 1024
+_MOST_FAULTS = 20
+
+
+class Recording:
+    """An MCAP file that is read; for one thread.
+
+    Attributes:
+        path: The file.
+        channels: Topics by number.
+        about: Metadata by name.
+        attachments: Files within it.
+        counts: Number of messages by channel, where the file says it.
+        finished: The file has its index.
+        faults: What is wrong with the file, in sentences.
+    """
+
+    def __init__(self, path: Path, handle: int, summary: Summary) -> None:
+        """Use `open`."""
+        self.path = path
+        self.channels: Mapping[int, RecordedTopic] = summary.topics
+        self.about: Mapping[str, Mapping[str, str]] = summary.about
+        self.attachments = tuple(summary.attachments)
+        self.counts: Mapping[int, int] = summary.counts
+        self.finished = summary.finished
+        self.faults = summary.faults
+        self._handle = handle
+        self._places = sorted(
+            (place for place in summary.chunks if place.start <= place.end),
+            key=lambda place: (place.start, place.offset),
+        )
+        self._starts = [place.start for place in self._places]
+        self._loaded: OrderedDict[int, LoadedChunk] = OrderedDict()
+        self._loaded_bytes = 0
+        self._damaged: set[int] = set()
+        self._of_channel: dict[int, ChannelChunks] | None = None
+
+    @classmethod
+    def open(cls, path: Path) -> Self:
+        """Open a file.
+
+        Raises:
+            RecordingError: It cannot be read, or is no recording.
+        """
+        try:
+            handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        except OSError as error:
+            text = f"{path} cannot be read: {error.strerror}"
+            raise RecordingError(text) from error
+        try:
+            return cls(path, handle, summary_of(handle))
+        except BaseException as error:
+            os.close(handle)
+            if isinstance(error, OSError | RecordingError):
+                reason = getattr(error, "strerror", None) or error
+                text = f"{path} cannot be read: {reason}"
+                raise RecordingError(text) from error
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; once."""
+        os.close(self._handle)
+
+    @property
+    def start(self) -> int:
+        """Stamp of the first message [ns]; 0 without messages."""
+        return self._starts[0] if self._starts else 0
+
+    @property
+    def end(self) -> int:
+        """Stamp of the last message [ns]; 0 without messages."""
+        return max((place.end for place in self._places), default=0)
+
+    @property
+    def anchor(self) -> TimeAnchor | None:
+        """The clock of the writer; None: the file does not say it."""
+        about = self.about.get(ABOUT, {})
+        try:
+            return TimeAnchor(int(about["wall_ns"]), float(about["monotonic"]))
+        except (KeyError, ValueError):
+            return None
+
+    def attachment(self, place: AttachmentPlace) -> bytes:
+        """The content of a file within the recording."""
+        head = 9 + 16 + 4 + len(place.name.encode()) + 4 + len(place.media_type.encode()) + 8
+        return os.pread(self._handle, place.size, place.offset + head)
+
+    def newest(
+        self, stamp: int, channels: AbstractSet[int] | None = None
+    ) -> dict[int, LoggedMessage]:
+        """The last message of each channel at or before a time.
+
+        Args:
+            stamp: The time [ns].
+            channels: Which channels; default all.
+        """
+        found = {}
+        for channel, chunks in self._chunks_of_channels().items():
+            if channels is None or channel in channels:
+                message = self._newest(channel, chunks, stamp)
+                if message is not None:
+                    found[channel] = message
+        return found
+
+    def messages(
+        self,
+        start: int | None = None,
+        end: int | None = None,
+        channels: AbstractSet[int] | None = None,
+        *,
+        reverse: bool = False,
+    ) -> Iterator[LoggedMessage]:
+        """All messages by stamp; equal stamps by their place in the file.
+
+        Args:
+            start: The first stamp [ns]; default the first of all.
+            end: The last stamp [ns]; default the last of all.
+            channels: Which channels; default all.
+            reverse: The last message first.
+        """
+        first = self.start if start is None else start
+        last = self.end if end is None else end
+        wanted = None if channels is None else np.array(sorted(channels), np.uint16)
+        waiting = WaitingMessages(reverse=reverse)
+        places = [
+            number
+            for number, place in enumerate(self._places)
+            if place.end >= first and place.start <= last
+        ]
+        if reverse:
+            places.sort(key=lambda number: (-self._places[number].end, -number))
+        for number in places:
+            place = self._places[number]
+            yield from self._read_all(waiting.before(place.end if reverse else place.start))
+            chunk = self._load(number)
+            if chunk is not None:
+                stamps = chunk.stamps
+                keep = (stamps >= first) & (stamps <= last)
+                if wanted is not None:
+                    keep &= np.isin(chunk.channels, wanted)
+                waiting.add(number, place.offset, chunk, np.flatnonzero(keep))
+        yield from self._read_all(waiting.rest())
+
+    def _read_all(self, entries: Iterator[tuple[int, int]]) -> Iterator[LoggedMessage]:
+        for number, index in entries:
+            chunk = self._load(number)
+            if chunk is not None:
+                try:
+                    yield message_at(chunk, index)
+                except RecordingError as error:
+                    self._report(number, error)
+
+    def _newest(self, channel: int, chunks: ChannelChunks, stamp: int) -> LoggedMessage | None:
+        best: tuple[int, int, LoadedChunk, int] | None = None  # stamp, offset, chunk, index
+        for at in range(int(np.searchsorted(chunks.starts, stamp, "right")) - 1, -1, -1):
+            if best is not None and chunks.ends_before[at] < best[0]:
+                break
+            number = int(chunks.numbers[at])
+            chunk = self._load(number)
+            if chunk is None:
+                continue
+            ours = np.flatnonzero((chunk.channels == channel) & (chunk.stamps <= stamp))
+            if ours.size:
+                index = int(ours[-1])
+                key = int(chunk.stamps[index]), self._places[number].offset
+                if best is None or key > best[:2]:
+                    best = (*key, chunk, index)
+        return message_at(best[2], best[3]) if best is not None else None
+
+    def _load(self, number: int) -> LoadedChunk | None:
+        """A part of the file; None: it is damaged."""
+        if number in self._loaded:
+            self._loaded.move_to_end(number)
+            return self._loaded[number]
+        if number in self._damaged:
+            return None
+        place = self._places[number]
+        try:
+            raw = os.pread(self._handle, place.length + place.index_length, place.offset)
+            chunk = load(raw, place)
+        except (RecordingError, OSError) as error:
+            self._report(number, error)
+            return None
+        self._loaded[number] = chunk
+        self._loaded_bytes += len(chunk.records)
+        while self._loaded_bytes > _CACHE_BYTES and len(self._loaded) > 1:
+            _, oldest = self._loaded.popitem(last=False)
+            self._loaded_bytes -= len(oldest.records)
+        return chunk
+
+    def _report(self, number: int, error: Exception) -> None:
+        self._damaged.add(number)
+        if len(self.faults) < _MOST_FAULTS:
+            self.faults.append(f"at byte {self._places[number].offset}: {error}")
+
+    def _chunks_of_channels(self) -> dict[int, ChannelChunks]:
+        """Which parts of the file have messages of a channel."""
+        if self._of_channel is None:
+            self._of_channel = by_channel(self._places, self._channels_in)
+        return self._of_channel
+
+    def _channels_in(self, number: int) -> npt.NDArray[np.uint16]:
+        """The channels of a part that has no indexes."""
+        chunk = self._load(number)
+        return np.unique(chunk.channels) if chunk is not None else np.zeros(0, np.uint16)
