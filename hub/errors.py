@@ -24,6 +24,7 @@
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
     ├── UnknownKindError (LookupError)         a kind of robot that is not known, or not usable
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
+    ├── LinkProfileError (ValueError)          a profile of a link with mistakes, all of them listed
     ├── RecordingError (ValueError)            a recording that is damaged, or of a form not known
     ├── MapFileError (ValueError)              files of a map that cannot be written or read
     └── ModuleStartError (RuntimeError)        a module that could not be started
@@ -158,6 +159,10 @@ class ArenaError(_FileError):
 
 class RobotFileError(_FileError):
     """A robot file with mistakes, all of them listed in `problems`."""
+
+
+class LinkProfileError(_FileError):
+    """A profile of a link with mistakes, all of them listed in `problems`."""
 
 
 class UnknownKindError(HubError, LookupError):
