@@ -57,6 +57,8 @@ class _Reader(Generator):
         }
         head = len(self.lines)
         result = self.read(self.root)
+        if any("left -=" in line for line in self.lines):
+            self.lines.insert(head, f"    left = {formats.MAX_ITEMS}")
         self.flush()
         if not self.opened:
             check = (
@@ -190,6 +192,9 @@ class _Reader(Generator):
             self.read_numbers(element, local, count, dimensions)
             return local
         self.go_dynamic()
+        self.emit(f"left -= {count}")
+        self.emit("if left < 0:")
+        self.emit(f"    refuse('more than {formats.MAX_ITEMS} texts, structs and sequences')")
         self.emit(f"{local} = []")
         with self.block(f"for _ in range({count}):"):
             item = self.read(element)

@@ -29,6 +29,8 @@ MAX_ELEMENTS = 1 << 24
 MAX_DIMENSIONS = 8
 MAX_NODES = 10_000
 """Most nodes of one linked list in a message."""
+MAX_ITEMS = 1 << 20
+"""Most elements of arrays in a message that are no numbers; each takes far more memory there."""
 
 INTEGERS = ("byte", "ubyte", "char", "short", "ushort", "int", "uint", "long", "ulong")
 PRIMITIVES = (*INTEGERS, "float", "double", "boolean", "string")
