@@ -1,0 +1,1 @@
+"""Operators that are models, whose interaction time and neglect tolerance are known."""
