@@ -1,0 +1,291 @@
+"""Opens what can be replayed: an MCAP file, a .db3 file of rosbag2, or a folder of either.
+
+| in a folder | is |
+| --- | --- |
+| `*.mcap`, `*.db3` | a split |
+| `*.mcap.zstd`, `*.db3.zstd` | a split that is packed as a whole: it is unpacked beside the log |
+| `metadata.yaml` | read only to say which splits are missing: the splits have all facts |
+
+A message that rosbag2 packed alone is unpacked when it is read.
+"""
+
+from __future__ import annotations
+
+import heapq
+import re
+import shutil
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Self
+
+import zstandard
+
+from hub.errors import RecordingError
+from hub.recording.anchor import TimeAnchor
+from hub.recording.chunks import LoggedMessage
+from hub.recording.reader import AttachmentPlace, Recording
+from hub.recording.ros.sqlite_bag import MAGIC, SqliteBag
+from hub.recording.topics import RecordedTopic
+
+METADATA: Final = "metadata.yaml"
+_ZSTD: Final = b"\x28\xb5\x2f\xfd"
+_MOST_SPLITS: Final = 10_000
+_MOST_METADATA: Final = 1 << 24
+LEAST_FREE: Final = 1 << 30
+"""What unpacking leaves free on the disk [bytes]."""
+_MOST_MESSAGE: Final = 1 << 28
+"""Longest unpacked message [bytes]."""
+_LISTED = re.compile(r"relative_file_paths:[ ]*\n((?:[ ]*-[^\n]*\n?)+)")
+
+
+class Bag:
+    """A file or a folder of splits; the attributes and methods are those of `Recording`.
+
+    Equal topics of several splits are one channel.
+
+    Attributes:
+        path: The file or folder.
+        channels: Topics by number.
+        counts: Number of messages by channel, where the files say it.
+        faults: What cannot be read, in sentences.
+    """
+
+    def __init__(
+        self, path: Path, splits: Sequence[Recording | SqliteBag], faults: list[str]
+    ) -> None:
+        """Use `open`."""
+        self.path = path
+        self._faults = faults
+        self._splits = sorted(splits, key=lambda split: (split.start, str(split.path)))
+        numbers: dict[tuple[str, str, str, str, bytes], int] = {}
+        self.channels: dict[int, RecordedTopic] = {}
+        counts: Counter[int] = Counter()
+        self.counts: Mapping[int, int] = counts
+        self._numbers: list[dict[int, int]] = []
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        for split in self._splits:
+            own: dict[int, int] = {}
+            for channel, topic in split.channels.items():
+                key = (
+                    *(topic.name, topic.schema_name, topic.encoding, topic.schema_encoding),
+                    topic.schema,
+                )
+                own[channel] = numbers.setdefault(key, len(numbers) + 1)
+                self.channels.setdefault(own[channel], topic)
+                if channel in split.counts:
+                    counts[own[channel]] += split.counts[channel]
+            self._numbers.append(own)
+
+    @classmethod
+    def open(cls, path: Path) -> Self:
+        """Open a file or folder; a folder with one good split is open, `faults` has the others.
+
+        Raises:
+            RecordingError: Nothing of it can be read.
+        """
+        if not path.exists():
+            text = f"{path} does not exist"
+            raise RecordingError(text)
+        folder = None
+        if not path.is_dir():
+            if path.suffix != ".zstd":
+                return cls(path, [_opened(path)], [])
+            files, faults = [path], list[str]()
+        else:
+            files, faults = _files(path)
+        splits: list[Recording | SqliteBag] = []
+        for file in files:
+            try:
+                plain = file
+                if file.suffix == ".zstd":
+                    folder = folder or tempfile.TemporaryDirectory(prefix="rune-bag-")
+                    plain = _unpacked_file(file, Path(folder.name))
+                splits.append(_opened(plain))
+            except RecordingError as error:
+                faults.append(str(error))
+        if not splits:
+            if folder is not None:
+                folder.cleanup()
+            reason = "; ".join(faults[:3]) or "there is no .mcap or .db3 file in it"
+            text = f"{path} cannot be read: {reason}"
+            raise RecordingError(text)
+        made = cls(path, splits, faults)
+        made._folder = folder
+        return made
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close all files."""
+        for split in self._splits:
+            split.close()
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    @property
+    def start(self) -> int:
+        """Stamp of the first message [ns]; 0 without messages."""
+        return min((split.start for split in self._splits if split.end), default=0)
+
+    @property
+    def end(self) -> int:
+        """Stamp of the last message [ns]; 0 without messages."""
+        return max(split.end for split in self._splits)
+
+    @property
+    def faults(self) -> list[str]:
+        """What cannot be read, in sentences."""
+        return [*self._faults, *(each for split in self._splits for each in split.faults)]
+
+    @property
+    def anchor(self) -> TimeAnchor | None:
+        """The clock of the writer of the first split; None: the file does not say it."""
+        return self._splits[0].anchor
+
+    @property
+    def about(self) -> Mapping[str, Mapping[str, str]]:
+        """Metadata by name; that of earlier splits counts."""
+        found: dict[str, Mapping[str, str]] = {}
+        for split in reversed(self._splits):
+            found |= split.about
+        return found
+
+    @property
+    def attachments(self) -> tuple[AttachmentPlace, ...]:
+        """Files within the first split."""
+        return self._splits[0].attachments
+
+    def newest(
+        self, stamp: int, channels: AbstractSet[int] | None = None
+    ) -> dict[int, LoggedMessage]:
+        """The last message of each channel at or before a time [ns]; see `Recording.newest`."""
+        found: dict[int, LoggedMessage] = {}
+        left = set(self.channels) if channels is None else set(channels)
+        order = sorted(range(len(self._splits)), key=lambda at: -self._splits[at].end)
+        for at in order:
+            split, numbers = self._splits[at], self._numbers[at]
+            # Neither this split nor those that end before it have newer ones.
+            left -= {number for number, each in found.items() if each.stamp >= split.end}
+            own = {channel for channel, number in numbers.items() if number in left}
+            if split.start > stamp or not own:
+                continue
+            for channel, message in split.newest(stamp, own).items():
+                number = numbers[channel]
+                if number not in found or found[number].stamp < message.stamp:
+                    found[number] = _unpacked(message)._replace(channel=number)
+        return found
+
+    def messages(
+        self,
+        start: int | None = None,
+        end: int | None = None,
+        channels: AbstractSet[int] | None = None,
+        *,
+        reverse: bool = False,
+    ) -> Iterator[LoggedMessage]:
+        """All messages by stamp; see `Recording.messages`."""
+        first = self.start if start is None else start
+        last = self.end if end is None else end
+
+        def of(split: Recording | SqliteBag, numbers: Mapping[int, int]) -> Iterator[LoggedMessage]:
+            own = None
+            if channels is not None:
+                own = {channel for channel, number in numbers.items() if number in channels}
+            for message in split.messages(first, last, own, reverse=reverse):
+                if message.channel in numbers:
+                    yield _unpacked(message)._replace(channel=numbers[message.channel])
+
+        parts = [
+            of(split, numbers)
+            for split, numbers in zip(self._splits, self._numbers, strict=True)
+            if split.start <= last and split.end >= first
+        ]
+        return heapq.merge(*parts, key=lambda message: message.stamp, reverse=reverse)
+
+
+def _files(folder: Path) -> tuple[list[Path], list[str]]:
+    """The splits in a folder, and which ones are missing, in sentences."""
+    try:
+        names = sorted(each.name for each in folder.iterdir())
+        metadata = folder / METADATA
+        text = ""
+        if metadata.is_file():
+            with metadata.open("rb") as file:
+                text = file.read(_MOST_METADATA).decode("utf-8", "replace")
+    except OSError as error:
+        text = f"{folder} cannot be read: {error.strerror}"
+        raise RecordingError(text) from error
+    endings = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
+    packed = {name.removesuffix(".zstd") for name in names}
+    # A split that was unpacked beside its packed file counts once.
+    found = [
+        folder / name
+        for name in names
+        if name.endswith(endings) and not (name.endswith(".zstd") and name[:-5] in names)
+    ][:_MOST_SPLITS]
+    listed = _LISTED.search(text.replace("\r\n", "\n"))
+    lines = listed[1].splitlines() if listed else []
+    wanted = [line.strip().removeprefix("-").strip().strip("\"'") for line in lines]
+    missing = [name for name in wanted if Path(name).name.removesuffix(".zstd") not in packed]
+    return found, [f"{METADATA} names {name[:80]}, which is missing" for name in missing]
+
+
+def _opened(path: Path) -> Recording | SqliteBag:
+    try:
+        with path.open("rb") as file:
+            head = file.read(len(MAGIC))
+    except OSError as error:
+        text = f"{path} cannot be read: {error.strerror}"
+        raise RecordingError(text) from error
+    return SqliteBag.open(path) if head == MAGIC else Recording.open(path)
+
+
+def _unpacked_file(path: Path, folder: Path) -> Path:
+    """A copy of a packed file, unpacked.
+
+    Raises:
+        RecordingError: It is damaged, or the disk lacks the room.
+    """
+    copy = folder / path.name.removesuffix(".zstd")
+    room = shutil.disk_usage(folder).free - LEAST_FREE
+    try:
+        with path.open("rb") as packed, copy.open("wb") as out:
+            for block in zstandard.ZstdDecompressor().read_to_iter(packed, write_size=1 << 20):
+                room -= len(block)
+                if room < 0:
+                    text = f"{path} is not unpacked: {folder} has no room for it"
+                    raise RecordingError(text)
+                out.write(block)
+    except zstandard.ZstdError as error:
+        # The part before the damage may be readable.
+        if not copy.stat().st_size:
+            text = f"{path} cannot be unpacked: {error}"
+            raise RecordingError(text) from error
+    except OSError as error:
+        text = f"{path} cannot be unpacked: {error.strerror}"
+        raise RecordingError(text) from error
+    return copy
+
+
+def _unpacked(message: LoggedMessage) -> LoggedMessage:
+    """The message as it was before rosbag2 packed it alone."""
+    if message.payload[:4] != _ZSTD:  # no payload of ROS 2 begins so
+        return message
+    try:
+        with zstandard.ZstdDecompressor().stream_reader(message.payload) as reader:
+            return message._replace(payload=reader.read(_MOST_MESSAGE))
+    except zstandard.ZstdError:
+        return message
