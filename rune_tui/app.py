@@ -30,7 +30,7 @@ from rune_tui.ui.frame_clock import FRAME_S, FrameClock
 from rune_tui.ui.input_events import InputEvents
 from rune_tui.ui.live_state import LiveState
 from rune_tui.ui.painter import Painter
-from rune_tui.ui.terminal import terminal_driver
+from rune_tui.ui.terminal import terminal_driver, terminal_record
 from rune_tui.ui.view_pane import ViewPane, ViewScreen
 
 _TICK_S = 0.05
@@ -91,8 +91,10 @@ class Console(CoveredApp, inherit_bindings=False):
             self, source, current, self.inputs, links, self._pane, self._state, self._leave
         )
         recorder = self.effects.file_writer.recorder
+        recorder.terminal = terminal_record(traits, painter.pixels_per_cell)
+        self.inputs.recorder = recorder
         self._live = LiveState(current, self.inputs, links, painter, recorder)
-        self._frames = FrameClock(current, self.inputs, links, painter, self._state)
+        self._frames = FrameClock(current, self.inputs, links, painter, self._state, recorder)
 
     @property
     def state(self) -> ConsoleState:
@@ -212,7 +214,7 @@ class Console(CoveredApp, inherit_bindings=False):
 
     def on_app_blur(self) -> None:
         """Release all inputs: without the focus, releases of keys do not arrive."""
-        self.inputs.release_all()
+        self.inputs.blur()
 
     async def action_quit(self) -> None:
         """Ctrl-C: close open screens and ask to end, as the quit key does; the second time, end."""

@@ -328,7 +328,10 @@ def _console(
     traits, answers, took, _ = _ask_terminal(options)
     gc.freeze()  # loaded modules stay: garbage collection skips them
     round_trip = took if answers.complete else 0.0
-    return Console(source, links, traits, round_trip, log.trouble).run_to_end()
+    console = Console(source, links, traits, round_trip, log.trouble)
+    if options.record is not None:
+        console.effects.record_into(options.record)
+    return console.run_to_end()
 
 
 def _terminal(options: argparse.Namespace) -> int:

@@ -70,11 +70,14 @@ class Dispatch:
 
     The caller executes the effects in order. When it ends or loses sight of the keys, it executes
     `released` too.
+
+    Attributes:
+        listeners: The widgets by their inputs.
     """
 
     def __init__(self, layout: LayoutSpec) -> None:
-        self._listeners = Listeners(layout)
-        self._widgets = self._listeners.widgets
+        self.listeners = Listeners(layout)
+        self._widgets = self.listeners.widgets
         self._buttons: set[str] = set()
         self._failed: set[int] = set()
         self._changes = ControlChanges()
@@ -87,20 +90,20 @@ class Dispatch:
 
     def waits_for(self, name: str) -> bool:
         """Whether the layout binds an input of this name."""
-        return name in self._listeners
+        return name in self.listeners
 
     def waits_for_hold(self, name: str) -> bool:
         """Whether a widget acts while an input of this name is held."""
-        return any(each.widget.rule.held for each in self._listeners.named(name))
+        return any(each.widget.rule.held for each in self.listeners.named(name))
 
     def stops(self, name: str) -> bool:
         """Whether an input of this name stops a robot."""
-        return bool(with_purpose(self._listeners.named(name), Purpose.STOP))
+        return bool(with_purpose(self.listeners.named(name), Purpose.STOP))
 
     def stopping(self, name: str, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of a key's stop widgets only."""
         event = ControlEvent(name=name, pressed=True)
-        stops = with_purpose(self._listeners.of(event), Purpose.STOP)
+        stops = with_purpose(self.listeners.of(event), Purpose.STOP)
         return (*self.look(state), *self._run_widgets(event, stops, state))
 
     def handle(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
@@ -118,7 +121,7 @@ class Dispatch:
 
     def _handled(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         fresh = event.pressed and not event.repeat
-        listeners = self._listeners.of(event)
+        listeners = self.listeners.of(event)
         if event.must_release_first:
             listeners = [each for each in listeners if not each.widget.rule.held]
         elif event.proven:
@@ -130,7 +133,7 @@ class Dispatch:
             return self._answered(event, listeners, state)
         if state.paged:
             return self._paged(event, listeners, state)
-        if fresh and event.name not in self._listeners:
+        if fresh and event.name not in self.listeners:
             own = own_key(event.name)
             return () if own is None else (own.effect,)
         if state.peeked:
@@ -156,7 +159,7 @@ class Dispatch:
             page = turned(state.page, event.name, state.rows)
         if page != state.page:
             return (TurnPage(page=page), *stopping)
-        own = None if event.name in self._listeners else own_key(event.name)
+        own = None if event.name in self.listeners else own_key(event.name)
         close = ToggleHelp() if state.help else ToggleLog()
         if own is not None and not event.repeat and (own.under_page or own.ends_page):
             return (close, own.effect) if own.ends_page else (own.effect,)
@@ -200,7 +203,7 @@ class Dispatch:
 
     def _stale(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of a key that may be old: only stop, help and quit work."""
-        waiting = self._listeners.named(event.name)
+        waiting = self.listeners.named(event.name)
         safe = [each for each in waiting if each.widget.rule.under_help]
         if safe:
             return self._run_widgets(event, safe, state)
@@ -211,7 +214,7 @@ class Dispatch:
     def act(self, action: Action, state: ConsoleState) -> tuple[Effect, ...]:
         """Effects of an action chosen from the list: a press and release of its first input."""
         spec = action.event
-        chosen = [each for each in self._listeners.named(spec.name) if each.spec is spec]
+        chosen = [each for each in self.listeners.named(spec.name) if each.spec is spec]
         # No finger is on it, so a time limit ends it.
         press, release = (
             ControlEvent(name=spec.name, pressed=down, timed=True) for down in (True, False)
@@ -274,7 +277,7 @@ class Dispatch:
 
     def _stop(self, robot: str, state: ConsoleState) -> list[Effect]:
         """Release what drives a robot; its keys must go up before they drive again."""
-        keys = frozenset(self._listeners.holding(lambda each: commanded(each, state) == robot))
+        keys = frozenset(self.listeners.holding(lambda each: commanded(each, state) == robot))
         return [*self._release(robot, state), ReleaseFirst(keys=keys)]
 
     def _end_driving(self, state: ConsoleState) -> Iterator[Effect]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import dataclasses
 import logging
 import math
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from typing import Final, cast
 
 from hub.values import dataclass
@@ -39,6 +39,30 @@ _ROBOT: Final = "{robot}"
 """Stands for the robot's name in a title."""
 
 
+class DrawTimes:
+    """Processor time of drawings.
+
+    Attributes:
+        slow: Times of the newest frame's drawings that took more than `SLOW_S` [s], by viewport.
+        given: Times that count instead of measured ones, where a frame is drawn again.
+    """
+
+    def __init__(self, spent: Callable[[], float]) -> None:
+        """Measure with a clock, the processor time of this thread [s]."""
+        self.spent = spent
+        self.slow: dict[str, float] = {}
+        self.given: Mapping[str, float] | None = None
+
+    def since(self, began: float, viewport: str) -> float:
+        """Time of a viewport's drawing [s]."""
+        took = self.spent() - began
+        if self.given is not None:
+            took = self.given.get(viewport, 0.0)
+        if took > SLOW_S:
+            self.slow[viewport] = took
+        return took
+
+
 @dataclass(slots=True, kw_only=True)
 class DrawnViewport:
     """A viewport, its visualizer, and the last drawing."""
@@ -48,7 +72,7 @@ class DrawnViewport:
     how: PlaceSpec
     place: Area
     head: Area | None
-    spent: Callable[[], float]
+    times: DrawTimes
     scale: tuple[int, int] = (1, 1)
     paused_until: float = -math.inf
     layer: Layer | None = None
@@ -73,7 +97,7 @@ class DrawnViewport:
         robot = self.robot(state)
         if robot is None or (self._drew(robot) and state.now < self.paused_until):
             return False
-        began = self.spent()
+        began = self.times.spent()
         try:
             source = self.visualizer.source(robot, state)
             if self.layer is not None and source == self.source:
@@ -89,7 +113,7 @@ class DrawnViewport:
             source, over = object(), None
             canvas = Canvas.blank(self.place.width, self.place.height)
             write_notice(canvas, f"{function} failed; the log says why", state.theme)
-        self._pause_after(self.spent() - began, canvas, state)
+        self._pause_after(self.times.since(began, self.spec.name), canvas, state)
         self.source = source
         self.drawn_robot = robot
         self.layer = Layer(

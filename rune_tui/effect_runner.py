@@ -7,6 +7,7 @@ import dataclasses
 import time
 from collections.abc import Callable, Iterable
 from functools import partial
+from pathlib import Path
 
 from rune_tui.files.file_writer import FileWriter
 from rune_tui.files.user_files import Outcome, undelivered
@@ -130,6 +131,11 @@ class EffectRunner:
         self.ask_for_pictures()
         for link in gone:
             await asyncio.to_thread(link.close)
+
+    def record_into(self, folder: Path) -> None:
+        """Record from now on, into a file in a folder."""
+        self.file_writer.recorder.folder = folder
+        self.run((RecordEffect(),))
 
     def end_recording(self) -> None:
         """End a running recording; returns when its file is complete."""

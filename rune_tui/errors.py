@@ -8,7 +8,8 @@
     ├── PictureFileError (OSError)      `rune shot` cannot write its file
     ├── DeviceChoiceError (ValueError)  the chosen joystick is not plugged in
     ├── FontError (OSError)             a font that cannot be drawn with
-    └── DescriptorError (ValueError)    a device's report descriptor makes no sense
+    ├── DescriptorError (ValueError)    a device's report descriptor makes no sense
+    └── LogError (ValueError)           a recording that cannot be shown, or a part of it
 
 A lost hub, a lost joystick and a stale picture are drawn states, not errors.
 """
@@ -86,3 +87,7 @@ class FontError(ConsoleError, OSError):
 
 class DescriptorError(ConsoleError, ValueError):
     """A report descriptor that makes no sense, or is larger than any real device's."""
+
+
+class LogError(ConsoleError, ValueError):
+    """A recording that cannot be shown, or a part of it."""

@@ -15,7 +15,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.contrast import make_legible
 from rune_tui.compositor.seen_pictures import SeenPicture, seen_pictures
 from rune_tui.controls.events import Hit
-from rune_tui.drawn_viewport import DrawnViewport, is_shown
+from rune_tui.drawn_viewport import DrawnViewport, DrawTimes, is_shown
 from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
@@ -47,6 +47,8 @@ class View:
     Attributes:
         places: Viewports that have a place at this size, and whether each is shown at first.
         attention: The queue of problems in the newest picture.
+        arranged: How often the viewports were placed.
+        times: Processor time of drawings.
     """
 
     def __init__(
@@ -65,7 +67,8 @@ class View:
             pixels_per_cell: Pixels of pictures across and down a cell, as an `Output` shows them.
         """
         self._scale = pixels_per_cell[0], pixels_per_cell[1] // 2
-        self._spent = spent
+        self.times = DrawTimes(spent)
+        self.arranged = 0
         self._spec = layout.view
         self._vocabulary = layout.vocabulary
         self._choice = any(each.robot == CHOSEN for each in layout.view.viewports)
@@ -112,6 +115,7 @@ class View:
         self._columns = max(0, columns)
         self._rows = max(0, rows)
         self._complete = False
+        self.arranged += 1
         self.panes = []
         if self._too_small:
             return False
@@ -132,7 +136,7 @@ class View:
                     how=place.spec,
                     place=area,
                     head=head,
-                    spent=self._spent,
+                    times=self.times,
                     scale=self._scale,
                     markable=self._choice,
                 )
@@ -184,6 +188,7 @@ class View:
 
     def _rendered(self, state: ConsoleState) -> Cells | None:
         self._arrange(state)
+        self.times.slow = {}
         found = troubles_of_all(state)
         self.attention = self._queue.look(problems(found), state.seen, state.now)
         state = dataclasses.replace(state, banner=banner_of(state, found), attention=self.attention)
@@ -261,6 +266,11 @@ class View:
         ]
         vital = [each for each in shown if self._visualizer(each).rule.vital]
         return [each.name for each in sorted(vital, key=lambda each: each.robot != robot)]
+
+    @property
+    def columns(self) -> int:
+        """Width of the terminal [cells]."""
+        return self._columns
 
     @property
     def rows(self) -> int:

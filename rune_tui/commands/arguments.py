@@ -100,13 +100,7 @@ def parser() -> CommandParser:
     shot.add_argument("--offline", action="store_true", help="draw it even if no hub answers")
     terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
     terminal.add_argument("--json", action="store_true", help="in one line, for machines")
-    for command in (run, demo):
-        command.add_argument(
-            "--operator",
-            type=_name,
-            metavar="NAME",
-            help="your name as others read it, if not the login; a key's name is another",
-        )
+    _add_operator_and_record(run, demo)
     for command in (run, demo, shot, terminal):
         command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
     for command in (run, demo, terminal):
@@ -125,6 +119,22 @@ def parser() -> CommandParser:
             help="give a variable of the layout this value; as often as needed",
         )
     return parser
+
+
+def _add_operator_and_record(*commands: CommandParser) -> None:
+    for command in commands:
+        command.add_argument(
+            "--operator",
+            type=_name,
+            metavar="NAME",
+            help="your name as others read it, if not the login; a key's name is another",
+        )
+        command.add_argument(
+            "--record",
+            type=Path,
+            metavar="DIR",
+            help="record into a file in this folder from the start; `rune replay` shows it",
+        )
 
 
 def _add_robot_and_arena(*commands: CommandParser) -> None:

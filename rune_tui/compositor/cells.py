@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zlib
+
 import numpy as np
 import numpy.typing as npt
 
@@ -36,3 +38,11 @@ class Cells:
     def columns(self) -> int:
         """Width in cells."""
         return int(self.glyphs.shape[1])
+
+    @property
+    def checksum(self) -> int:
+        """CRC-32 of all that is shown."""
+        found = 0
+        for part in (self.pixels, self.glyphs, self.ink):
+            found = zlib.crc32(np.ascontiguousarray(part).data, found)
+        return found

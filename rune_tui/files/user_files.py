@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import datetime
+import importlib.metadata
 import logging
+import platform
 from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import platformdirs
 
+from hub.command_line import DISTRIBUTION
 from hub.gcm.mapping import INTEREST_POINTS
 from hub.ipc.definition import Keep
 from hub.values import dataclass
@@ -22,7 +25,7 @@ from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
 if TYPE_CHECKING:
-    from rune_tui.export.recording import Recording
+    from rune_tui.files.console_recording import ConsoleRecording
 
 _logger = logging.getLogger(__name__)
 
@@ -127,21 +130,34 @@ def write_calibrations(store: CalibrationStore) -> Outcome:
 
 
 def begin_recording(
-    layout: LayoutSpec, operator: str, now: datetime.datetime
-) -> tuple[Recording | None, Outcome]:
-    """Begin a recording in the user's documents folder; None, and the reason, if that fails."""
+    layout: LayoutSpec, operator: str, now: datetime.datetime, folder: Path | None = None
+) -> tuple[ConsoleRecording | None, Outcome]:
+    """Begin a recording; None, and the reason, if that fails.
+
+    Args:
+        layout: The open layout.
+        operator: The operator's name.
+        now: The time for the file's name.
+        folder: Its folder; None: in the user's documents.
+    """
     try:
-        from rune_tui.export.recording import Recording
+        from rune_tui.files.console_recording import ConsoleRecording
     except ModuleNotFoundError:
         text = "recording needs mcap; install it with pip install 'robot-user-nexus[record]'"
         return None, Outcome(text=text, alarm=True)
-    folder = platformdirs.user_documents_path() / _FOLDER
+    folder = folder or platformdirs.user_documents_path() / _FOLDER
     name = f"run{layout.run_number}-{now:%Y%m%d-%H%M%S}"
-    about = {"layout": layout.path, "run": str(layout.run_number), "operator": operator}
+    about = {
+        "layout": layout.path,
+        "run": str(layout.run_number),
+        "operator": operator,
+        "host": platform.node(),
+        "version": importlib.metadata.version(DISTRIBUTION),
+    }
     try:
         folder.mkdir(parents=True, exist_ok=True)
         path = _free(folder, name, ".mcap")
-        recording = Recording(path, about)
+        recording = ConsoleRecording(path, about)
     except OSError as error:
         return None, _not_written("the recording", error)
     return recording, Outcome(text=f"recording into {path}", routine=True)
@@ -154,15 +170,17 @@ def _free(folder: Path, name: str, suffix: str) -> Path:
     return next((path for path in paths if not path.exists()), paths[0])
 
 
-def end_recording(recording: Recording) -> Outcome:
+def end_recording(recording: ConsoleRecording) -> Outcome:
     """End a recording; returns the outcome."""
     recording.close()
-    text = f"{recording.count} messages are recorded in {recording.path}"
-    if recording.fault:
-        return Outcome(text=f"{text}; then it ended: {recording.fault}", alarm=True)
-    if recording.dropped:
-        text += f"; {recording.dropped} were left out, as the disk was too slow"
-    return Outcome(text=text, alarm=recording.dropped > 0, routine=True)
+    state = recording.state
+    text = f"{state.messages} messages are recorded in {recording.path}"
+    if state.fault:
+        return Outcome(text=f"{text}; then it ended: {state.fault}", alarm=True)
+    lost = sum(state.lost.values())
+    if lost:
+        text += f"; {lost} were left out, as the disk was too slow"
+    return Outcome(text=text, alarm=lost > 0, routine=True)
 
 
 def _not_written(what: str, error: OSError) -> Outcome:

@@ -87,7 +87,7 @@ def load_layout(
         _logger.warning("%s: %s", path, note)
     if builder.mistakes:
         raise _error(_traced(builder.mistakes, assembly.given), files)
-    return layout
+    return dataclasses.replace(layout, variables=tuple((variables or {}).items()))
 
 
 def _traced(mistakes: Iterable[Mistake], given: Mapping[Place, str]) -> list[Mistake]:

@@ -282,6 +282,7 @@ class LayoutSpec:
         view: The whole picture.
         files: The file itself, the parts that it includes, its extensions and its fonts.
         notes: Old spellings in it that still work, a sentence each.
+        variables: Names and values of variables that are not those of the file.
         vocabulary: All visualizers and widgets.
     """
 
@@ -292,6 +293,7 @@ class LayoutSpec:
     joysticks: tuple[JoystickSpec, ...] = ()
     files: tuple[Path, ...] = ()
     notes: tuple[str, ...] = ()
+    variables: tuple[tuple[str, str], ...] = ()
     vocabulary: Vocabulary = field(compare=False, repr=False)
 
     def robot(self, name: str) -> RobotSpec:

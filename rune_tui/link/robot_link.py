@@ -59,8 +59,8 @@ from rune_tui.model.vehicle import with_message
 _logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
-Tap = Callable[[MessageDefinition[Any], object, float], None]
-"""Gets a message, its value, and when it was measured [s]."""
+Tap = Callable[[MessageDefinition[Any], object, float, int], None]
+"""Gets a message, its value, when it was measured [s], and its received number; 0: it was sent."""
 
 _LISTEN_S = 0.2
 _REQUEST_CHECK_S = 0.01
@@ -116,7 +116,7 @@ class RobotLink:
         self._spec = spec
         self._numbers = self._owner = 0
         self._traffic, self._counted = Traffic(clock()), clock()
-        self._tap: Tap | None = None
+        self._tap: Tap = _no_tap
         self._faults: set[tuple[type, object]] = set()
         self._control: ControlLine | None = None
         self._mission: MissionLine | None = None
@@ -184,7 +184,7 @@ class RobotLink:
         """
         if self._state.link.may_send(definition.name):
             measured = self._clock()
-            self.record(definition, value, measured)
+            self._tap(definition, value, measured, 0)
             self._client.post(lambda: self._client.publish(definition, value, measured=measured))
 
     def control(self, action: ControlAction, *, by_driving: bool = False) -> None:
@@ -207,13 +207,7 @@ class RobotLink:
 
     def tap(self, tap: Tap | None) -> None:
         """Copy all messages, received and sent, to a tap; None: to none."""
-        self._tap = tap
-
-    def record(self, definition: MessageDefinition[Any], value: object, measured: float) -> None:
-        """Copy a message with its time of measurement [s] to the tap."""
-        tap = self._tap
-        if tap is not None:
-            tap(definition, value, measured)
+        self._tap = tap or _no_tap
 
     def want_pictures(self, needs: Needs, wish: PictureWish | None = None) -> None:
         """Ask for the pictures that these cameras need, of the operator's kind."""
@@ -252,8 +246,8 @@ class RobotLink:
         self._traffic.add()
         if self._too_soon(name, reception.measured):
             return
-        self.record(BY_NAME[name], value, reception.measured)
         received = self.received(value, reception)
+        self._tap(BY_NAME[name], value, received.measured, received.number)
         self._note_number()
         self._state = with_message(self._state, name, received, reception.publisher)
         if isinstance(value, CapabilityReports):
@@ -367,8 +361,8 @@ class RobotLink:
 
     def _take_picture(self, camera: str, image: vision.Image, reception: MessageInfo) -> int:
         self._traffic.add(image.data.size)
-        self.record(vision.IMAGE, image, reception.measured)
         received = self.received(picture_of(image, self._pictures.interval(camera)), reception)
+        self._tap(vision.IMAGE, image, received.measured, received.number)
         self._state = self._state.with_picture(camera, received)
         return received.number
 
@@ -378,6 +372,11 @@ class RobotLink:
 
     def _take_map(self, coded: mapping.Map, reception: MessageInfo) -> int:
         self._traffic.add(coded.data.size)
-        self.record(mapping.MAP, coded, reception.measured)
-        self._state = self._state.with_(map=self.received(OccupancyMap.of(coded), reception))
+        received = self.received(OccupancyMap.of(coded), reception)
+        self._tap(mapping.MAP, coded, received.measured, received.number)
+        self._state = self._state.with_(map=received)
         return 0
+
+
+def _no_tap(*_: object) -> None:
+    """Take a message that is not copied."""

@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable
 from typing import Final
 
+from rune_tui.files.frame_log import DrawnFrame
+from rune_tui.files.recorder import Recorder
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.ui.current_layout import CurrentLayout
@@ -28,6 +30,7 @@ class FrameClock:
         links: RobotLinks,
         painter: Painter,
         state: Callable[[], ConsoleState],
+        recorder: Recorder,
     ) -> None:
         """Prepare.
 
@@ -37,12 +40,14 @@ class FrameClock:
             links: Get notes about the pictures on the screen.
             painter: Writes the frames.
             state: Returns the console's state now.
+            recorder: Records the frames.
         """
         self._current = current
         self._inputs = inputs
         self._links = links
         self._painter = painter
         self._state = state
+        self._recorder = recorder
         self._drawing = False
 
     async def draw(self) -> None:
@@ -53,12 +58,23 @@ class FrameClock:
         if keyboard.needs_answers or self._current.dispatch.button_held:
             self._painter.ask(state.now, soon=keyboard.hurries)
         cells = view.render(state)
+        if self._recorder.path:
+            drawn = DrawnFrame(
+                columns=view.columns,
+                rows=view.rows,
+                arranged=view.arranged,
+                cells=cells,
+                slow=view.times.slow,
+            )
+            self._recorder.note_frame(state, drawn)
         self._drawing = cells is not None
         try:
             await asyncio.sleep(0)
         finally:
             self._drawing = False
-        self._painter.paint(state.now, cells, view.pictures, view.urgencies)
+        painter = self._painter
+        if painter.paint(state.now, cells, view.pictures, view.urgencies):
+            self._recorder.note_handed(state.now, answers=painter.answers)
         for name, robot in state.robots.items():
             for camera, picture in robot.all_pictures.items():
                 self._links[name].shown(picture.number, camera)
@@ -66,6 +82,9 @@ class FrameClock:
     async def answered(self, event: FrameAnswered) -> None:
         """Draw the next frame at once, as the terminal shows the last one."""
         waited = not self._painter.ready(event.when)
-        self._inputs.answered(event.when, self._painter.answered(event.when, event.report))
+        asked = self._painter.answered(event.when, event.report)
+        if asked is not None:
+            self._recorder.note_answered(asked, event.when)
+        self._inputs.answered(event.when, asked)
         if waited:
             await self.draw()

@@ -17,7 +17,7 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import Final
 
 from textual import events
@@ -30,6 +30,7 @@ from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.joystick_sources import Sources
 from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
 from rune_tui.controls.remote_pad.far_pads import FarPads
+from rune_tui.files.recorder import Recorder
 from rune_tui.layout.key_notes import unreported_keys
 from rune_tui.layout.names import MOUSE, WAY_OUT
 from rune_tui.model.console_state import ConsoleState
@@ -38,6 +39,7 @@ from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
 from rune_tui.ui.driver_reports import KeyMoved
+from rune_tui.ui.input_record import input_record
 from rune_tui.ui.painter import Painter
 from rune_tui.ui.waking import waker
 
@@ -53,6 +55,7 @@ class InputEvents:
     Attributes:
         keyboard: The held keys.
         joysticks: The joysticks of the open layout.
+        recorder: Records the inputs; None: nothing does.
     """
 
     def __init__(
@@ -84,6 +87,7 @@ class InputEvents:
             current.layout.joysticks, Sources(local_devices.reader(), pads), CalibrationStore()
         )
         self._pauses = OwnPauses(PAUSE_S, stale_s=STALE_S)
+        self.recorder: Recorder | None = None
         self._heard = 0.0
         self._focused = -math.inf
 
@@ -103,7 +107,8 @@ class InputEvents:
         now = self.time_now()
         key, fine = self._named(event.key, event.character)
         stale = self.is_stale(now)
-        self._handle(self.keyboard.press(key, now, read=event.time, fine=fine, stale=stale))
+        pressed = self.keyboard.press(key, now, read=event.time, fine=fine, stale=stale)
+        self._handle(pressed, event.time)
 
     def stop_key(self, event: events.Key) -> str:
         """The input name of a stop key; else empty."""
@@ -163,7 +168,7 @@ class InputEvents:
         hits = self._current.view.hits(int(event.screen_x), 2 * int(event.screen_y) + 1, state)
         stray, name = pressed and now - self._focused < _FOCUSING_S, MOUSE + part
         moved = ControlEvent(name=name, pressed=pressed, value=value, hits=hits, stale=stray)
-        self._execute(dispatch.handle(moved, state))
+        self._give(moved, event.time)
 
     def joysticks_moved(self) -> None:
         """Handle the events of joysticks.
@@ -177,13 +182,21 @@ class InputEvents:
             if unseen and event.pressed:
                 self.stop(event.name)
             elif not unseen and dispatch.waits_for(event.name):
-                self._execute(dispatch.handle(event, self._state()))
+                self._give(event, now)
         if unseen or self._current.console.paged:
             self._handle(self.joysticks.release_all(now))
 
     def focus(self) -> None:
         """Note the focus; the click that caused it has no other effect."""
         self._focused = self.time_now()
+        if self.recorder is not None:
+            self.recorder.note_focus(self._focused, on=True)
+
+    def blur(self) -> None:
+        """Release all inputs: without the focus, releases of keys do not arrive."""
+        if self.recorder is not None:
+            self.recorder.note_focus(time.monotonic(), on=False)
+        self.release_all()
 
     def answered(self, now: float, asked: float | None) -> None:
         """Note an answer to a question of this time [s]; None: an older question."""
@@ -194,7 +207,11 @@ class InputEvents:
         """Release expired keys, and report changes of joysticks; runs 20 times a second."""
         dispatch = self._current.dispatch
         self.keyboard.answers = self._painter.answers_itself
-        self._execute(dispatch.handle_all(self.keyboard.expire(now), self._state()))
+        expired, state = tuple(self.keyboard.expire(now)), self._state()
+        effects = dispatch.handle_all(expired, state)
+        for each in expired:
+            self._note(each, effects, state, now)
+        self._execute(effects)
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._current.dispatch.button_held and unheard:
             self.release_all()  # a cut line brings no release
@@ -220,6 +237,21 @@ class InputEvents:
     def _notify(self, text: str) -> None:
         self._execute((Notify.now(self._state(), text),))
 
-    def _handle(self, control_events: Iterable[ControlEvent]) -> None:
+    def _handle(self, control_events: Iterable[ControlEvent], read: float | None = None) -> None:
+        """Handle events; `read` is the time at which their report was read [s]."""
         for event in control_events:
-            self._execute(self._current.dispatch.handle(event, self._state()))
+            self._give(event, time.monotonic() if read is None else read)
+
+    def _give(self, event: ControlEvent, read: float) -> None:
+        state = self._state()
+        effects = self._current.dispatch.handle(event, state)
+        self._note(event, effects, state, read)
+        self._execute(effects)
+
+    def _note(
+        self, event: ControlEvent, effects: Collection[Effect], state: ConsoleState, read: float
+    ) -> None:
+        """Record an input and what became of it."""
+        if self.recorder is not None and self.recorder.path:
+            bound = self._current.dispatch.listeners.of(event)
+            self.recorder.note_input(input_record(event, bound, effects, state, read))

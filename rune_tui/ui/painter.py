@@ -104,8 +104,8 @@ class Painter:
         cells: Cells | None,
         pictures: Collection[SeenPicture],
         urgencies: Urgencies,
-    ) -> None:
-        """Write the newest view, or a part of it.
+    ) -> bool:
+        """Write the newest view, or a part of it; returns whether the terminal got any of it.
 
         Args:
             now: The time [s].
@@ -114,7 +114,7 @@ class Painter:
             urgencies: Urgency of each cell, shape (rows, columns).
         """
         if not self._pane.is_attached:
-            return  # the console is ending
+            return False  # the console is ending
         if output_was_lost(self._app):
             self._output.forget()
             self._app.screen.refresh()
@@ -123,7 +123,7 @@ class Painter:
             self.urgencies = urgencies
         newest = self._pane.cells
         if newest is None:
-            return
+            return False
         if self._traits.discards:
             self.control.most_bytes = _KEPT_BYTES * newest.rows * newest.columns
         rows = self._pane.drawn_rows()
@@ -134,6 +134,7 @@ class Painter:
         frame = self.frame(now, newest, changed=cells is not None or bool(rows.size))
         if frame.size:
             self._write(now, frame)
+        return bool(frame.size)
 
     def frame(self, now: float, newest: Cells, *, changed: bool) -> Frame:
         """Bytes that lead the terminal towards the newest cells."""

@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 from typing import Any
 
 from textual.app import App
 from textual.driver import Driver
 
+from rune_tui.model.own_records import TerminalRecord
+from rune_tui.terminal.traits import Traits
 from rune_tui.ui.textual_inside import driver_of, writes_waiting
 
 
@@ -50,3 +53,21 @@ def terminal_driver() -> type[Driver] | None:
     from rune_tui.ui.sturdy_driver import SturdyDriver
 
     return SturdyDriver
+
+
+def terminal_record(traits: Traits, pixels_per_cell: tuple[int, int]) -> TerminalRecord:
+    """The terminal for a recording, without its size.
+
+    Args:
+        traits: Its abilities.
+        pixels_per_cell: Pixels of a picture across and down a cell.
+    """
+    return TerminalRecord(
+        colours=traits.depth.value,
+        glyphs=traits.glyphs.value,
+        aspect=traits.aspect,
+        term=os.environ.get("TERM", ""),
+        pixels_across=pixels_per_cell[0],
+        pixels_down=pixels_per_cell[1],
+        utc_offset_s=time.localtime().tm_gmtoff,
+    )

@@ -1,0 +1,1 @@
+"""Shows recordings: states of robots from files, drawn by the console's own renderer."""

@@ -1,0 +1,49 @@
+"""Draws the frames of a recording with the console's own view."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from rune_tui.compositor.cells import Cells
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.replay.source import ReplayFrame
+from rune_tui.view import View
+
+
+class FrameDrawer:
+    """Draws frames in the order of time.
+
+    Attributes:
+        cells: What is shown; None before the first frame.
+        view: The view; None before the first frame.
+    """
+
+    def __init__(self, size: tuple[int, int] | None = None) -> None:
+        """Draw at a size [cells]; None: at the size of the console that was recorded."""
+        self.cells: Cells | None = None
+        self.view: View | None = None
+        self._size = size
+        self._opened: tuple[object, int] = None, 0
+        self._arranged = 0
+
+    def draw(self, frame: ReplayFrame) -> Cells | None:
+        """The cells of a frame; None if they did not change."""
+        view, state = self._prepared(frame)
+        cells = view.render(state)
+        self.cells = cells or self.cells
+        return cells
+
+    def _prepared(self, frame: ReplayFrame) -> tuple[View, ConsoleState]:
+        view, opened = self.view, (frame.layout, frame.opened)
+        size = self._size or frame.size or (0, 0)
+        if view is None or opened != self._opened:
+            view = self.view = View(frame.layout, pixels_per_cell=frame.pixels_per_cell)
+            self._opened, self._arranged = opened, frame.arranged
+        if (view.columns, view.rows) != size or frame.arranged != self._arranged:
+            view.resize(*size)
+        self._arranged = frame.arranged
+        view.times.given = frame.slow
+        state = dataclasses.replace(
+            frame.state, places=view.places, attention=view.attention, rows=view.rows
+        )
+        return view, state
