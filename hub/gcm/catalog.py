@@ -22,6 +22,7 @@ from hub.gcm import (
     navigation,
     pad,
     ranges,
+    recording,
     supervision,
     transforms,
     vehicle,
@@ -51,5 +52,6 @@ MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *supervision.MESSAGES,
     *control.MESSAGES,
     *pad.MESSAGES,
+    *recording.MESSAGES,
 )
 BY_NAME = {definition.name: definition for definition in MESSAGES}

@@ -22,6 +22,7 @@ from hub.gcm import (
     navigation,
     pad,
     ranges,
+    recording,
     supervision,
     transforms,
     vehicle,
@@ -58,6 +59,8 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     mapping.POINT_REFUSAL.name: (Capability.PRO_POINTS,),
     mission.MISSION_STATE.name: (Capability.PRO_POINTS,),
     autonomy.AUTONOMY_STATE.name: (Capability.AUT_PILOT,),
+    recording.RECORD_MARK.name: (Capability.REC_LOG,),
+    recording.RECORD_STATE.name: (Capability.REC_LOG,),
 }
 """The capabilities that bring a message, by its name; the nearest first.
 
@@ -91,6 +94,7 @@ TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
     mapping.POINT_COMMAND.name: (Capability.PRO_POINTS,),
     mission.MISSION_COMMAND.name: (Capability.PRO_POINTS,),
     autonomy.AUTONOMY_COMMAND.name: (Capability.AUT_PILOT,),
+    recording.RECORD_COMMAND.name: (Capability.REC_LOG,),
 }
 """The capabilities that receive a message, by its name; the nearest first."""
 

@@ -82,6 +82,33 @@ class Client(BaseClient):
         if last:
             self.session.ask_last(definition.name)
 
+    def subscribe_payload(
+        self,
+        definition: MessageDefinition[Any],
+        handler: Callable[[Buffer, MessageInfo], None],
+        *,
+        last: bool = False,
+    ) -> None:
+        """Call `handler` with the payload of every message: unchecked, of any age, none dropped.
+
+        Args:
+            definition: Which message.
+            handler: Gets the payload, which it may keep, and how it came.
+            last: As for `subscribe`.
+
+        Raises:
+            RedefinedMessageError: Other handlers of this client get its values.
+        """
+        self._prepare(definition)
+        self._subscriptions.subscribe(definition, handler, raw=True)
+        if last:
+            self.session.ask_last(definition.name)
+
+    @property
+    def lost_by_message(self) -> dict[str, int]:
+        """Number of subscribed messages that did not arrive, by message name."""
+        return self._subscriptions.lost_by_message
+
     @property
     def lost(self) -> int:
         """Number of subscribed messages that did not arrive; an overtaken message did arrive."""

@@ -56,7 +56,7 @@ class FrameReader:
             return []
 
     def decoded(self, subscription: Subscription, kind: int, message: Any) -> Any:
-        """The value of a message; None if its payload is not there, or cannot be read."""
+        """The value of a message, or its payload; None if that is gone or cannot be read."""
 
         def note(text: str) -> None:
             subscription.unfit = subscription.unfit or text
@@ -66,7 +66,9 @@ class FrameReader:
             if message.__class__ is tuple and subscription.receive is not None:
                 return subscription.receive(message, note)
             payload = self._payload(subscription, kind, message)
-            return None if payload is None else subscription.definition.decode(payload, note)
+            if payload is None or subscription.raw:
+                return payload
+            return subscription.definition.decode(payload, note)
         except RangeError as error:
             subscription.refused += 1
             subscription.unfit = subscription.unfit or str(error)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -92,20 +93,22 @@ class Subscription:
         oldest: Largest age since the last report [s].
         flat: Reads direct messages of a flat format; None for any other format.
         unordered: Whether every frame counts, even with a wrong header.
+        raw: Whether handlers get payloads, undecoded and of any age.
     """
 
-    def __init__(self, definition: MessageDefinition[Any]) -> None:
+    def __init__(self, definition: MessageDefinition[Any], *, raw: bool = False) -> None:
         self.definition = definition
+        self.raw = raw
         self.handlers: list[Handler] = []
-        self.limit: int | None = 1 if definition.keep is Keep.NEWEST else None
+        self.limit: int | None = 1 if definition.keep is Keep.NEWEST and not raw else None
         self.priority = 0
         self.in_ring = False
         self.token = ""
         self.received = self.lost = self.expired = self.refused = 0
         self.unfit = ""
         self.oldest = 0.0
-        self.lifespan_s = definition.lifespan_s
-        self.unordered = definition.unreadable is not None
+        self.lifespan_s = math.inf if raw else definition.lifespan_s
+        self.unordered = definition.unreadable is not None and not raw
         self._sources: dict[int, Source] = {}
         self._reported = (0, 0, 0, 0)
         self._fingerprint = definition.fingerprint
@@ -116,7 +119,7 @@ class Subscription:
         }
         self.flat: frames.FlatFrames | None = None
         self.receive: Callable[..., Any] | None = None
-        if definition.flat_letters is not None:
+        if definition.flat_letters is not None and not raw:
             prefix = frames.prefix(definition.name)
             self.flat = frames.FlatFrames(prefix, self._fingerprint, definition.flat_letters)
             self.receive = definition.receive_flat

@@ -8,6 +8,7 @@ from typing import Any
 
 import zmq
 
+from hub.errors import RedefinedMessageError
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.node import publishers
 from hub.ipc.node.connection import Connection
@@ -136,10 +137,21 @@ class Subscriptions:
         *,
         queue: int | None = None,
         priority: int | None = None,
+        raw: bool = False,
     ) -> None:
-        """Call `handler` for every message of `definition`."""
+        """Call `handler` for every message of `definition`.
+
+        Raises:
+            RedefinedMessageError: This client has other handlers that get values, or payloads.
+        """
         known = self.subscriptions.get(definition.name)
-        subscription = known or Subscription(definition)
+        if known is not None and known.raw != raw:
+            text = (
+                f"{definition.name} is subscribed to both as values and as payloads; use a client "
+                "of its own for one of them"
+            )
+            raise RedefinedMessageError(text)
+        subscription = known or Subscription(definition, raw=raw)
         subscription.handlers.append(handler)
         if queue is not None:
             subscription.limit = queue
@@ -172,6 +184,11 @@ class Subscriptions:
     def subscribed(self, message: control.Subscribed) -> None:
         """Handle central's report that a subscription is complete."""
         self._complete(message.token)
+
+    @property
+    def lost_by_message(self) -> dict[str, int]:
+        """Number of lost messages of each present subscription that lost some, by name."""
+        return {name: each.lost for name, each in self.subscriptions.items() if each.lost}
 
     def reports(self) -> tuple[control.Received, ...]:
         """The receptions of each subscription since the last report."""

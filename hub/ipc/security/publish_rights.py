@@ -49,6 +49,7 @@ COMMANDS: Mapping[str, Right] = {
     "GCM_Map_Command": _OPERATOR,
     "GCM_Mission_Command": _OPERATOR,
     "GCM_Autonomy_Command": _OPERATOR,
+    "GCM_Record_Command": _OPERATOR,
     "GCM_Capability_Wants": _OPERATOR,
     "GCM_Common_RequestData": _OPERATOR,
     "GCM_Console_Heartbeat": _OPERATOR,
@@ -68,7 +69,7 @@ COMMANDS: Mapping[str, Right] = {
 ROBOMON = "robomon"
 """The name of the hub's daemon at central; only its connection reports the owner of control."""
 ROBOT_NAMES: frozenset[str] = frozenset(
-    {ROBOMON, "driver", "navigation", "vision", "mapping", "autonomy"}
+    {ROBOMON, "driver", "navigation", "vision", "mapping", "autonomy", "recorder"}
 )
 """Names that are reserved for the robot's own modules, even while they do not run."""
 
