@@ -24,6 +24,7 @@ from hub.command_line import (
     write_completion,
 )
 from hub.errors import CentralUnreachableError, HubError, QueryError
+from hub.inspection.record_options import add_record, run_record
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
 from hub.nonblocking_logging import LEVELS, start_logging
@@ -85,6 +86,8 @@ def run_command(options: argparse.Namespace) -> int:
         return _run_machine_command(options)
     if options.command == "arena":
         return _show_arena(options)
+    if options.command == "record":
+        return run_record(options)
     from hub.inspection import message_commands
 
     client = message_commands.connect(options.hub, options.command, options.keys)
@@ -341,6 +344,7 @@ def command_parser() -> CommandParser:
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     _add_control(commands, look)
     _add_missions(commands, look)
+    add_record(commands, look)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     add_completion(commands)
     return parser

@@ -1,4 +1,4 @@
-"""Where files of Rune belong on this machine: sockets, logs, maps, missions.
+"""Where files of Rune belong on this machine: sockets, logs, maps, missions, recordings.
 
 The user's own folders follow the XDG base directory specification; those of a service, systemd.
 """
@@ -36,10 +36,17 @@ def for_maps(wanted: str = "") -> Path:
 
 def for_missions(wanted: str = "") -> Path:
     """The folder for the folders of robots with their missions; `wanted` if that names one."""
-    if wanted:
-        return Path(wanted)
+    return Path(wanted) if wanted else _state() / "missions"
+
+
+def for_recordings(wanted: str = "") -> Path:
+    """The folder for the folders of robots with their recordings; `wanted` if that names one."""
+    return Path(wanted) if wanted else _state() / "recordings"
+
+
+def _state() -> Path:
     given = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
-    return (Path(given) if given else _own("STATE", "state")) / "missions"
+    return Path(given) if given else _own("STATE", "state")
 
 
 def for_pose(robot: str) -> Path:

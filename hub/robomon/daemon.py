@@ -36,6 +36,7 @@ from hub.robomon.module_table import (
 from hub.robomon.policy import ModulePolicy
 from hub.robomon.process import adopt_orphans
 from hub.robomon.process_supervisor import ProcessSupervisor
+from hub.robomon.recording_want import RecordingWant
 from hub.robomon.reporting import Reporting
 from hub.robomon.sd_notify import Notifier
 from hub.robomon.warm_parent import WarmParent
@@ -126,6 +127,7 @@ class Daemon:
             client = stack.enter_context(contextlib.closing(Client(ROBOMON, local)))
             desk = ControlService(client, central.peer_of)
             MissionWant(client, self._policy.wants, robot, controlled=lambda: desk.owned)
+            RecordingWant(client, self._policy.wants, robot)
             self._serve(client, outputs, local, central.endpoints[0])
         lifecycles = self._policy.lifecycles.values()
         return 1 if any(lifecycle.phase is ModulePhase.FAILED for lifecycle in lifecycles) else 0

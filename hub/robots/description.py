@@ -21,6 +21,7 @@ from hub.gcm.body import (
 )
 from hub.gcm.vehicle import Arming
 from hub.ipc.endpoints import DEFAULT_PORT, LARGEST_PORT
+from hub.recording.live.settings import RecordingTable
 from hub.robots.body_tables import (
     BumperTable,
     CameraTable,
@@ -93,6 +94,7 @@ class RobotDescription:
         holds: The tables of the holds.
         lights: The tables of the lights that belong to no camera.
         joints: The tables of the joints.
+        recording: The table of recordings.
         modules: The unchecked tables under [modules].
     """
 
@@ -291,6 +293,7 @@ class RobotDescription:
     holds: tuple[HoldTable, ...] = ()
     lights: tuple[LightTable, ...] = ()
     joints: tuple[JointTable, ...] = ()
+    recording: RecordingTable = RecordingTable()
     modules: dict[str, Any]
 
     @property
@@ -345,8 +348,10 @@ class RobotDescription:
 
 def settings(module: str) -> str:
     """The robot file's settings for a module, in words; empty: none."""
+    tables = {**toml.tables_of(RobotDescription), "recorder": toml.keys_of(RecordingTable)}
     words = [
         f"{name} ({toml.shown(each)}): {each.meaning}"
-        for name, each in toml.tables_of(RobotDescription).get(module, {}).items()
+        for name, each in tables.get(module, {}).items()
     ]
-    return f"its table [{module}] has: {'; '.join(words)}" if words else ""
+    table = "recording" if module == "recorder" else module
+    return f"its table [{table}] has: {'; '.join(words)}" if words else ""

@@ -13,6 +13,7 @@ from hub import toml_reader as toml
 from hub.errors import RobotFileError
 from hub.gcm.body import MOST_PARTS, USUAL_RADIUS, BodyFrame
 from hub.nearest import did_you_mean
+from hub.recording.live.settings import RecordingTable
 from hub.robots.body_tables import (
     MOST_BEAMS_IN_ALL,
     ROBOTS_OWN,
@@ -75,13 +76,20 @@ def read_description(
     _add_body_of_kind(data)
     tables = dict(toml.tables_of(RobotDescription))
     top = tables.pop("")
-    fields = toml.read_table(top, data, toml.TOP, problems, tables=[*tables, *_BODY, "modules"])
+    fields = toml.read_table(
+        top, data, toml.TOP, problems, tables=[*tables, *_BODY, "recording", "modules"]
+    )
     for name, keys in tables.items():
         fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
     beside = path.absolute().parent
     fields["urdf"] = _located(fields["urdf"], beside)
     fields |= _read_body(data, fields, problems)
     fields["radius"] = _enclosing(fields["radius"], fields["footprint"], problems)
+    recording = toml.read_table(
+        toml.keys_of(RecordingTable), data.get("recording", {}), "[recording]", problems
+    )
+    recording["folder"] = _located(recording["folder"], beside)
+    fields["recording"] = RecordingTable(**recording)
     modules = data.get("modules", {})
     if not isinstance(modules, dict):
         problems.add(toml.TOP, "modules has to be tables: [modules.NAME]", "modules")

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from hub import toml_reader
+from hub.recording.live.settings import PictureSettings, RecordingTable
 from hub.robomon.module_table import ModuleSpec
 from hub.robots.body_tables import BumperTable, CameraTable, FrameTable, RangeTable
 from hub.robots.description import RobotDescription
@@ -61,6 +62,8 @@ def _pages() -> Iterator[tuple[str, str, Mapping[str, Key]]]:
         yield "writing-a-robot.md", heading, keys
     for heading, kind in _BODY.items():
         yield "writing-a-robot.md", heading, keys_of(kind)
+    yield "writing-a-robot.md", "`[recording]`", keys_of(RecordingTable)
+    yield "writing-a-robot.md", "Its `pictures`", keys_of(PictureSettings)
     yield "writing-a-robot.md", "`[modules.NAME]`", keys_of(ModuleSpec)
 
 

@@ -55,6 +55,8 @@ CHANGING = [
 """After these, a hub has other processes than before."""
 MISSION = [command for command in EVERY if command.startswith("rune-hub mission ")]
 """These are about one mission, and come in the order of the page."""
+RECORDING = [command for command in EVERY if command.startswith("rune-hub record ")]
+"""These are about one recorder, and come in the order of the page."""
 ALONE = ("run", "keys", "check", "doctor", "service", "arena", "completion")
 """Commands of `rune-hub` that ask no hub."""
 
@@ -71,14 +73,15 @@ def named(found: Iterable[str]) -> list[Any]:
     return [pytest.param(command, id=f"{EVERY[command]}: {command}") for command in found]
 
 
-ON_A_HUB = [each for each in EVERY if each not in [*CHANGING, *MISSION] and asks_a_hub(each)]
+_IN_ORDER = [*CHANGING, *MISSION, *RECORDING]
+ON_A_HUB = [each for each in EVERY if each not in _IN_ORDER and asks_a_hub(each)]
 BY_ITSELF = [each for each in EVERY if not asks_a_hub(each)]
 
 
 def test_there_are_commands() -> None:
     assert len(BY_ITSELF) > 10
     assert len(ON_A_HUB) > 10
-    assert sorted([*BY_ITSELF, *ON_A_HUB, *CHANGING, *MISSION]) == sorted(EVERY)
+    assert sorted([*BY_ITSELF, *ON_A_HUB, *_IN_ORDER]) == sorted(EVERY)
     assert set(EVERY) == {command for page in PAGES for command in commands(page)}
 
 
@@ -103,6 +106,18 @@ def test_commands_of_missions_work(
         assert done.returncode == 0, f"{command}: {done.stderr}"
         if reads and words[1] != "export":
             assert "cellar, east" in done.stdout
+
+
+def test_commands_of_recordings_work(
+    start_hub: Callable[..., HubProcess], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    hub = start_hub(modules=("driver", "recorder"))
+    for command in RECORDING:
+        done = rune_hub(*shlex.split(command)[1:], "--hub", hub.endpoint)
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+    assert (tmp_path / "motion.mcap").stat().st_size > 0
 
 
 @pytest.mark.parametrize("command", named(BY_ITSELF))

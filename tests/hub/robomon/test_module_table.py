@@ -37,6 +37,7 @@ def test_shipped_robot_has_all_modules() -> None:
         "vision",
         "mapping",
         "autonomy",
+        "recorder",
     ]
     assert table.robot.port == 1381
     assert table.robot.linear_limit == 0.5

@@ -1,0 +1,1 @@
+"""The module that records what is published on the robot's hub."""

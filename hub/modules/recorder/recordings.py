@@ -1,0 +1,363 @@
+"""What a robot's recorder writes now: the ring, the recording, and snapshots of both."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from hub import files
+from hub.errors import RecordingError
+from hub.gcm.recording import RecordState
+from hub.ipc.client import Client
+from hub.recording.live.bus_recorder import BusRecorder, reported
+from hub.recording.live.places import RecordingFolder, numbered
+from hub.recording.live.series import Attached, RecordingSeries, SeriesLimits, free_room
+from hub.recording.live.settings import RING_SPLIT_S
+from hub.recording.live.snapshots import MOST, Snapshot
+from hub.recording.writer import WriterLimits
+from hub.robots.description import RobotDescription
+from hub.values import dataclass
+
+_logger = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class _RunningRecording:
+    """The recording that runs.
+
+    Attributes:
+        series: Its files.
+        by: Its operator.
+        begun: Its start [s since the epoch].
+        since: Its start on the monotonic clock [s].
+    """
+
+    series: RecordingSeries
+    by: str
+    begun: float
+    since: float
+
+
+class Recordings:
+    """The ring and the recording of one robot."""
+
+    def __init__(self, client: Client, robot: RobotDescription) -> None:
+        """Begin what runs always, and resume what ran before a crash."""
+        self._client, self._robot = client, robot
+        self._settings = robot.recording
+        self._folder = RecordingFolder(robot.recording.folder, robot.name)
+        self._bus: BusRecorder | None = None
+        self._ring: RecordingSeries | None = None
+        self._running: _RunningRecording | None = None
+        self._snapshots: list[Snapshot] = []
+        self._fault = ""
+        self._lost: Counter[str] = Counter()
+        self._rate = _GrowthRate()
+        if self._settings.rings:
+            self._begin_ring()
+        self._resume()
+
+    @property
+    def runs(self) -> bool:
+        """Whether anything is recorded."""
+        return self._bus is not None
+
+    def start(self, name: str, by: str) -> str:
+        """Begin a recording; returns the result, for people.
+
+        Raises:
+            RecordingError: One runs, or its file cannot be written.
+        """
+        if self._running is not None:
+            path = self._running.series.state.path
+            text = f"a recording runs already: {path}; end it first"
+            raise RecordingError(text)
+        first = self._folder.recording(name)
+        self._begin(first, by, time.time())
+        self._note_running(first, by)
+        return f"records to {first}"
+
+    def stop(self) -> str:
+        """End the recording; returns the result, for people.
+
+        Raises:
+            RecordingError: None runs.
+        """
+        running = self._demand_running()
+        self._running = None
+        self._detach(running.series)
+        state = running.series.close()
+        self._lost.update(state.lost)
+        self._note_running(None, "")
+        size = f"{state.bytes / 1e6:.1f} MB"
+        text = f"{state.messages} messages ({size}) are in {state.path}"
+        return f"{text} and {state.files - 1} files before it" if state.files > 1 else text
+
+    def split(self) -> str:
+        """Go on in another file; returns the result, for people.
+
+        Raises:
+            RecordingError: Nothing is recorded.
+        """
+        series = self._running.series if self._running is not None else self._ring
+        if series is None:
+            text = "there is nothing to split: nothing is recorded"
+            raise RecordingError(text)
+        series.split()
+        return f"goes on in {series.state.path}"
+
+    def keep_snapshot(self, name: str, before: float, after: float) -> str:
+        """Keep the time around this moment; returns the result, for people.
+
+        Args:
+            name: Of its file; empty: date and time.
+            before: Length of the span before this moment [s].
+            after: Length of the span after it [s].
+
+        Raises:
+            RecordingError: Nothing is recorded, or too many snapshots are under way.
+        """
+        series = self._ring or (self._running.series if self._running is not None else None)
+        if series is None:
+            text = (
+                "there is no snapshot: nothing is recorded; set 'always' and 'keep' in "
+                "[recording] of the robot file, or begin a recording"
+            )
+            raise RecordingError(text)
+        if len(self._snapshots) >= MOST:
+            text = f"{MOST} snapshots are under way; wait until they are written"
+            raise RecordingError(text)
+        now = time.monotonic()
+        target = self._folder.snapshot(name)
+        taken = {each.target for each in self._snapshots}
+        while target in taken:
+            target = target.with_name(f"{target.stem}+{target.suffix}")
+        self._snapshots.append(Snapshot(series, target, now - before, now + after))
+        return f"the time from {before:g} s before to {after:g} s after now comes to {target}"
+
+    def look(self) -> None:
+        """Do what is due; call it some times a second."""
+        now = time.monotonic()
+        if self._bus is not None:
+            self._bus.look()
+            self._rate.see(now, self._bytes())
+        for each in self._snapshots:
+            each.look(now)
+            if each.fault:
+                self._fault = each.fault
+        self._snapshots = [each for each in self._snapshots if not each.done]
+
+    def state(self, marks: int, mark: str) -> RecordState:
+        """What is recorded, with the marks of this recorder."""
+        series = [each.state for each in self._all()]
+        lost = self._lost + self._bus.lost() if self._bus is not None else self._lost
+        fault = next((each.fault for each in series if each.fault), self._fault)
+        facts: dict[str, Any] = {}
+        running = self._running
+        if running is not None:
+            state = running.series.state
+            facts |= {
+                "recording": 1,
+                "by": running.by[:64],
+                "begun": max(0.0, running.begun),
+                "running_s": time.monotonic() - running.since,
+                "messages": state.messages,
+                "size_mb": state.bytes / 1e6,
+                "files": state.files,
+            }
+        if self._ring is not None:
+            ring = self._ring.state
+            reach = min(ring.reaches, 1e9)
+            facts |= {"ring": 1, "ring_s": reach, "ring_mb": ring.bytes / 1e6}
+        path = str(series[-1].path) if series else ""
+        free = free_room(self._existing_folder())
+        return RecordState(
+            path=path[:1000],
+            free_mb=free / 1e6,
+            left_s=self._left(free),
+            marks=marks,
+            mark=mark,
+            lost=min(lost.total(), 0xFFFF_FFFF),
+            lost_by_topic=reported(lost),
+            fault=fault[:1000],
+            **facts,
+        )
+
+    def close(self) -> None:
+        """Complete all files."""
+        bus, self._bus = self._bus, None
+        if self._running is not None:
+            self._note_running(None, "")
+        if bus is not None:
+            bus.close()
+        for each in self._all():
+            each.close()
+
+    def _all(self) -> list[RecordingSeries]:
+        """The series that are written: the ring first."""
+        running = [self._running.series] if self._running is not None else []
+        return ([self._ring] if self._ring is not None else []) + running
+
+    def _demand_running(self) -> _RunningRecording:
+        if self._running is None:
+            ring = "; the ring ends only with the hub" if self._ring is not None else ""
+            text = f"no recording runs{ring}"
+            raise RecordingError(text)
+        return self._running
+
+    def _begin_ring(self) -> None:
+        split_s, split_bytes = self._settings.split
+        limits = SeriesLimits(
+            split_s=split_s or RING_SPLIT_S,
+            split_bytes=split_bytes,
+            keep_s=self._settings.keep,
+            keep_bytes=self._settings.most,
+            writer=WriterLimits(least_free=self._settings.least_free),
+        )
+        bus = self._attach()
+        self._ring = RecordingSeries(
+            self._folder.ring_file,
+            self._about,
+            limits,
+            latched=bus.latched,
+            attached=self._attachments(),
+        )
+        self._ring.adopt(self._folder.ring)
+        bus.series.append(self._ring)
+
+    def _begin(self, first: Path, by: str, begun: float) -> None:
+        """Begin a recording.
+
+        Raises:
+            RecordingError: Its first file cannot be written.
+        """
+        split_s, split_bytes = self._settings.split
+        limits = SeriesLimits(
+            split_s=split_s,
+            split_bytes=split_bytes,
+            writer=WriterLimits(least_free=self._settings.least_free),
+        )
+        bus = self._attach()
+        series = RecordingSeries(
+            numbered(first),
+            self._about,
+            limits,
+            latched=bus.latched,
+            attached=self._attachments(),
+        )
+        if series.state.fault:
+            self._detach(series)
+            text = f"nothing is recorded: {series.state.fault}"
+            raise RecordingError(text)
+        bus.series.append(series)
+        self._running = _RunningRecording(series, by, begun, time.monotonic())
+
+    def _attach(self) -> BusRecorder:
+        """The tap of the hub; it lives while anything is recorded."""
+        if self._bus is None:
+            client = Client(
+                f"{self._client.name}-tap", self._client.endpoint, loop=self._client.loop
+            )
+            cameras = [camera.name for camera in self._robot.body.cameras] or [""]
+            self._bus = BusRecorder(client, self._robot.name, self._settings, cameras=cameras)
+        return self._bus
+
+    def _detach(self, series: RecordingSeries) -> None:
+        """Take a series off the tap, and end the tap if it was the last."""
+        bus = self._bus
+        if bus is None:
+            return
+        bus.series[:] = [each for each in bus.series if each is not series]
+        if not bus.series:
+            self._bus = None
+            bus.close()
+
+    @property
+    def _about(self) -> dict[str, str]:
+        return {"robot": self._robot.name, "kind": self._robot.kind, "recorder": "hub"}
+
+    def _attachments(self) -> list[Attached]:
+        """The robot file."""
+        try:
+            data = self._robot.path.read_bytes()
+        except OSError:
+            return []
+        return [Attached(self._robot.path.name, "application/toml", data)]
+
+    def _resume(self) -> None:
+        """Go on with a recording that ran when the recorder ended; else begin the usual one."""
+        note = self._folder.running
+        try:
+            kept = json.loads(note.read_text())
+            first, by = Path(str(kept["path"])), str(kept["by"])
+            begun = float(kept["begun"])
+        except FileNotFoundError:
+            if self._settings.always and self._ring is None:
+                self._try_to_begin(self._folder.recording(""), "", time.time())
+            return
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            _logger.warning("%s cannot be read: %s", note, error)
+            return
+        self._try_to_begin(first, by, begun if math.isfinite(begun) else 0.0)
+
+    def _try_to_begin(self, first: Path, by: str, begun: float) -> None:
+        try:
+            self._begin(first, by, begun)
+        except RecordingError as error:
+            self._fault = str(error)
+            _logger.warning("%s", error)
+
+    def _note_running(self, first: Path | None, by: str) -> None:
+        """Note which recording an order began; None: none runs."""
+        note = self._folder.running
+        try:
+            if first is None:
+                note.unlink(missing_ok=True)
+                return
+            kept = {"path": str(first), "by": by, "begun": time.time()}
+            files.replace(note, json.dumps(kept).encode())
+        except OSError as error:
+            _logger.warning("a crash would end the recording: %s", error)
+
+    def _existing_folder(self) -> Path:
+        return next(
+            (each for each in (self._folder.path, *self._folder.path.parents) if each.exists()),
+            Path("/"),
+        )
+
+    def _bytes(self) -> int:
+        return sum(each.state.bytes for each in self._all())
+
+    def _left(self, free: int) -> float:
+        """Time until the disk is too full [s]; NaN: it will not be, or it is not known."""
+        room = free - self._settings.least_free
+        if self._running is None or not self._rate.bytes_per_s:
+            return math.nan
+        return min(max(0.0, room / self._rate.bytes_per_s), 1e9)
+
+
+class _GrowthRate:
+    """How fast files grow, over the last half minute.
+
+    Attributes:
+        bytes_per_s: That; 0: not known yet.
+    """
+
+    def __init__(self) -> None:
+        self.bytes_per_s = 0.0
+        self._at, self._bytes = 0.0, 0
+
+    def see(self, now: float, size: int) -> None:
+        """Note the size of all files [bytes] at `now` [s]."""
+        if not self._at or size < self._bytes:
+            self._at, self._bytes = now, size
+        elif now - self._at >= 2.0:
+            present = (size - self._bytes) / (now - self._at)
+            share = min(1.0, (now - self._at) / 30.0) if self.bytes_per_s else 1.0
+            self.bytes_per_s += share * (present - self.bytes_per_s)
+            self._at, self._bytes = now, size

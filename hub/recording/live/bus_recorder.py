@@ -1,0 +1,160 @@
+"""Records a hub into one or several series of files at once."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from hub.gcm.capability import Capability
+from hub.gcm.recording import MOST_TOPICS, LostMessages
+from hub.gcm.supervision import CAPABILITY_WANTS, LEASE_S, CapabilityWants
+from hub.ipc.client import Client
+from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc.formats.codegen import Buffer
+from hub.ipc.message_info import MessageInfo
+from hub.recording.live.answers import PictureQuestions, ask_for_maps
+from hub.recording.live.bus_tap import BusTap
+from hub.recording.live.ros_names import RosTopics
+from hub.recording.live.series import LatchedMessage, RecordingSeries
+from hub.recording.live.settings import RecordingTable
+from hub.recording.topics import topic_of
+
+_LARGEST_LATCHED = 16 * 2**20
+"""Longest message that begins each file [bytes]."""
+_WAKES = (
+    Capability.VIS_VID,
+    Capability.NAV_STATE,
+    Capability.PRO_MAP,
+    Capability.PRO_POINTS,
+)
+
+
+class BusRecorder:
+    """Taps a hub, and gives each message to each series.
+
+    Attributes:
+        series: The recordings that run.
+        latched: The newest message of each topic that is published at changes only.
+    """
+
+    def __init__(
+        self,
+        client: Client,
+        robot: str,
+        settings: RecordingTable,
+        *,
+        cameras: Sequence[str] = ("",),
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Tap a hub.
+
+        Args:
+            client: A client for this alone.
+            robot: Name of the robot in topics.
+            settings: What is recorded.
+            cameras: Names of the robot's cameras; "" is the main one.
+            clock: Monotonic time [s].
+        """
+        self._client, self._robot, self._settings = client, robot, settings
+        self._clock = clock
+        self._ros = RosTopics(robot) if settings.ros_names else None
+        self.series: list[RecordingSeries] = []
+        self.latched: dict[str, LatchedMessage] = {}
+        self._tap = BusTap(client, self._take, self._wants, wake=settings.wake)
+        PictureQuestions(client, cameras, settings.pictures, self._keep_answer)
+        ask_for_maps(client, settings.maps, self._keep_answer)
+        self._answers: Counter[str] = Counter()
+        if settings.wake:
+            client.define(CAPABILITY_WANTS)
+            client.every(LEASE_S / 3.0, self._want)
+
+    @property
+    def topics(self) -> int:
+        """Number of messages that it is subscribed to."""
+        return len(self._tap.names)
+
+    def lost(self) -> Counter[str]:
+        """Number of messages that are in no file, by topic, largest of all series."""
+        lost: Counter[str] = Counter()
+        for each in self.series:
+            lost |= Counter(each.state.lost)
+        for name, count in self._tap.lost.items():
+            lost[f"/{self._robot}/{name}"] += count
+        return lost
+
+    def look(self) -> None:
+        """Split, delete and retry what is due."""
+        for each in self.series:
+            each.look()
+
+    def subscribe(self) -> None:
+        """Subscribe to what is defined now.
+
+        Raises:
+            HubError: The hub does not answer.
+        """
+        self._tap.look()
+
+    def close(self) -> None:
+        """Disconnect; the series stay."""
+        self._tap.close()
+
+    def _wants(self, name: str) -> bool:
+        return self._settings.chooses(f"/{self._robot}/{name}")
+
+    def _take(self, definition: MessageDefinition[Any], payload: Buffer, info: MessageInfo) -> None:
+        now = self._clock()
+        topic = topic_of(self._robot, definition)
+        if self._ros is not None:
+            for other, part in self._ros.translated(definition, payload):
+                self._add(LatchedMessage(other, part, info.measured, info.sequence), definition)
+            topic = self._ros.named(definition, topic)
+        for each in self.series:
+            each.add(topic, payload, now, info.measured, info.sequence)
+        if _is_latched(definition) and len(payload) <= _LARGEST_LATCHED:
+            first = LatchedMessage(topic, bytes(payload), info.measured, info.sequence)
+            self.latched[topic.name] = first
+
+    def _add(self, message: LatchedMessage, definition: MessageDefinition[Any]) -> None:
+        now = self._clock()
+        for each in self.series:
+            each.add(message.topic, message.payload, now, message.measured, message.number)
+        if _is_latched(definition):
+            self.latched[message.topic.name] = message
+
+    def _keep_answer(
+        self,
+        definition: MessageDefinition[Any],
+        value: Any,  # noqa: ANN401 - any message
+        info: MessageInfo,
+    ) -> None:
+        if self._wants(definition.name):
+            self._answers[definition.name] += 1
+            number = self._answers[definition.name]
+            payload = b"".join(definition.encode(value))
+            self._take(definition, payload, info._replace(sequence=number))
+
+    def _want(self) -> None:
+        wants = CapabilityWants(
+            holder=self._client.name, capabilities=" ".join(_WAKES), lease_s=LEASE_S
+        )
+        self._client.publish(CAPABILITY_WANTS, wants)
+
+
+def _is_latched(definition: MessageDefinition[Any]) -> bool:
+    """Whether the last message holds until the next one comes."""
+    return (
+        definition.rate_hz == 0.0
+        and definition.keep is Keep.NEWEST
+        and definition.plane is Plane.STATE
+    )
+
+
+def reported(lost: Counter[str]) -> tuple[LostMessages, ...]:
+    """Losses as a message has them."""
+    return tuple(
+        LostMessages(topic=topic[:128], count=min(count, 0xFFFF_FFFF))
+        for topic, count in lost.most_common(MOST_TOPICS)
+    )

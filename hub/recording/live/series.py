@@ -1,0 +1,352 @@
+"""A recording as a series of files: split by time or size, as a ring, on a disk that fills up.
+
+| event | action |
+| --- | --- |
+| a file is full, or an order | go on in the next file, which begins with the latched messages |
+| a ring is too long or too large, or the disk is nearly full | delete its oldest files |
+| a file ended with a fault | count what is lost; try the next file every `RETRY_S` |
+| the date was set | the next file has another anchor |
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from hub.recording.anchor import TimeAnchor
+from hub.recording.topics import RecordedTopic
+from hub.recording.writer import Payload, RecordingWriter, WriterLimits
+from hub.values import dataclass
+
+_logger = logging.getLogger(__name__)
+
+RETRY_S = 5.0
+"""Time between two attempts to go on after a fault [s]."""
+_STEP_S = 1.0
+"""Smallest change of the date that counts as a step [s]."""
+_MARGIN = 64 * 2**20
+"""Room that a ring leaves beside the least free room [bytes]."""
+
+
+class LatchedMessage(NamedTuple):
+    """The newest message of a topic that is published at changes only."""
+
+    topic: RecordedTopic
+    payload: Payload
+    measured: float
+    number: int
+
+
+class Attached(NamedTuple):
+    """A file within recordings."""
+
+    name: str
+    media_type: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeriesLimits:
+    """When files end, and which are deleted.
+
+    Attributes:
+        split_s: Longest time in a file [s]; 0: no limit.
+        split_bytes: Largest file, about [bytes]; 0: no limit.
+        keep_s: How far back a ring reaches [s]; 0: it is no ring.
+        keep_bytes: Largest size of a ring [bytes].
+        writer: Limits of each file.
+    """
+
+    split_s: float = 0.0
+    split_bytes: int = 0
+    keep_s: float = 0.0
+    keep_bytes: int = 0
+    writer: WriterLimits = WriterLimits()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptFile:
+    """A complete file of a series.
+
+    Attributes:
+        path: The file.
+        begun: Its first moment, on the monotonic clock [s].
+        ended: Its last moment [s].
+        bytes: Its length [bytes].
+    """
+
+    path: Path
+    begun: float
+    ended: float
+    bytes: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeriesState:
+    """How far a series has got.
+
+    Attributes:
+        path: The file that is written.
+        files: Number of files so far.
+        messages: Messages in them.
+        bytes: Their length [bytes]; of a ring, of the files that are left.
+        lost: Number of lost messages, by topic.
+        fault: Why nothing is written now; else empty.
+        reaches: How far back it reaches [s].
+    """
+
+    path: Path
+    files: int
+    messages: int
+    bytes: int
+    lost: Mapping[str, int]
+    fault: str
+    reaches: float
+
+
+class _Ending(NamedTuple):
+    """A file that is completed in a thread of its own, with its first and last moment [s]."""
+
+    thread: threading.Thread
+    writer: RecordingWriter
+    begun: float
+    ended: float
+
+
+class RecordingSeries:
+    """Files of one recording; for one thread."""
+
+    def __init__(
+        self,
+        next_path: Callable[[int], Path],
+        about: Mapping[str, str],
+        limits: SeriesLimits,
+        *,
+        latched: Mapping[str, LatchedMessage],
+        attached: Iterable[Attached] = (),
+        clock: Callable[[], float] = time.monotonic,
+        anchor: Callable[[], TimeAnchor] = TimeAnchor.now,
+    ) -> None:
+        """Begin the first file; `state` has the fault if it cannot be written.
+
+        Args:
+            next_path: The path of the file with a number, from 0; it does not exist.
+            about: Facts for each file.
+            limits: When files end.
+            latched: The messages that each file begins with, by topic.
+            attached: Files within each file.
+            clock: Monotonic time [s].
+            anchor: The date.
+        """
+        self._next_path, self._about, self._limits = next_path, about, limits
+        self._clock, self._read_date = clock, anchor
+        self._anchor = anchor()
+        self._began = self._split_at = clock()
+        self._files = 0
+        self._messages = 0
+        self._lost: Counter[str] = Counter()
+        self._fault = ""
+        self._retry_at = 0.0
+        self._latched, self._attached = latched, tuple(attached)
+        self._kept: deque[KeptFile] = deque()
+        self._closing: list[_Ending] = []
+        self._writer: RecordingWriter | None = None
+        self._path = Path()
+        self._retry(self._began)
+
+    @property
+    def state(self) -> SeriesState:
+        """How far it has got."""
+        writers = [each.writer for each in self._closing]
+        writers += [self._writer] if self._writer is not None else []
+        states = [writer.state for writer in writers]
+        lost = self._lost.copy()
+        for each in states:
+            lost.update(each.lost)
+        now = self._clock()
+        first = self._kept[0].begun if self._kept else self._split_at
+        return SeriesState(
+            path=self._path,
+            files=self._files,
+            messages=self._messages + sum(each.messages for each in states),
+            bytes=sum(each.bytes for each in self._kept) + sum(each.bytes for each in states),
+            lost=lost,
+            fault=self._fault or next((each.fault for each in states if each.fault), ""),
+            reaches=max(0.0, now - first),
+        )
+
+    def adopt(self, folder: Path) -> None:
+        """Count complete files of an earlier run as the oldest of this ring."""
+        now, date = self._clock(), time.time()
+        found = []
+        for path in folder.glob("*.mcap"):
+            with contextlib.suppress(OSError):
+                status = path.stat()
+                if path != self._path:
+                    ended = now - max(0.0, date - status.st_mtime)
+                    begun = ended - self._limits.split_s
+                    found.append(
+                        KeptFile(path=path, begun=begun, ended=ended, bytes=status.st_size)
+                    )
+        self._kept.extendleft(sorted(found, key=lambda each: -each.ended))
+
+    def add(
+        self,
+        topic: RecordedTopic,
+        payload: Payload,
+        moment: float,
+        measured: float,
+        number: int = 0,
+    ) -> None:
+        """Write a message; never waits.
+
+        Args:
+            topic: Where it belongs.
+            payload: The encoded message.
+            moment: When it came [s].
+            measured: When its content was measured [s].
+            number: Its number at the receiver.
+        """
+        if self._writer is None:
+            self._lost[topic.name] += 1
+        else:
+            self._writer.add(topic, payload, moment, measured, number)
+
+    def look(self) -> None:
+        """Split, delete and retry what is due; call it some times a second."""
+        now = self._clock()
+        self._reap()
+        self._prune(now)
+        if self._writer is None:
+            if now >= self._retry_at:
+                self._retry(now)
+            return
+        state = self._writer.state
+        if state.fault:
+            self._end_file(now)
+            self._fault, self._retry_at = state.fault, now + RETRY_S
+            _logger.warning("nothing is recorded: %s", state.fault)
+            return
+        old = 0.0 < self._limits.split_s <= now - self._split_at
+        if old or 0 < self._limits.split_bytes <= state.bytes:
+            self.split()
+
+    def split(self) -> None:
+        """Go on in the next file."""
+        now = self._clock()
+        self._end_file(now)
+        self._retry(now)
+
+    @property
+    def settled(self) -> bool:
+        """Whether all files but the present one are complete."""
+        self._reap()
+        return not self._closing
+
+    def files(self, begin: float, end: float) -> list[Path]:
+        """The complete files with anything from `begin` to `end` [s], in order."""
+        return [each.path for each in self._kept if each.ended >= begin and each.begun <= end]
+
+    def close(self) -> SeriesState:
+        """Complete the last file; returns the final state."""
+        if self._writer is not None:
+            self._end_file(self._clock())
+        for ending in self._closing:
+            ending.thread.join()
+        self._reap()
+        return self.state
+
+    def _open(self) -> None:
+        """Begin the next file.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        now, date = self._clock(), self._read_date()
+        off = (
+            date.wall_ns / 1e9
+            - date.monotonic
+            - (self._anchor.wall_ns / 1e9 - self._anchor.monotonic)
+        )
+        if abs(off) > _STEP_S:
+            _logger.warning("the date was set by %.1f s; %s", off, "the next file follows it")
+            self._anchor = date
+        path = self._next_path(self._files)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        free = free_room(path.parent)
+        if free < self._limits.writer.least_free:
+            text = f"only {free // 2**20} MB are free on the disk of {path.parent}"
+            raise OSError(text)
+        self._writer = RecordingWriter(path, self._anchor, self._about, self._limits.writer)
+        self._path, self._split_at, self._fault = path, now, ""
+        self._files += 1
+        for attached in self._attached:
+            self._writer.attach(*attached, now)
+        for first in self._latched.values():
+            self._writer.add(first.topic, first.payload, now, first.measured, first.number)
+
+    def _retry(self, now: float) -> None:
+        try:
+            self._open()
+        except OSError as error:
+            fault = error.strerror or str(error)
+            if fault != self._fault:
+                _logger.warning("nothing is recorded: %s", fault)
+            self._fault, self._retry_at = fault, now + RETRY_S
+
+    def _end_file(self, now: float) -> None:
+        """Complete the present file beside other work."""
+        if self._writer is None:
+            return
+        writer, self._writer = self._writer, None
+        thread = threading.Thread(target=writer.close, name="recording ends", daemon=True)
+        thread.start()
+        self._closing.append(_Ending(thread, writer, self._split_at, now))
+
+    def _reap(self) -> None:
+        """Add up the files that are complete."""
+        while self._closing and not self._closing[0].thread.is_alive():
+            ending = self._closing.pop(0)
+            state = ending.writer.state
+            self._messages += state.messages
+            self._lost.update(state.lost)
+            self._kept.append(
+                KeptFile(
+                    path=ending.writer.path,
+                    begun=ending.begun,
+                    ended=ending.ended,
+                    bytes=state.bytes,
+                )
+            )
+
+    def _prune(self, now: float) -> None:
+        """Delete the oldest files of a ring."""
+        if not self._limits.keep_s:
+            return
+        size = sum(each.bytes for each in self._kept)
+        while self._kept:
+            oldest = self._kept[0]
+            room = free_room(oldest.path.parent) >= self._limits.writer.least_free + _MARGIN
+            young = now - oldest.ended <= self._limits.keep_s
+            if young and room and size <= self._limits.keep_bytes:
+                return
+            self._kept.popleft()
+            size -= oldest.bytes
+            with contextlib.suppress(OSError):
+                oldest.path.unlink()
+
+
+def free_room(folder: Path) -> int:
+    """Free room on the disk of a folder [bytes]; unlimited if the system does not say."""
+    try:
+        disk = os.statvfs(folder)
+    except OSError:
+        return 2**62
+    return disk.f_bavail * disk.f_frsize
