@@ -1,0 +1,1 @@
+"""Questionnaires in the terminal: TOML files of items, answers that survive a kill, screens."""
