@@ -33,6 +33,10 @@ LIBRARY = "rune"
 """Who wrote a file, in its header."""
 ABOUT = "rune"
 """Name of the metadata with the anchor and what the writer says of itself."""
+BOOT = "boot"
+"""Key of that metadata: which run of a machine the monotonic clock belongs to."""
+BOOT_FILE = Path("/proc/sys/kernel/random/boot_id")
+"""Where the system says which run of the machine this is."""
 _GATHER_S = 0.05
 """Time that messages wait for others before the thread wakes [s]."""
 
@@ -122,8 +126,7 @@ class RecordingWriter:
             compression=CompressionType.LZ4,
         )
         self._writer.start(profile="ros2", library=LIBRARY)
-        clock = {"wall_ns": str(anchor.wall_ns), "monotonic": repr(anchor.monotonic)}
-        self._writer.add_metadata(ABOUT, {**about, **clock})
+        self._writer.add_metadata(ABOUT, {**about, **clock_facts(anchor)})
         try:
             self._stream.flush()
         except OSError:
@@ -301,6 +304,14 @@ class RecordingWriter:
             self._give_up(error.strerror or str(error))
         with contextlib.suppress(OSError):
             self._file.close()
+
+
+def clock_facts(anchor: TimeAnchor) -> dict[str, str]:
+    """What the metadata of a recording says of the clock of this machine."""
+    facts = {"wall_ns": str(anchor.wall_ns), "monotonic": repr(anchor.monotonic)}
+    with contextlib.suppress(OSError):
+        facts[BOOT] = BOOT_FILE.read_text().strip()
+    return facts
 
 
 def _free(path: Path) -> int:

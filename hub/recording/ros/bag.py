@@ -168,6 +168,23 @@ class Bag:
         """Files within the first split."""
         return self._splits[0].attachments
 
+    def attachment(self, place: AttachmentPlace) -> bytes:
+        """The content of a file within the first split.
+
+        Raises:
+            RecordingError: It is damaged, or the split has no such file.
+        """
+        first = self._splits[0]
+        if isinstance(first, Recording):
+            return first.attachment(place)
+        text = f"{first.path} has no files within it"
+        raise RecordingError(text)
+
+    @property
+    def finished(self) -> bool:
+        """All files have their index."""
+        return all(each.finished for each in self._splits if isinstance(each, Recording))
+
     def newest(
         self, stamp: int, channels: AbstractSet[int] | None = None
     ) -> dict[int, LoggedMessage]:
