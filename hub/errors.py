@@ -142,7 +142,12 @@ class _FileError(HubError, ValueError):
 
     def __init__(self, path: str, problems: Sequence[str]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(path + _placed(problem) for problem in self.problems))
+        super().__init__(at_lines(path, problems))
+
+
+def at_lines(path: str, problems: Sequence[str]) -> str:
+    """The problems of a file, each on a line of its own that begins as compilers write it."""
+    return "\n".join(path + _placed(problem) for problem in problems)
 
 
 def _placed(problem: str) -> str:

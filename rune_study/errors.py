@@ -1,6 +1,8 @@
 """Every error of studies.
 
 StudyError
+├── StudyFileError (ValueError)   a study's file with mistakes, all of them listed
+├── ChangedStudyError (ValueError)  a study that is not the one with which a session began
 ├── AnswersError                  a file of answers that cannot be written, or does not fit
 ├── QuestionnaireError (ValueError)  a questionnaire's file with mistakes, all of them listed
 └── DataError (ValueError)    data that a metric or a statistic cannot take
@@ -10,11 +12,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hub.errors import HubError
+from hub.errors import HubError, at_lines
 
 
 class StudyError(HubError):
     """A study, its files or its data cannot be used."""
+
+
+class StudyFileError(StudyError, ValueError):
+    """A study's file with mistakes.
+
+    Attributes:
+        problems: One sentence for each mistake.
+    """
+
+    def __init__(self, path: str, problems: Sequence[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__(at_lines(path, problems))
+
+
+class ChangedStudyError(StudyError, ValueError):
+    """A study that is not the one with which a session began."""
 
 
 class DataError(StudyError, ValueError):

@@ -10,7 +10,7 @@ import logging.handlers
 import os
 import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
@@ -52,8 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     gc.set_threshold(_COLLECT_AFTER)
     from hub.errors import CentralUnreachableError, HubError
 
-    options = parser().parse_args(arguments)
-    commands = {
+    words = sys.argv[1:] if arguments is None else arguments
+    options = parser().parse_args(words[:1] if words[:1] == ["study"] else words)
+    commands: dict[str, Callable[[argparse.Namespace], int]] = {
         "run": _run,
         "demo": _demo,
         "check": _check,
@@ -64,6 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "terminal": _terminal,
         "joytest": _joytest,
         "pad": _pad,
+        "study": lambda _: _study(words[1:]),
     }
     try:
         return commands[options.command](options)
@@ -318,6 +320,12 @@ def _pad(options: argparse.Namespace) -> int:
         operator=options.operator or "",
     )
     return ExitCode.OK
+
+
+def _study(arguments: Sequence[str]) -> int:
+    from rune_study.cli import main as study
+
+    return study(arguments)
 
 
 def _console(

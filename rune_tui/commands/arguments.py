@@ -108,7 +108,7 @@ def parser() -> CommandParser:
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
     joytest = _add_joytest(commands)
     _add_pad(commands, keys_help)
-    add_completion(commands)
+    _add_without_options(commands)
     for command in (run, demo, check, shot, joytest):
         command.add_argument(
             "--set",
@@ -135,6 +135,11 @@ def _add_operator_and_record(*commands: CommandParser) -> None:
             metavar="DIR",
             help="record into a file in this folder from the start; `rune replay` shows it",
         )
+
+
+def _add_without_options(commands: Commands) -> None:
+    commands.add_parser("study", help="plan and run studies; rune study --help says more")
+    add_completion(commands)
 
 
 def _add_robot_and_arena(*commands: CommandParser) -> None:

@@ -1,0 +1,41 @@
+"""The arguments of `rune study`: tasks, options and their values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hub.command_line import CommandParser, Commands, number_type
+from rune_study.plan.study_spec import MOST_PARTICIPANTS
+
+_participant = number_type(
+    int, 1, MOST_PARTICIPANTS, f"participant's number, 1 to {MOST_PARTICIPANTS}"
+)
+
+
+def parser() -> CommandParser:
+    """The parser of `rune study`."""
+    parser = CommandParser(
+        prog="rune study",
+        description="Plan a study, run its sessions in this terminal, look how far it is.",
+        epilog="docs/studies.md goes through a study from the first file to the last participant. "
+        "Exit codes: 0 ok, 1 a fault, 2 wrong usage or study, 3 no hub.",
+    )
+    tasks = parser.add_subparsers(dest="task", required=True, metavar="COMMAND")
+    _add(tasks, "new", "write a study of two conditions, to be edited")
+    check = _add(tasks, "check", "report all that is wrong with a study, and its design in numbers")
+    check.add_argument("--json", action="store_true", help="the design in one line, for machines")
+    plan = _add(tasks, "plan", "show the order of conditions of each participant")
+    form = plan.add_mutually_exclusive_group()
+    form.add_argument("--csv", action="store_true", help="each trial a line, for spreadsheets")
+    form.add_argument("--json", action="store_true", help="each step a line, for machines")
+    plan.add_argument("--participant", type=_participant, metavar="N", help="this one only")
+    plan.add_argument(
+        "--unblind", action="store_true", help="name the conditions of a blind study too"
+    )
+    return parser
+
+
+def _add(tasks: Commands, name: str, meaning: str) -> CommandParser:
+    task = tasks.add_parser(name, help=meaning, description=f"{meaning[0].upper()}{meaning[1:]}.")
+    task.add_argument("folder", type=Path, metavar="DIR", help="folder of the study")
+    return task
