@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     gc.set_threshold(_COLLECT_AFTER)
     from hub.errors import CentralUnreachableError, HubError
 
-    words = sys.argv[1:] if arguments is None else arguments
+    words = list(sys.argv[1:] if arguments is None else arguments)
     options = parser().parse_args(words[:1] if words[:1] == ["study"] else words)
     commands: dict[str, Callable[[argparse.Namespace], int]] = {
         "run": _run,

@@ -8,7 +8,12 @@ import json
 from collections.abc import Iterator, Sequence
 
 from hub.values import dataclass
-from rune_study.plan.folder import condition_problems, questionnaire_path, text_path
+from rune_study.plan.folder import (
+    condition_problems,
+    questionnaire_path,
+    questionnaire_problems,
+    text_path,
+)
 from rune_study.plan.orders import BY_LOT, MOST_TRIES, ROWS, balance, share_kept
 from rune_study.plan.steps import (
     BREAK,
@@ -141,7 +146,7 @@ def missing(study: StudySpec) -> list[str]:
     conditions = (
         problem for spec in set(study.conditions) for problem in condition_problems(study, spec)
     )
-    return sorted({*steps, *conditions})
+    return sorted({*steps, *questionnaire_problems(study, names), *conditions})
 
 
 def as_json(report: DesignReport) -> str:

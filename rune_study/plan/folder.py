@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from hub.errors import HubError
@@ -10,10 +10,9 @@ from hub.plain_text import plain
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.shaper.profile import load_profile
 from hub.sim.arena import load_arena
+from rune_study.errors import QuestionnaireError
 from rune_study.plan.study_spec import ConditionSpec, StudySpec
-
-QUESTIONNAIRES = Path(__file__).parents[1] / "questionnaires"
-"""Folder of the questionnaires that come with Rune."""
+from rune_study.questionnaires.questionnaire import find, read
 
 
 def text_path(study: StudySpec, name: str) -> Path | None:
@@ -23,8 +22,10 @@ def text_path(study: StudySpec, name: str) -> Path | None:
 
 def questionnaire_path(study: StudySpec, name: str) -> Path | None:
     """The study's questionnaire of this name, else the one that comes with Rune; None: none."""
-    own = _existing(study.folder / "questionnaires" / f"{name}.toml")
-    return own or _existing(QUESTIONNAIRES / f"{name}.toml")
+    try:
+        return find(name, study.folder / "questionnaires")
+    except QuestionnaireError:
+        return None
 
 
 def located(study: StudySpec, name: str, room: str, suffix: str) -> str:
@@ -91,6 +92,16 @@ def condition_problems(study: StudySpec, spec: ConditionSpec) -> Iterator[str]:
             load_profile(link_of(study, spec))
     except HubError as error:
         yield str(error)
+
+
+def questionnaire_problems(study: StudySpec, names: Iterable[str]) -> Iterator[str]:
+    """Why questionnaires that a study names cannot be used, a sentence each."""
+    for path in (questionnaire_path(study, name) for name in names):
+        if path is not None:
+            try:
+                read(path)
+            except QuestionnaireError as error:
+                yield str(error)
 
 
 def _existing(path: Path) -> Path | None:

@@ -41,7 +41,9 @@ def test_factors_are_crossed_and_levels_change_settings(tmp_path: Path) -> None:
         """,
     )
     assert [dict(each) for each in study.levels] == [
-        {"layout": layout, "help": level} for layout in ("hri-a", "hri-b") for level in ("off", "on")
+        {"layout": layout, "help": level}
+        for layout in ("hri-a", "hri-b")
+        for level in ("off", "on")
     ]
     settings = [spec.settings for spec in study.conditions]
     assert settings == [("body.margin=0",), (), ("body.margin=0",), ()]
