@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from hub.values import dataclass
 from rune_study.errors import StudyError
-from rune_study.plan.lots import shuffled
+from rune_study.lots import shuffled
 
 Row = tuple[int, ...]
 """Numbers of conditions, from 0, in their order."""

@@ -7,7 +7,7 @@ import string
 from typing import Any
 
 from hub.values import dataclass
-from rune_study.plan.lots import draw, shuffled, spread
+from rune_study.lots import draw, shuffled, spread
 from rune_study.plan.orders import BY_LOT, ROWS, Row, Rule, drawn, no_run_above, row_of
 from rune_study.plan.study_file import latest
 from rune_study.plan.study_spec import MomentsSpec, StudySpec

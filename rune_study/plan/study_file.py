@@ -15,7 +15,7 @@ from hub import files
 from hub import toml_reader as toml
 from hub.nearest import did_you_mean
 from rune_study.errors import StudyError, StudyFileError
-from rune_study.plan.lots import room_left
+from rune_study.lots import room_left
 from rune_study.plan.orders import BY_LOT, MOST_OF_ALL
 from rune_study.plan.practice import Criterion
 from rune_study.plan.study_spec import (

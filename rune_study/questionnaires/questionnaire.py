@@ -21,7 +21,7 @@ from hub.toml_reader import (
 from hub.toml_reader import load as load_toml
 from hub.values import dataclass
 from rune_study.errors import QuestionnaireError
-from rune_study.plan.lots import shuffled
+from rune_study.lots import shuffled
 from rune_study.questionnaires.items import KINDS, MOST_ITEMS, Item, Pair, keys_of_item, pairs_of
 
 SHIPPED = Path(__file__).parent / "files"

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_study.errors import StudyError
-from rune_study.plan.lots import draw, shuffled, spread
+from rune_study.lots import draw, shuffled, spread
 from rune_study.plan.orders import (
     ROWS,
     balance,
