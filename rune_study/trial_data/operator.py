@@ -1,0 +1,72 @@
+"""What the operator pressed, what became of it, and which robot he had chosen."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.values import dataclass
+from rune_study.trial_data.trial_log import TrialLog
+from rune_tui.model.own_records import (
+    RUNE_INPUT,
+    RUNE_SELECT,
+    RUNE_SHOWN,
+    InputOutcome,
+    InputRecord,
+    Selection,
+)
+
+_Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class OperatorInputs:
+    """The operator's inputs.
+
+    Attributes:
+        by_robot: When an input commanded a robot [s of the trial] (n,), by the robot's name.
+        selections: When a robot was chosen [s of the trial] (n,), by its name.
+        inputs: All inputs with their times [s of the trial], in their order.
+        refused: Number of inputs that were refused with a reason.
+    """
+
+    by_robot: dict[str, _Floats]
+    selections: dict[str, _Floats]
+    inputs: tuple[tuple[float, InputRecord], ...]
+    refused: int
+
+    def axis(self, name: str) -> tuple[_Floats, _Floats]:
+        """Times [s of the trial] and positions (-1 to 1) of an axis, by its name in layouts."""
+        found = [(time, record.value) for time, record in self.inputs if record.input == name]
+        times, values = np.array(found, float).reshape(-1, 2).T
+        return times, values
+
+
+def inputs_of(log: TrialLog) -> OperatorInputs:
+    """The inputs of a trial; what repeats by itself, as a held key, counts as one input."""
+    inputs = tuple(log.own(RUNE_INPUT))
+    by_robot: dict[str, list[float]] = {}
+    for time, record in inputs:
+        if record.robot and record.handlers and not (record.repeat and record.value == 1):
+            by_robot.setdefault(record.robot, []).append(time)
+    selections: dict[str, list[float]] = {}
+    for time, selected in log.own(RUNE_SELECT):
+        if selected.what is Selection.CHOSEN and selected.robot:
+            selections.setdefault(selected.robot, []).append(time)
+    return OperatorInputs(
+        by_robot={robot: np.array(times) for robot, times in by_robot.items()},
+        selections={robot: np.array(times) for robot, times in selections.items()},
+        inputs=inputs,
+        refused=sum(record.outcome is InputOutcome.REFUSED for _, record in inputs),
+    )
+
+
+def frames_shown(log: TrialLog) -> _Floats:
+    """When frames were handed to the terminal, and when it said that it shows them (n, 2) [s].
+
+    A frame that the terminal says nothing of has NaN.
+    """
+    shown = [
+        (time, time + (record.answered - record.handed)) for time, record in log.own(RUNE_SHOWN)
+    ]
+    return np.array(shown, float).reshape(-1, 2)
