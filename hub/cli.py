@@ -10,7 +10,7 @@ import logging
 import math
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -24,6 +24,7 @@ from hub.command_line import (
     write_completion,
 )
 from hub.errors import CentralUnreachableError, HubError, QueryError
+from hub.inspection import shape_command
 from hub.inspection.record_options import add_record, run_record
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
@@ -76,18 +77,10 @@ def run_command(options: argparse.Namespace) -> int:
     """Do what the options of the command line say; returns the exit code."""
     if options.command == "completion":
         return write_completion(command_parser, options.shell)
-    if options.command == "run":
-        return _run_daemon(options)
-    if options.command == "keys":
-        return _run_key_command(options)
     if options.command == "mission" and options.task in ("list", "show", "export", "score"):
         return _run_mission_command(options)
-    if options.command in ("check", "doctor", "service"):
-        return _run_machine_command(options)
-    if options.command == "arena":
-        return _show_arena(options)
-    if options.command == "record":
-        return run_record(options)
+    if options.command in _WITHOUT_CLIENT:
+        return _WITHOUT_CLIENT[options.command](options)
     from hub.inspection import message_commands
 
     client = message_commands.connect(options.hub, options.command, options.keys)
@@ -269,6 +262,14 @@ def _run_daemon(options: argparse.Namespace) -> int:
     )
 
 
+_WITHOUT_CLIENT: Mapping[str, Callable[[argparse.Namespace], int]] = {
+    "run": _run_daemon,
+    "keys": _run_key_command,
+    "arena": _show_arena,
+    "record": run_record,
+    "shape": shape_command.run,
+    **dict.fromkeys(("check", "doctor", "service"), _run_machine_command),
+}
 _port = number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}")
 _positive = number_type(float, sys.float_info.min, 1e6, "number above 0")
 _whole = number_type(int, 1, math.inf, "whole number above 0")
@@ -345,6 +346,7 @@ def command_parser() -> CommandParser:
     _add_control(commands, look)
     _add_missions(commands, look)
     add_record(commands, look)
+    shape_command.add_parser(commands, look)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     add_completion(commands)
     return parser

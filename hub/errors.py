@@ -22,6 +22,7 @@
     │   └── QueryTimeoutError (TimeoutError)   the answer did not come in time
     ├── CameraError (OSError)                a camera that gives no pictures, and why
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
+    ├── LinkShaperError (RuntimeError)         a link shaper that could not be started
     ├── UnknownKindError (LookupError)         a kind of robot that is not known, or not usable
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
     ├── LinkProfileError (ValueError)          a profile of a link with mistakes, all of them listed
@@ -168,6 +169,10 @@ class RobotFileError(_FileError):
 
 class LinkProfileError(_FileError):
     """A profile of a link with mistakes, all of them listed in `problems`."""
+
+
+class LinkShaperError(HubError, RuntimeError):
+    """A link shaper that could not be started."""
 
 
 class UnknownKindError(HubError, LookupError):

@@ -23,6 +23,7 @@ from hub.gcm import (
     pad,
     ranges,
     recording,
+    shaper,
     supervision,
     transforms,
     vehicle,
@@ -53,5 +54,6 @@ MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *control.MESSAGES,
     *pad.MESSAGES,
     *recording.MESSAGES,
+    *shaper.MESSAGES,
 )
 BY_NAME = {definition.name: definition for definition in MESSAGES}

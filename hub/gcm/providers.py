@@ -23,6 +23,7 @@ from hub.gcm import (
     pad,
     ranges,
     recording,
+    shaper,
     supervision,
     transforms,
     vehicle,
@@ -107,6 +108,7 @@ ALWAYS_THERE: frozenset[str] = frozenset(
         *supervision.MESSAGES,
         *control.MESSAGES,
         *pad.MESSAGES,
+        *shaper.MESSAGES,
     )
 )
 """Messages of the hub and of every module, on every robot."""

@@ -40,6 +40,7 @@ class _Packet(Generic[P]):
         began: When it came to the link [s].
         sent: When it left last [s].
         due: When it arrives, or is sent again if it is lost [s].
+        longest: Longest pause before it is sent again [s].
         tries: How often it was lost.
         lost: Whether it waits to be sent again.
         arrived: Whether it waits only for those before it.
@@ -48,6 +49,7 @@ class _Packet(Generic[P]):
     content: P
     size: int
     began: float
+    longest: float
     sent: float = 0.0
     due: float = 0.0
     tries: int = 0
@@ -144,7 +146,9 @@ class LinkDirection(Generic[P]):
             time, over = sent, over - size
         return time
 
-    def send(self, stream: int, content: P, size: int, now: float) -> None:
+    def send(
+        self, stream: int, content: P, size: int, now: float, longest: float = _LONGEST_RETRY_S
+    ) -> None:
         """Take a packet; take those that arrived until `now` before.
 
         Args:
@@ -152,8 +156,9 @@ class LinkDirection(Generic[P]):
             content: Anything.
             size: Without headers [bytes].
             now: [s]
+            longest: Longest pause before it is sent again, if it is lost [s].
         """
-        packet = _Packet(content, size, now)
+        packet = _Packet(content, size, now, longest)
         self._streams.setdefault(stream, collections.deque()).append(packet)
         self._packets += 1
         self._bytes += size
@@ -186,7 +191,7 @@ class LinkDirection(Generic[P]):
         packet.lost = self.conditions.lost(packet.sent)
         if packet.lost:
             self._lost += 1
-            pause = min(_LONGEST_RETRY_S, self._retry * 2.0 ** min(packet.tries, 10))
+            pause = min(packet.longest, self._retry * 2.0 ** min(packet.tries, 10))
             packet.tries += 1
             self._at(packet.sent + pause, stream, packet)
         else:

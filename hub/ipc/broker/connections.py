@@ -22,6 +22,7 @@ from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.security.publish_rights import ROBOT_NAMES, reserved_text
 from hub.ipc.transport.clock_sync import this_machine, this_neighbourhood
 from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.transport.file_descriptors import relayed
 from hub.ipc.wire import control
 from hub.ipc.wire.control import Change
 
@@ -139,7 +140,7 @@ class Connections:
         return self._forget(peer) + self._presence.report(Change.DISCONNECTED, peer)
 
     def _new_peer(self, caller: Caller, message: control.Hello) -> Peer:
-        local = caller.principal is LOCAL
+        local = caller.principal is LOCAL and not relayed(caller.descriptor)
         return Peer(
             identity=caller.identity,
             descriptor=caller.descriptor,

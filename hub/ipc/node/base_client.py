@@ -119,6 +119,11 @@ class BaseClient:
         return self._connection.near
 
     @property
+    def addresses(self) -> tuple[str, ...]:
+        """The addresses of the hub: control, then, once connected, of each plane in and out."""
+        return (self.endpoint, *self.session.addresses)
+
+    @property
     def round_trip(self) -> float:
         """Shortest time of the last seconds for an answer of central [s]; NaN before the first."""
         return self._connection.hub_time.round_trip

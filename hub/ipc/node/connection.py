@@ -44,8 +44,12 @@ _QUEUE = 10_000
 _WATCHED = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_HANDSHAKE_FAILED_AUTH | zmq.EVENT_DISCONNECTED
 _SECOND_HELLO_S = 0.2
 """Retry HELLO once after this delay, then report the refusal [s]."""
-_SOCKET_LIFE_S = 2.0
-"""Time after which a new socket replaces one that cannot connect [s]."""
+_SOCKET_LIFE_S, _FIRST_LIFE_S = 2.0, 5.0
+"""Time after which a new socket replaces one that cannot connect, later and at first [s].
+
+A connection takes five round trips. So the first life is long, as the round trip is not known.
+"""
+_ROUND_TRIPS = 6
 _SHORTEST_S, _LONGEST_S = 0.25, 1.5
 """Shortest and longest time for one attempt [s].
 
@@ -197,8 +201,15 @@ class Connection:
             transport=self._transport,
             address=self._endpoint,
         )
-        self._reopen = self._clock() + _SOCKET_LIFE_S
+        self._reopen = self._clock() + self._life
         self._next_ping = 0.0
+
+    @property
+    def _life(self) -> float:
+        """Time for the socket to connect [s]."""
+        if self.joined == (0, 0):
+            return _FIRST_LIFE_S
+        return max(_SOCKET_LIFE_S, _ROUND_TRIPS * self.hub_time.round_trip)
 
     def _keep_alive(self) -> None:
         now = self._clock()

@@ -39,6 +39,7 @@ class Session:
         pending_queries: Its queries under way.
         responders: The queries that it answers.
         directory: Central's list of peers.
+        addresses: Of each plane, in and out; empty before the first connection.
         refused: Why central refused a definition, by message name.
     """
 
@@ -76,6 +77,7 @@ class Session:
             name, self.connection, self.pack, self.publishers.last, self._clock
         )
         self.direct_responder: DirectResponder | None = None
+        self.addresses: tuple[str, ...] = ()
         self._plane_addresses: tuple[list[str], bool, bool] | None = None
         self._last_names: set[str] = set()
         self._frame_actions: dict[type, Callable[[Any, bytes | None], object]] = {
@@ -154,6 +156,7 @@ class Session:
                 file_descriptors.allow_many()
             self._leave_planes()
             self._plane_addresses = (addresses, message.near, same_run)
+            self.addresses = tuple(addresses)
             if self.publishers.used or self.subscriptions.used:
                 self.enter_planes()
             self._open_direct_responder(near=message.near)

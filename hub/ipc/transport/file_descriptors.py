@@ -26,6 +26,7 @@ half of them has room for most of that."""
 
 _ANY = socket.AF_INET6
 """Has room for an address of each family; a call for the family would double the time."""
+_OWN_ADDRESS = "127.0.0.1"
 _TCP_INFO = 11
 _TCP_INFO_SIZE, _RECEIVED_AT, _RECEIVED = 192, 128, struct.Struct("=Q")
 """Size of tcp_info of Linux (tcp(7)), and place of tcpi_bytes_received in it."""
@@ -65,6 +66,17 @@ def ends_of(descriptor: int) -> tuple[int, str] | None:
         if isinstance(here, tuple) and isinstance(there, tuple):  # else it is no TCP
             return int(here[1]), str(there[0])
     return None
+
+
+def relayed(descriptor: int) -> bool:
+    """Whether a connection comes from another loopback address than 127.0.0.1.
+
+    Clients of this machine connect from 127.0.0.1. A relay for them connects from the address at
+    which it listens, so that nothing goes past it.
+    """
+    ends = ends_of(descriptor)
+    there = ends[1].removeprefix("::ffff:") if ends is not None else ""
+    return there.startswith("127.") and there != _OWN_ADDRESS
 
 
 def received(descriptor: int) -> int:
