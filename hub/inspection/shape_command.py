@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, TextIO
 
 from hub.command_line import CommandParser, Commands, ExitCode, number_type
 from hub.errors import EndpointError, HubError
-from hub.inspection.output import print_error, put, table
 
 if TYPE_CHECKING:
     from hub.ipc.client import Client
@@ -60,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         HubError: The profile has mistakes, no hub answers, or no address is free.
     """
+    from hub.inspection.output import print_error, put
     from hub.shaper.profile import load_profile, profile_path
 
     if options.list:
@@ -75,6 +75,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _list_all(*, as_json: bool) -> int:
+    from hub.inspection.output import put, table
     from hub.shaper.profile import load_profile, shipped_profiles
 
     profiles = [load_profile(name) for name in shipped_profiles()]
@@ -162,6 +163,8 @@ def _listen(options: argparse.Namespace, client: Client, profile: LinkProfile) -
 def _say_ready(
     options: argparse.Namespace, relay: Relay, profile: LinkProfile, outputs: list[TextIO]
 ) -> None:
+    from hub.inspection.output import put
+
     endpoint = f"tcp://{relay.address}:{relay.ports[0]}"
     ready = {
         "event": "ready",

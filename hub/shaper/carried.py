@@ -32,7 +32,7 @@ class Mark(enum.Enum):
 Content: TypeAlias = bytes | Mark
 
 
-class End:
+class LinkEnd:
     """One of the two sockets; it never waits.
 
     Attributes:
@@ -146,13 +146,13 @@ class Carried:
         place: The place of its port in the hub's row.
     """
 
-    def __init__(self, near: End, place: int) -> None:
+    def __init__(self, near: LinkEnd, place: int) -> None:
         self.near = near
-        self.far: End | None = None
+        self.far: LinkEnd | None = None
         self.place = place
 
     @property
-    def ends(self) -> tuple[End, ...]:
+    def ends(self) -> tuple[LinkEnd, ...]:
         """Its sockets."""
         return (self.near,) if self.far is None else (self.near, self.far)
 

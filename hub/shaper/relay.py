@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from hub.errors import EndpointError
-from hub.shaper.carried import Carried, Content, End, Mark, begin_connection
+from hub.shaper.carried import Carried, Content, LinkEnd, Mark, begin_connection
 from hub.shaper.model import Delivery, LinkDirection, LinkModel
 from hub.shaper.profile import LinkProfile
 
@@ -79,7 +79,7 @@ class Relay:
         self._small = min(profile.up.rate, profile.down.rate) < _FAST
         self.started = clock()
         self._carried: dict[int, Carried] = {}
-        self._numbers: dict[End, int] = {}
+        self._numbers: dict[LinkEnd, int] = {}
         self._next = 0
         self._selector = selectors.SelectSelector()  # its time-outs are finer than those of epoll
         self._listening: list[socket.socket] = []
@@ -124,7 +124,7 @@ class Relay:
         # A direction may have room for one of them only: each gets its turn.
         ready.sort(key=lambda found: getattr(found[0].data, "served", 0.0))
         for key, events in ready:
-            if isinstance(key.data, End):
+            if isinstance(key.data, LinkEnd):
                 self._serve(key.data, events, now)
             else:
                 self._accept(key.fileobj, key.data[1], now)  # type: ignore[arg-type]
@@ -150,7 +150,7 @@ class Relay:
         rooms = (room for room in (up, down) if room > now)
         return min(self.model.up.due, self.model.down.due, *rooms)
 
-    def _watch(self, end: End, *, room: bool) -> None:
+    def _watch(self, end: LinkEnd, *, room: bool) -> None:
         """Have the selector wait for what this socket may do."""
         reads, writes = room and end.reads, end.writes
         events = reads * selectors.EVENT_READ | writes * selectors.EVENT_WRITE
@@ -174,11 +174,11 @@ class Relay:
             near.close()
             return
         self._next += 1
-        self._carried[self._next] = Carried(End(near, small=self._small), place)
+        self._carried[self._next] = Carried(LinkEnd(near, small=self._small), place)
         self._numbers[self._carried[self._next].near] = self._next
         self.model.up.send(self._next, Mark.OPEN, _MARK_BYTES, now, _OPEN_AGAIN_S)
 
-    def _serve(self, end: End, events: int, now: float) -> None:
+    def _serve(self, end: LinkEnd, events: int, now: float) -> None:
         number = self._numbers.get(end)
         if number is None:  # it ended in this turn
             return
@@ -196,7 +196,7 @@ class Relay:
             self._broke(direction, number, end, now)
         self._end_if_finished(number)
 
-    def _connected(self, carried: Carried, number: int, end: End, now: float) -> None:
+    def _connected(self, carried: Carried, number: int, end: LinkEnd, now: float) -> None:
         """The connection to the hub is made, or refused."""
         end.connecting = False
         if end.failure():
@@ -207,7 +207,9 @@ class Relay:
         answer = Mark.OPEN if end.open else Mark.RESET
         self.model.down.send(number, answer, _MARK_BYTES, now, _OPEN_AGAIN_S)
 
-    def _read(self, direction: LinkDirection[Content], number: int, end: End, now: float) -> None:
+    def _read(
+        self, direction: LinkDirection[Content], number: int, end: LinkEnd, now: float
+    ) -> None:
         data = end.read(self._piece(direction))
         end.served = now
         if data:
@@ -225,7 +227,9 @@ class Relay:
             else min(_LARGEST_PIECE, max(_SEGMENT, int(spec.rate * _PIECE_S / 8.0)))
         )
 
-    def _broke(self, direction: LinkDirection[Content], number: int, end: End, now: float) -> None:
+    def _broke(
+        self, direction: LinkDirection[Content], number: int, end: LinkEnd, now: float
+    ) -> None:
         """One socket is gone; the other side learns it through the link."""
         self._drop(end)
         end.ended = True
@@ -265,10 +269,10 @@ class Relay:
         address = self._hub[carried.place]
         source = self.address if address[0].startswith("127.") else ""
         made = begin_connection(address, source)
-        carried.far = End(made, small=self._small, connecting=True)
+        carried.far = LinkEnd(made, small=self._small, connecting=True)
         self._numbers[carried.far] = number
 
-    def _written(self, carried: Carried, end: End, count: int) -> None:
+    def _written(self, carried: Carried, end: LinkEnd, count: int) -> None:
         """Free the window of the other socket, where these bytes come from."""
         source = carried.near if end is carried.far else carried.far
         if source is not None:
@@ -279,7 +283,7 @@ class Relay:
         if carried is not None and all(each.finished for each in carried.ends):
             self._end(number)
 
-    def _drop(self, end: End) -> None:
+    def _drop(self, end: LinkEnd) -> None:
         """Close a socket."""
         if end.events:
             self._selector.unregister(end.socket)

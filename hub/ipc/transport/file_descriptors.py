@@ -74,7 +74,7 @@ def relayed(descriptor: int) -> bool:
     Clients of this machine connect from 127.0.0.1. A relay for them connects from the address at
     which it listens, so that nothing goes past it.
     """
-    ends = ends_of(descriptor)
+    ends = ends_of(descriptor) if descriptor >= 0 else None
     there = ends[1].removeprefix("::ffff:") if ends is not None else ""
     return there.startswith("127.") and there != _OWN_ADDRESS
 
