@@ -1,0 +1,73 @@
+"""The tables of a study's data: a dataclass for each, whose fields are the columns."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+from hub.values import dataclass
+
+
+def column(meaning: str, unit: str = "", default: Any = dataclasses.MISSING) -> Any:  # noqa: ANN401 - what dataclasses want for a field
+    """The field of a table's column.
+
+    Args:
+        meaning: For people.
+        unit: Its unit; empty: none.
+        default: The value where it has none.
+    """
+    return dataclasses.field(default=default, metadata={"meaning": meaning, "unit": unit})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrialRow:
+    """A trial that was begun; `trials.csv`."""
+
+    participant: int = column("number of the participant")
+    replaces: int = column("the participant whose order this one took over; 0: none", default=0)
+    trial: int = column("number of the trial in the session, from 1; 0: practice")
+    attempt: int = column("which attempt at this trial, from 1", default=1)
+    code: str = column("code of the condition")
+    begin: float = column("begin of the trial since 1970", "s", math.nan)
+    seconds: float = column("its length without freezes and pauses", "s", math.nan)
+    ended: str = column("what ended it", default="")
+    excluded: str = column("why it does not count; empty: it counts", default="")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MetricRow:
+    """A metric of a trial; `metrics.csv`."""
+
+    participant: int = column("number of the participant")
+    trial: int = column("number of the trial in the session, from 1")
+    attempt: int = column("which attempt at this trial, from 1", default=1)
+    code: str = column("code of the condition")
+    robot: str = column("the robot; empty: all robots together", default="")
+    metric: str = column("name of the metric, see the dictionary")
+    value: float = column("its value; empty where there is none", default=math.nan)
+    low: float = column("lower end of its interval", default=math.nan)
+    high: float = column("upper end of its interval", default=math.nan)
+    n: int = column("observations that it stands on", default=0)
+    why: str = column("why there is no value", default="")
+    note: str = column("what to know beside the value", default="")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EventRow:
+    """An event of a session; `events.tsv`, with the columns that BIDS asks for."""
+
+    onset: float = column("begin since the begin of the trial", "s")
+    duration: float = column("length", "s", 0.0)
+    trial_type: str = column("what happened")
+    trial: int = column("number of the trial in the session, from 1; 0: outside", default=0)
+    robot: str = column("the robot; empty: none", default="")
+    value: str = column("what belongs to it, in words", default="")
+
+
+TABLES: dict[str, type[Any]] = {
+    "trials.csv": TrialRow,
+    "metrics.csv": MetricRow,
+    "events.tsv": EventRow,
+}
+"""Tables by their file."""

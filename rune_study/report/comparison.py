@@ -1,0 +1,188 @@
+"""What the metrics of a study say of its conditions: means, effects with intervals, tests; pure."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.values import dataclass
+from rune_study.data.rows import MetricRow
+from rune_study.estimate import Estimate
+from rune_study.statistics.holm import holm
+from rune_study.statistics.means import mean
+from rune_study.statistics.paired import PairedEffect, paired_effect
+from rune_study.statistics.repeated_measures import WithinAnalysis, rm_anova
+
+CONDITION = "condition"
+"""Name of the only factor of a study whose factors are not crossed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contrast:
+    """Two levels of a factor, compared within participants.
+
+    Attributes:
+        factor: The factor.
+        first: One level.
+        second: The other.
+        effect: The first less the second.
+        p_holm: p-value of the sign flips, for all contrasts of this metric together.
+    """
+
+    factor: str
+    first: str
+    second: str
+    effect: PairedEffect
+    p_holm: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MetricResult:
+    """A metric over all conditions.
+
+    Attributes:
+        metric: Its name.
+        values: Mean of each participant under each condition (participants, conditions).
+        means: Of each condition.
+        contrasts: Effects of each factor's levels, first of all results.
+        tests: Analysis of variance; None: it needs two participants and two conditions.
+        reasons: Why trials have no value, with how many.
+    """
+
+    metric: str
+    values: npt.NDArray[np.float64]
+    means: tuple[Estimate, ...]
+    contrasts: tuple[Contrast, ...]
+    tests: WithinAnalysis | None
+    reasons: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Conditions:
+    """The conditions of a study.
+
+    Attributes:
+        codes: Their codes.
+        levels: Of each: the levels of its factors.
+    """
+
+    codes: tuple[str, ...]
+    levels: tuple[Mapping[str, Any], ...]
+
+    @property
+    def factors(self) -> dict[str, list[str]]:
+        """Levels of each factor, in their order; one factor if they are not crossed."""
+        found: dict[str, list[str]] = {}
+        for levels in self.levels:
+            for name, level in levels.items():
+                words = found.setdefault(name, [])
+                if str(level) not in words:
+                    words.append(str(level))
+        found = {name: words for name, words in found.items() if len(words) > 1}
+        cells = {self._cell(number, found) for number in range(len(self.codes))}
+        crossed = math.prod(map(len, found.values())) == len(self.codes) == len(cells)
+        return found if found and crossed else {CONDITION: list(self.codes)}
+
+    def crossed(self, values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Values (participants, conditions) with an axis for each factor."""
+        factors = self.factors
+        if list(factors) == [CONDITION]:
+            return values
+        shape = [len(words) for words in factors.values()]
+        found = np.full((len(values), *shape), np.nan)
+        by_cell = np.moveaxis(found, 0, -1)
+        for number in range(len(self.codes)):
+            by_cell[self._cell(number, factors)] = values[:, number]
+        return found
+
+    def _cell(self, number: int, factors: Mapping[str, list[str]]) -> tuple[int, ...]:
+        levels = self.levels[number]
+        return tuple(
+            words.index(str(levels[name])) if name in levels else -1
+            for name, words in factors.items()
+        )
+
+
+def compare(
+    rows: Iterable[MetricRow], conditions: Conditions, metrics: Sequence[str]
+) -> list[MetricResult]:
+    """Compare conditions by metrics.
+
+    Args:
+        rows: All values that count; those of several trials, attempts and robots of one person
+            under one condition are averaged first.
+        conditions: The conditions.
+        metrics: Which metrics, in this order.
+    """
+    by_metric: dict[str, list[MetricRow]] = {}
+    for row in rows:
+        by_metric.setdefault(row.metric, []).append(row)
+    people = sorted({row.participant for each in by_metric.values() for row in each})
+    return [_result(name, by_metric.get(name, []), conditions, people) for name in metrics]
+
+
+def corrected(results: Sequence[MetricResult], primary: Sequence[str]) -> dict[str, float]:
+    """p-values of the primary metrics' main tests by "METRIC: FACTOR", after Holm together."""
+    tests = {
+        f"{result.metric}: {effect.name}": effect.p_corrected
+        for result in results
+        if result.metric in primary and result.tests is not None
+        for effect in result.tests.effects
+    }
+    return dict(zip(tests, holm(list(tests.values())).tolist(), strict=True)) if tests else {}
+
+
+def _result(
+    name: str, rows: Sequence[MetricRow], conditions: Conditions, people: Sequence[int]
+) -> MetricResult:
+    gathered: dict[tuple[int, str], list[float]] = {}
+    reasons: dict[str, int] = {}
+    for row in rows:
+        if math.isfinite(row.value):
+            gathered.setdefault((row.participant, row.code), []).append(row.value)
+        else:
+            why = row.why or ("it is infinite" if math.isinf(row.value) else "it has no value")
+            reasons[why] = reasons.get(why, 0) + 1
+    values = np.array(
+        [
+            [float(np.mean(gathered.get((person, code), [math.nan]))) for code in conditions.codes]
+            for person in people
+        ]
+    ).reshape(len(people), len(conditions.codes))
+    return MetricResult(
+        metric=name,
+        values=values,
+        means=tuple(mean(values[:, number]) for number in range(len(conditions.codes))),
+        contrasts=tuple(_contrasts(values, conditions)),
+        tests=_tests(values, conditions),
+        reasons=reasons,
+    )
+
+
+def _tests(values: npt.NDArray[np.float64], conditions: Conditions) -> WithinAnalysis | None:
+    complete = int(np.isfinite(values).all(axis=1).sum()) if values.size else 0
+    if complete < 2 or len(conditions.codes) < 2:
+        return None
+    return rm_anova(conditions.crossed(values), tuple(conditions.factors))
+
+
+def _contrasts(values: npt.NDArray[np.float64], conditions: Conditions) -> list[Contrast]:
+    """Each pair of levels of each factor, over the means of all other factors."""
+    crossed = conditions.crossed(values)
+    found: list[tuple[str, str, str, PairedEffect]] = []
+    for axis, (factor, words) in enumerate(conditions.factors.items(), 1):
+        others = tuple(each for each in range(1, crossed.ndim) if each != axis)
+        by_level = crossed.mean(axis=others) if others else crossed
+        for first, second in itertools.combinations(range(len(words)), 2):
+            effect = paired_effect(by_level[:, first], by_level[:, second])
+            found.append((factor, words[first], words[second], effect))
+    adjusted = holm([effect.flips.p for *_, effect in found]).tolist()
+    return [
+        Contrast(factor=factor, first=first, second=second, effect=effect, p_holm=float(p))
+        for (factor, first, second, effect), p in zip(found, adjusted, strict=True)
+    ]

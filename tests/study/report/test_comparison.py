@@ -1,0 +1,91 @@
+"""Conditions are compared within participants, factors where they are crossed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rune_study.data.rows import MetricRow
+from rune_study.report.comparison import Conditions, compare, corrected
+
+CROSSED = Conditions(
+    codes=("A", "B", "C", "D"),
+    levels=tuple(
+        {"layout": layout, "link": link} for layout in ("x", "y") for link in ("lan", "slow")
+    ),
+)
+PLAIN = Conditions(codes=("A", "B", "C"), levels=({}, {}, {}))
+# The oracle data of a repeated-measures analysis: F(2, 10) = 19.705882, epsilon = .798343.
+ORACLE = [[10, 8, 8], [12, 9, 8], [11, 10, 9], [11, 10, 8], [10, 8, 9], [11, 9, 7]]
+
+
+def rows(values: list[list[float]], codes: tuple[str, ...], metric: str = "IE") -> list[MetricRow]:
+    return [
+        MetricRow(
+            participant=person,
+            trial=trial,
+            code=code,
+            metric=metric,
+            value=float(value),
+            why="lost" if math.isnan(value) else "",
+        )
+        for person, line in enumerate(values, 1)
+        for trial, (code, value) in enumerate(zip(codes, line, strict=True), 1)
+    ]
+
+
+def test_one_factor_is_tested_as_published() -> None:
+    (result,) = compare(rows(ORACLE, PLAIN.codes), PLAIN, ["IE"])
+    assert result.tests is not None
+    effect = result.tests.effect("condition")
+    assert effect.f == pytest.approx(19.705882, abs=1e-6)
+    assert effect.epsilon == pytest.approx(0.798343, abs=1e-6)
+    assert [each.value for each in result.means] == pytest.approx(np.mean(ORACLE, axis=0))
+    assert [(each.first, each.second) for each in result.contrasts] == [
+        ("A", "B"),
+        ("A", "C"),
+        ("B", "C"),
+    ]
+    assert all(each.p_holm >= each.effect.flips.p for each in result.contrasts)
+
+
+def test_crossed_factors_are_compared_over_the_others() -> None:
+    values = [[base, base + 3, base + 1, base + 4.0] for base in (1, 2, 4, 7)]
+    (result,) = compare(rows(values, CROSSED.codes), CROSSED, ["IE"])
+    assert {each.factor: each.effect.mean.value for each in result.contrasts} == {
+        "layout": -1,
+        "link": -3,
+    }
+    assert result.tests is not None
+    assert {each.name for each in result.tests.effects} == {"layout", "link", "layout x link"}
+
+
+def test_conditions_that_are_not_crossed_are_one_factor() -> None:
+    uneven = Conditions(
+        codes=("A", "B", "C"), levels=({"link": "lan"}, {"link": "slow"}, {"link": "slow"})
+    )
+    assert list(uneven.factors) == ["condition"]
+
+
+def test_several_trials_of_a_condition_are_averaged_and_missing_ones_are_reported() -> None:
+    values = [[1.0, 5.0, 3.0], [2.0, 6.0, math.nan]]
+    first = rows(values, ("A", "B", "A"))
+    (result,) = compare(first, Conditions(codes=("A", "B"), levels=({}, {})), ["IE"])
+    assert result.values.tolist() == [[2.0, 5.0], [2.0, 6.0]]
+    assert result.reasons == {"lost": 1}
+
+
+def test_a_metric_without_data_has_neither_means_nor_tests() -> None:
+    (result,) = compare([], PLAIN, ["NT"])
+    assert result.tests is None
+    assert not any(each.known for each in result.means)
+
+
+def test_tests_of_primary_metrics_are_corrected_together() -> None:
+    both = [*rows(ORACLE, PLAIN.codes), *rows(ORACLE, PLAIN.codes, "NT")]
+    results = compare(both, PLAIN, ["IE", "NT"])
+    one = corrected(results, ["IE"])["IE: condition"]
+    assert corrected(results, ["IE", "NT"])["IE: condition"] == pytest.approx(2 * one)
+    assert corrected(results, []) == {}
