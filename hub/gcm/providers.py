@@ -7,10 +7,7 @@ from collections.abc import Mapping
 from hub.gcm import (
     autonomy,
     battery,
-    body,
     camera_info,
-    common,
-    control,
     diagnostics,
     edges,
     environment,
@@ -20,11 +17,8 @@ from hub.gcm import (
     mapping,
     mission,
     navigation,
-    pad,
     ranges,
     recording,
-    shaper,
-    supervision,
     transforms,
     vehicle,
     vision,
@@ -98,17 +92,3 @@ TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
     recording.RECORD_COMMAND.name: (Capability.REC_LOG,),
 }
 """The capabilities that receive a message, by its name; the nearest first."""
-
-ALWAYS_THERE: frozenset[str] = frozenset(
-    definition.name
-    for definition in (
-        *common.MESSAGES,
-        *body.MESSAGES,
-        transforms.STATIC_TRANSFORMS,
-        *supervision.MESSAGES,
-        *control.MESSAGES,
-        *pad.MESSAGES,
-        *shaper.MESSAGES,
-    )
-)
-"""Messages of the hub and of every module, on every robot."""

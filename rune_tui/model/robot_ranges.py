@@ -109,11 +109,6 @@ def ranges_of(robot: RobotState) -> RobotRanges | None:
     return _ranges(_Same(body), _Same(readings.value))
 
 
-def beams_of_body(body: RobotBody) -> BodyBeams:
-    """The beams of a body."""
-    return _beams(_Same(body))
-
-
 def lack_of_ranges(robot: RobotState) -> str:
     """Why the ranges of a robot are not known, in words; empty: they are, or it has no sensors."""
     body = robot.body

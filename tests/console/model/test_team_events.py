@@ -21,19 +21,19 @@ def at(state: ConsoleState, now: float) -> ConsoleState:
     return dataclasses.replace(state, now=now)
 
 
-def told(events: list[TeamEvent]) -> list[tuple[str, str, float]]:
+def described(events: list[TeamEvent]) -> list[tuple[str, str, float]]:
     return [(each.kind.name, each.robot, round(each.after_s, 3)) for each in events]
 
 
 def test_the_time_from_a_choice_to_the_first_command_is_said_once() -> None:
     watch = TeamWatch()
-    assert told(list(watch.look(START)))[0][:2] == ("CHOSEN", "rover")
+    assert described(list(watch.look(START)))[0][:2] == ("CHOSEN", "rover")
     assert list(watch.look(at(START, 11.0))) == []
-    assert told(list(watch.command("blimp", at(START, 11.5)))) == []
-    assert told(list(watch.command("rover", at(START, 12.0)))) == [("COMMANDED", "rover", 2.0)]
+    assert described(list(watch.command("blimp", at(START, 11.5)))) == []
+    assert described(list(watch.command("rover", at(START, 12.0)))) == [("COMMANDED", "rover", 2.0)]
     assert list(watch.command("rover", at(START, 12.1))) == []
     chosen = changed(at(START, 20.0), ChooseRobot(robot="blimp"))
-    assert told(list(watch.command("blimp", at(chosen, 20.0)))) == [
+    assert described(list(watch.command("blimp", at(chosen, 20.0)))) == [
         ("CHOSEN", "blimp", 10.0),
         ("COMMANDED", "blimp", 0.0),
     ]
@@ -43,7 +43,7 @@ def test_a_peek_is_no_choice() -> None:
     watch = TeamWatch()
     list(watch.look(START))
     peeking = changed(at(START, 14.0), Peek(robot="rov"))
-    assert told(list(watch.look(peeking))) == [("PEEKED", "rov", 4.0)]
+    assert described(list(watch.look(peeking))) == [("PEEKED", "rov", 4.0)]
     assert list(watch.look(changed(peeking, Peek()))) == []
 
 
@@ -53,7 +53,7 @@ def test_alarms_have_the_times_of_their_rise_answer_and_end() -> None:
 
     def events(now: float, *problems: Problem, seen: str = "rover") -> list[tuple[str, str, float]]:
         entries = queue.look(problems, seen, now)
-        return told(list(watch.look(dataclasses.replace(START, now=now, attention=entries))))
+        return described(list(watch.look(dataclasses.replace(START, now=now, attention=entries))))
 
     assert events(20.0, LEAK) == [("RAISED", "rov", 0.0)]
     assert events(25.0, LEAK) == []

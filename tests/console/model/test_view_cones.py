@@ -33,7 +33,7 @@ def body(*more: CameraBody) -> RobotBody:
 
 
 def robot(*more: CameraBody, **main: Any) -> RobotState:
-    """A robot with the main camera `front` and more, of which only the main one is known."""
+    """A robot with the main camera `front` and more; only `front` reports its state."""
     state = camera_state(**{"name": "front", "mount_forward": 0.2, "tilt": 0.0} | main)
     messages = {ROBOT_DESCRIPTION.name: received(body(*more))}
     return Made().robot(camera=received(state), messages=messages)

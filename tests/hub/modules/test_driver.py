@@ -23,7 +23,7 @@ FORWARD, NEUTRAL = Twist.planar(0.4, 0.0), Twist.planar(0.0, 0.0)
 
 
 class Wheels:
-    """A base that moves as it is told, at once.
+    """A base that moves as commanded, at once.
 
     Attributes:
         orders: Each change of velocity with its time [s].
@@ -112,11 +112,11 @@ def test_the_wheels_stop_when_the_silence_has_lasted_long_enough(scene: Scene) -
     scene.bus.wait(0.013)
     scene.command(NEUTRAL)
     scene.command(FORWARD)
-    told = scene.bus.now
+    commanded_at = scene.bus.now
     scene.bus.wait(1.0)
     assert scene.wheels.orders == [
-        (told, 0.4),
-        (pytest.approx(told + SILENCE_S, abs=1e-9), 0.0),
+        (commanded_at, 0.4),
+        (pytest.approx(commanded_at + SILENCE_S, abs=1e-9), 0.0),
     ]
 
 
@@ -134,10 +134,10 @@ def test_a_robot_that_moves_reports_fifty_times_a_second_and_one_that_stands_les
     assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
     scene.command(NEUTRAL)
     scene.command(FORWARD)
-    told = scene.bus.now
+    commanded_at = scene.bus.now
     reports = scene.reports(0.2)
     assert len(reports) == pytest.approx(10, abs=1)
-    assert reports[0] <= told + 0.02 + 1e-9, "the first report shows the motion soon"
+    assert reports[0] <= commanded_at + 0.02 + 1e-9, "the first report shows the motion soon"
     scene.bus.wait(0.5)
     assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
 
@@ -154,9 +154,9 @@ def test_the_wheels_stop_although_the_hardware_cannot_be_read(scene: Scene) -> N
     scene.command(NEUTRAL)
     scene.command(FORWARD)
     scene.wheels.broken = True
-    told = scene.bus.now
+    commanded_at = scene.bus.now
     scene.bus.wait_with_faults(1.0)
-    assert scene.wheels.orders[-1] == (pytest.approx(told + SILENCE_S, abs=1e-9), 0.0)
+    assert scene.wheels.orders[-1] == (pytest.approx(commanded_at + SILENCE_S, abs=1e-9), 0.0)
 
 
 def test_a_command_reaches_the_wheels_although_the_hardware_cannot_be_read(scene: Scene) -> None:
