@@ -8,25 +8,49 @@ at the robot's body (see `recorded_robot`).
 
 from __future__ import annotations
 
-import os
 import signal
 import statistics
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import psutil
 import pytest
 
-from hub.gcm.navigation import STOP, Stop
-from hub.ipc.client import Client
 from tests.support.fake_hid import VirtualBed
 from tests.support.wall_clock import WallClock
 from tests.system.driven_robot import DrivenRobot
 from tests.system.recorded_robot import Row
 from tests.system.ssh_server import SshServer
+from tests.system.stale_stick_actions import (
+    Action,
+    Scene,
+    agent_awake,
+    agents_ssh_goes_on,
+    another_agent,
+    another_hub,
+    another_navigation,
+    awake,
+    kill_hub,
+    linked,
+    navigation_goes_on,
+    nothing,
+    release_dead_man,
+    replug,
+    rival_gives_up,
+    rival_pushes,
+    rival_takes_over,
+    send_signal,
+    signal_agent,
+    signal_navigation,
+    signal_ssh,
+    ssh_goes_on,
+    start_again,
+    step_clocks,
+    stop_from_elsewhere,
+    type_keys,
+)
 
 STOPPED_S = 0.35
 """The robot is commanded to stand within this time after the event [s]."""
@@ -34,29 +58,6 @@ INSISTED_S = 0.6
 """A stick stays deflected for so long, in vain [s]."""
 INSISTED_WITH_GAPS_S = 3.0
 """The same for a key of which some repeats come late [s]."""
-_YEAR_S = 365 * 24 * 3600
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scene:
-    """What the cases are played with.
-
-    Attributes:
-        robot: It, and what drives it.
-        ssh: The way to its hub, for consoles that take it.
-        clock: The wall clock of hub and consoles.
-    """
-
-    robot: DrivenRobot
-    ssh: SshServer
-    clock: WallClock
-
-
-Action = Callable[[Scene], object]
-
-
-def nothing(scene: Scene) -> None:
-    """All is as before, but for what the robot makes of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,178 +91,6 @@ class Case:
     def id(self) -> str:
         """Its name in that of the test."""
         return self.name.replace(" ", "-")
-
-
-def send_signal(number: signal.Signals) -> Action:
-    """Have the operator's console get it."""
-    return lambda scene: scene.robot.console.process.send_signal(number)
-
-
-def type_keys(keys: str) -> Action:
-    """Press keys at the operator's console."""
-    return lambda scene: scene.robot.console.type(keys)
-
-
-def start_again(scene: Scene) -> None:
-    """The operator opens another console."""
-    scene.robot.finger.lift()
-    scene.robot.start_console()
-    linked(scene)
-
-
-def awake(scene: Scene) -> None:
-    """A console that was stopped goes on after a while."""
-    time.sleep(scene.robot.chance.uniform(0.0, 1.0))
-    scene.robot.console.process.send_signal(signal.SIGCONT)
-
-
-def kill_hub(scene: Scene) -> None:
-    scene.robot.hub.process.kill()
-
-
-def another_hub(scene: Scene) -> None:
-    scene.robot.start_hub()
-    linked(scene)
-
-
-def navigation(scene: Scene) -> list[int]:
-    """The processes of navigation; one, except while it starts again."""
-    modules = psutil.Process(scene.robot.hub.process.pid).children(recursive=True)
-    found = []
-    for each in modules:
-        with suppress(psutil.NoSuchProcess):
-            found += [each.pid] * ("hub.modules.navigation" in each.cmdline())
-    return found
-
-
-def signal_navigation(number: signal.Signals) -> Action:
-    def sent(scene: Scene) -> float:
-        (pid,) = navigation(scene)
-        struck = time.monotonic()
-        os.kill(pid, number)
-        return struck
-
-    return sent
-
-
-def another_navigation(scene: Scene) -> None:
-    scene.robot.wait(lambda: len(navigation(scene)) == 1, "navigation does not start again")
-
-
-def navigation_goes_on(scene: Scene) -> None:
-    """It was silent for a while; the hub may have ended it."""
-    scene.robot.watch(scene.robot.chance.uniform(0.0, 1.0))
-    for pid in navigation(scene):
-        os.kill(pid, signal.SIGCONT)
-    another_navigation(scene)
-
-
-def linked(scene: Scene) -> None:
-    console = scene.robot.console
-    scene.robot.wait(lambda: "linked" in console.text, "the console finds no way back")
-
-
-def ssh_goes_on(scene: Scene) -> None:
-    """The network carries again what it has carried not, all that was sent meanwhile first."""
-    scene.robot.watch(scene.robot.chance.choice((0.3, 1.0, 3.0)))
-    signal_ssh(signal.SIGCONT)(scene)
-    linked(scene)
-
-
-def signal_ssh(number: signal.Signals) -> Action:
-    def sent(scene: Scene) -> None:
-        for pid in scene.ssh.running():
-            os.kill(pid, number)
-
-    return sent
-
-
-def step_clocks(scene: Scene) -> float:
-    """The clocks of hub and console step; that alone stops nobody. Then the console is stopped."""
-    robot = scene.robot
-    scene.clock.step(robot.chance.choice((3600, -3600, _YEAR_S, -_YEAR_S)))
-    stepped = time.monotonic()
-    robot.watch(0.5)
-    assert robot.record.first(stepped, lambda row: not row.commanded) is None, (
-        "the step stops the robot"
-    )
-    struck = time.monotonic()
-    robot.console.process.send_signal(signal.SIGSTOP)
-    scene.clock.step(0)
-    return struck
-
-
-def stop_from_elsewhere(scene: Scene) -> float:
-    with closing(Client("passer-by", scene.robot.hub.endpoint)) as client:
-        client.wait_connected(5.0)
-        client.define(STOP)
-        client.wait_defined(5.0)
-        struck = time.monotonic()
-        client.publish(STOP, Stop(reason="a test"))
-        client.wait_published(5.0)
-    return struck
-
-
-def release_dead_man(scene: Scene) -> None:
-    scene.robot.shake(shoulder=False)
-
-
-def replug(scene: Scene) -> None:
-    scene.robot.plug()
-    found_deflected(scene)
-
-
-def found_deflected(scene: Scene) -> None:
-    """The console has the pad again, and wants it to be let go of."""
-    scene.robot.shake()
-    scene.robot.wait(lambda: "LET GO OF" in scene.robot.console.text, "the pad is not found")
-
-
-def signal_agent(number: signal.Signals) -> Action:
-    """Have the operator's `rune pad` get it."""
-
-    def sent(scene: Scene) -> None:
-        assert scene.robot.agent is not None
-        scene.robot.agent.send_signal(number)
-
-    return sent
-
-
-def agent_awake(scene: Scene) -> None:
-    """A pad that was silent speaks again after a while, all that it says is new."""
-    scene.robot.watch(scene.robot.chance.choice((0.0, 0.3, 1.0, 4.0)))
-    signal_agent(signal.SIGCONT)(scene)
-    found_deflected(scene)
-
-
-def another_agent(scene: Scene) -> None:
-    scene.robot.start_agent()
-    found_deflected(scene)
-
-
-def agents_ssh_goes_on(scene: Scene) -> None:
-    """All that was sent meanwhile comes first, too late."""
-    scene.robot.watch(scene.robot.chance.choice((0.3, 1.0, 3.0)))
-    signal_ssh(signal.SIGCONT)(scene)
-    found_deflected(scene)
-
-
-def rival_takes_over(scene: Scene) -> None:
-    rival = scene.robot.start_rival()
-    rival.type("k")
-
-
-def rival_gives_up(scene: Scene) -> None:
-    rival = scene.robot.start_rival()
-    scene.robot.wait(lambda: "you have control" in rival.text, "nothing was taken over")
-    rival.type("c")
-    scene.robot.wait(lambda: "nobody has control" in rival.text, "control was not given up")
-
-
-def rival_pushes(scene: Scene) -> None:
-    """Somebody else holds a key all the time."""
-    rival = scene.robot.start_rival()
-    scene.robot.finger.press(lambda: rival.terminal, "s")
 
 
 def with_a_key_held(case: Case) -> Case:

@@ -14,7 +14,8 @@ from tests.conftest import leaving_nothing
 from tests.support.bodies import BODIES, CARRIER, REST_S, STILL
 from tests.support.fake_hid import needs_virtual_devices
 from tests.system import stale_stick
-from tests.system.stale_stick import Case, Scene, play, playing
+from tests.system.stale_stick import Case, play, playing
+from tests.system.stale_stick_actions import Scene
 
 pytestmark = needs_virtual_devices
 

@@ -14,7 +14,8 @@ import pytest
 from tests.conftest import leaving_nothing
 from tests.support.bodies import REST_S
 from tests.support.fake_hid import needs_virtual_devices
-from tests.system.stale_stick import CASES, Case, Scene, play, playing
+from tests.system.stale_stick import CASES, Case, play, playing
+from tests.system.stale_stick_actions import Scene
 
 pytestmark = needs_virtual_devices
 
