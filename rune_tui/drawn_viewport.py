@@ -9,11 +9,12 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import logging
 import math
 from collections.abc import Callable, Hashable, Iterator, Mapping
-from typing import Final, cast
+from typing import Final, NamedTuple, cast
 
 from hub.values import dataclass
 from rune_tui.compositor.blend import Layer
@@ -63,6 +64,15 @@ class DrawTimes:
         return took
 
 
+class Due(NamedTuple):
+    """A drawing that was not made, with all that it needs."""
+
+    visualizer: Visualizer
+    robot: RobotState
+    state: ConsoleState
+    took: float
+
+
 @dataclass(slots=True, kw_only=True)
 class DrawnViewport:
     """A viewport, its visualizer, and the last drawing."""
@@ -84,37 +94,84 @@ class DrawnViewport:
     drawn_robot: RobotState | None = None
     failed: bool = False
     lost: bool = False
+    due: Due | None = None
 
     def visible(self, state: ConsoleState) -> bool:
         """Whether the viewport is shown, by its arrangement or as the full view."""
         return is_shown(self.how, state) or state.full == self.spec.name
 
-    def refresh(self, state: ConsoleState) -> bool:
-        """Draw again if the source has changed; returns whether the picture changed."""
+    def refresh(self, state: ConsoleState, *, draw: bool = True) -> bool:
+        """Draw again if the source has changed; returns whether the picture changed.
+
+        Args:
+            state: The console's state.
+            draw: Whether to draw now; False: only note what is to be drawn, for the next call.
+        """
         if not self.visible(state):
-            gone, self.layer, self.over = self.layer is not None, None, None
+            gone, self.layer, self.over, self.due = self.layer is not None, None, None, None
             return gone
         robot = self.robot(state)
         if robot is None or (self._drew(robot) and state.now < self.paused_until):
-            return False
+            return self._catch_up(draw=draw)
         began = self.times.spent()
         try:
             source = self.visualizer.source(robot, state)
             if self.layer is not None and source == self.source:
-                return False
+                return self._catch_up(draw=draw)
+            if not draw and self.layer is not None:
+                took = self.times.since(began, self.spec.name)
+                self._pause_after(took, state)
+                self.due = Due(copy.copy(self.visualizer), robot, state, took)
+                self.source, self.drawn_robot = source, robot
+                return True
             canvas, over = self._drawn(robot, state), self._drawn_over(robot, state)
             self.failed = False
         except Exception:  # a fault in one viewport must not blank the rest
             if self.failed:
                 return False
             self.failed = True
-            function = self.spec.visualizer.function if self.spec.visualizer else ""
-            _logger.exception("viewport %s: %s failed", self.spec.name, function)
+            _logger.exception("viewport %s: %s failed", self.spec.name, self._function)
             source, over = object(), None
-            canvas = Canvas.blank(self.place.width, self.place.height)
-            write_notice(canvas, f"{function} failed; the log says why", state.theme)
-        self._pause_after(self.times.since(began, self.spec.name), canvas, state)
+            canvas = self._failure(state)
+        self.due = None
+        took = self.times.since(began, self.spec.name)
+        if self._pause_after(took, state):
+            _write_pause(canvas, took, state)
         self.source = source
+        self._keep(canvas, over, robot)
+        return True
+
+    def _catch_up(self, *, draw: bool) -> bool:
+        """Draw what was noted before, as it was then; returns whether there was any."""
+        if self.due is None or not draw:
+            return False
+        due, self.due = self.due, None
+        own, self.visualizer = self.visualizer, due.visualizer
+        try:
+            canvas, over = self._drawn(due.robot, due.state), self._drawn_over(due.robot, due.state)
+        except Exception:  # as above
+            _logger.exception("viewport %s: %s failed", self.spec.name, self._function)
+            canvas, over, self.source = self._failure(due.state), None, object()
+        finally:
+            self.visualizer = own
+        if due.took > SLOW_S and not self.visualizer.rule.vital:
+            _write_pause(canvas, due.took, due.state)
+        self._keep(canvas, over, due.robot)
+        return True
+
+    @property
+    def _function(self) -> str:
+        """The name of its visualizer in layouts."""
+        return self.spec.visualizer.function if self.spec.visualizer else ""
+
+    def _failure(self, state: ConsoleState) -> Canvas:
+        """The notice of a drawing that failed."""
+        canvas = Canvas.blank(self.place.width, self.place.height)
+        write_notice(canvas, f"{self._function} failed; the log says why", state.theme)
+        return canvas
+
+    def _keep(self, canvas: Canvas, over: Canvas | None, robot: RobotState) -> None:
+        """Keep a drawing as the layer."""
         self.drawn_robot = robot
         self.layer = Layer(
             canvas=canvas,
@@ -127,7 +184,6 @@ class DrawnViewport:
         self.over = None
         if over is not None and self.over_zpos is not None:
             self.over = dataclasses.replace(self.layer, canvas=over, zpos=self.over_zpos)
-        return True
 
     def _drew(self, robot: RobotState) -> bool:
         """Whether the last drawing is of this robot."""
@@ -135,13 +191,12 @@ class DrawnViewport:
             self.drawn_robot is None or self.drawn_robot.name == robot.name
         )
 
-    def _pause_after(self, took: float, canvas: Canvas, state: ConsoleState) -> None:
-        """Pause after a slow drawing and note the period on it; never if vital."""
-        if took > SLOW_S and not self.visualizer.rule.vital:
+    def _pause_after(self, took: float, state: ConsoleState) -> bool:
+        """Pause after a slow drawing, never if vital; returns whether it pauses."""
+        slow = took > SLOW_S and not self.visualizer.rule.vital
+        if slow:
             self.paused_until = state.now + _PAUSE * took
-            canvas.text(
-                0, 0, f"slow: drawn every {(1.0 + _PAUSE) * took:.0f} s", state.theme.alarm_ink
-            )
+        return slow
 
     def layers(self, state: ConsoleState) -> Iterator[Layer]:
         """The drawing, and its title; the title of the chosen robot is marked."""
@@ -215,6 +270,11 @@ class DrawnViewport:
         canvas = Canvas.blank(self.place.width, self.place.height)
         cast("Overlaying", self.visualizer).draw_over(canvas, robot, state)
         return canvas if canvas.glyphs.any() or canvas.pixels.any() else None
+
+
+def _write_pause(canvas: Canvas, took: float, state: ConsoleState) -> None:
+    """Note the period of a slow drawing on it."""
+    canvas.text(0, 0, f"slow: drawn every {(1.0 + _PAUSE) * took:.0f} s", state.theme.alarm_ink)
 
 
 def is_shown(place: PlaceSpec, state: ConsoleState) -> bool:

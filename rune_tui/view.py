@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import logging
 import time
@@ -186,21 +187,49 @@ class View:
         self._failed = False
         return cells
 
-    def _rendered(self, state: ConsoleState) -> Cells | None:
+    def feed(self, state: ConsoleState) -> None:
+        """Take a state as `render` does, without drawing; the next `render` draws what is due."""
+        if not self._columns or not self._rows:
+            return
+        try:
+            _, changed = self._refreshed(state, draw=False)
+            self._complete = self._complete and not changed
+        except Exception:  # `render` shows it too
+            _logger.exception("a frame cannot be taken")
+            self._complete = False
+
+    def copied(self) -> View:
+        """A view with the same memories, which goes on by itself."""
+        twin = copy.copy(self)
+        twin.times = copy.copy(self.times)
+        shown = {name: copy.copy(each) for name, each in self._visualizers.items()}
+        panes = [copy.copy(pane) for pane in self.panes]
+        for pane in panes:
+            pane.visualizer, pane.times = shown[pane.spec.name], twin.times
+        parts = {name: copy.copy(vars(self)[name]) for name in ("_page", "_banner", "_notices")}
+        vars(twin).update(parts, panes=panes, _visualizers=shown, _queue=self._queue.copied())
+        return twin
+
+    def _refreshed(self, state: ConsoleState, *, draw: bool) -> tuple[ConsoleState, bool]:
+        """Refresh all parts; returns the state with its banner, and whether anything changed."""
         self._arrange(state)
         self.times.slow = {}
         found = troubles_of_all(state)
         self.attention = self._queue.look(problems(found), state.seen, state.now)
         state = dataclasses.replace(state, banner=banner_of(state, found), attention=self.attention)
         # Refreshes every pane: `any` over a generator would end at the first change.
-        changed = [pane.refresh(state) for pane in self.panes]
+        changed = [pane.refresh(state, draw=draw) for pane in self.panes]
         changed.append(self._refresh_banner(state))
         top, rows = self._page_place
         nearest = self._top_zpos + 1
         changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
         changed.append(self._refresh_notices(state))
+        return state, any(changed)
+
+    def _rendered(self, state: ConsoleState) -> Cells | None:
+        state, changed = self._refreshed(state, draw=True)
         look = state.theme.name, state.chosen, state.peeked
-        if self._complete and not any(changed) and look == self._look:
+        if self._complete and not changed and look == self._look:
             return None
         self._look, self._complete = look, True
         if self._too_small:

@@ -19,6 +19,7 @@ second, so that a row that the operator reads stays where it is.
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterable, Sequence
 from typing import Final
@@ -119,6 +120,12 @@ class AttentionQueue:
         self._known: dict[tuple[str, str], _Known] = {}
         self._order: tuple[tuple[str, str], ...] = ()
         self._ordered = -math.inf
+
+    def copied(self) -> AttentionQueue:
+        """A queue with the same memory, which goes on by itself."""
+        twin = copy.copy(self)
+        twin._known = {key: copy.copy(known) for key, known in self._known.items()}  # noqa: SLF001
+        return twin
 
     def look(
         self, problems: Iterable[Problem], seen: str, now: float

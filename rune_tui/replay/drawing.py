@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 
 from rune_tui.compositor.cells import Cells
@@ -32,6 +33,17 @@ class FrameDrawer:
         cells = view.render(state)
         self.cells = cells or self.cells
         return cells
+
+    def feed(self, frame: ReplayFrame) -> None:
+        """Take a frame into the memories of the view, without drawing it."""
+        view, state = self._prepared(frame)
+        view.feed(state)
+
+    def copied(self) -> FrameDrawer:
+        """A drawer with the same memories, which goes on by itself."""
+        twin = copy.copy(self)
+        twin.view = self.view.copied() if self.view is not None else None
+        return twin
 
     def _prepared(self, frame: ReplayFrame) -> tuple[View, ConsoleState]:
         view, opened = self.view, (frame.layout, frame.opened)

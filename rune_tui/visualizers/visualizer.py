@@ -21,6 +21,7 @@ class Visualizer(Protocol):
         whole_cells: Whether it writes characters and so needs a viewport of whole cells.
 
     An optional attribute `urgency` gives stops, drive state and ranges priority on a slow terminal.
+    One with a memory has `__copy__`: a replay of a recording goes back to what it knew then.
     A visualizer of pictures may have `camera`, and `interval_s`: the shortest time between two [s].
     """
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Hashable, Iterable, Sequence
 from typing import ClassVar, Self
@@ -80,6 +81,13 @@ class Plot:
     def from_spec(cls, spec: VisualizerSpec) -> Self:
         """The visualizer that a layout asks for."""
         return cls(spec)
+
+    def __copy__(self) -> Self:
+        """A visualizer with the same histories, which grow by themselves."""
+        twin = object.__new__(type(self))
+        histories = {name: copy.copy(each) for name, each in self._histories.items()}
+        vars(twin).update(vars(self), _histories=histories, _seen=dict(self._seen))
+        return twin
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with each value, and with each pixel that the line moves."""

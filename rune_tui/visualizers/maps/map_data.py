@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Hashable
 from typing import ClassVar, Final, Self
@@ -127,6 +128,12 @@ class MapData:
             turns=spec.options.word("up") == "robot",
             trail=spec.options.number("trail"),
         )
+
+    def __copy__(self) -> Self:
+        """A visualizer with the same trails, which grow by themselves."""
+        twin = object.__new__(type(self))
+        vars(twin).update(vars(self), _trail=copy.copy(self._trail))
+        return twin
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Draw the map, or the reason in words why there is none."""

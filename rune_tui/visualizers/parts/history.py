@@ -7,6 +7,7 @@ import math
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import fields
+from typing import Self
 
 import numpy as np
 
@@ -78,6 +79,12 @@ class History:
         self._broken = False
         self.count = 0
         """Number of values so far."""
+
+    def __copy__(self) -> Self:
+        """A history with the same values, which grows by itself."""
+        twin = object.__new__(type(self))
+        vars(twin).update(vars(self), _slots=self._slots.copy())
+        return twin
 
     def add(self, when: float, value: float) -> None:
         """Add a value; one that is not finite leaves a gap."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Final
+from typing import Final, Self
 
 import numpy as np
 
@@ -30,6 +30,12 @@ class Trail:
         """
         self._most = math.ceil(longest / STEP_M)
         self._ways: dict[str, deque[tuple[float, float]]] = {}
+
+    def __copy__(self) -> Self:
+        """A trail with the same points, which grows by itself."""
+        twin = object.__new__(type(self))
+        vars(twin).update(vars(self), _ways={name: way.copy() for name, way in self._ways.items()})
+        return twin
 
     def follow(self, robot: str, pose: Pose) -> None:
         """Add a robot's pose to its trail, if it has moved."""
