@@ -62,6 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "layouts": _layouts,
         "completion": lambda options: write_completion(parser, options.shell),
         "shot": _shot,
+        "replay": _replay,
         "terminal": _terminal,
         "joytest": _joytest,
         "pad": _pad,
@@ -270,6 +271,27 @@ def _shot(options: argparse.Namespace) -> int:
     text = f"no hub answered at {where}, so {path} is not written; --offline still draws it"
     _report(text)
     return ExitCode.NO_HUB
+
+
+def _replay(options: argparse.Namespace) -> int:
+    from contextlib import closing
+
+    from rune_tui.replay import opening
+
+    layout = _load(options.layout, options.set) if options.layout is not None else None
+    opened = functools.partial(opening.open_source, options.files, layout)
+    if options.export is not None:
+        start, as_seen = opening.start_of(options.start), options.as_seen
+        opening.export(opened, start, options.export, as_seen=as_seen)
+        return ExitCode.OK
+    _need_screen([], ())
+    log_to_file()
+    from rune_tui.replay.app import ReplayApp
+
+    with closing(opening.player_of(opened, options)) as player:
+        traits, answers, took, _ = _ask_terminal(options)
+        ReplayApp(player, traits, took if answers.complete else 0.0).run()
+    return ExitCode.OK
 
 
 def _joytest(options: argparse.Namespace) -> int:

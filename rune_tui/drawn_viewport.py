@@ -21,7 +21,7 @@ from rune_tui.compositor.blend import Layer
 from rune_tui.controls.events import Hit
 from rune_tui.layout.placing import Area
 from rune_tui.layout.spec import CHOSEN, PlaceSpec, ViewportSpec
-from rune_tui.model.cameras import MAIN, camera_of
+from rune_tui.model.cameras import MAIN, PictureNeed, camera_of, unknown_camera
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
@@ -36,6 +36,8 @@ SLOW_S: Final = 0.25
 """Processor time of a drawing that delays the operator's inputs [s]."""
 _PAUSE: Final = 10.0
 """Pause after a slow drawing, as a multiple of the drawing's time."""
+MIN_PICTURE: Final = (16, 12)
+"""Smallest picture that is requested: width and height [pixels]."""
 _ROBOT: Final = "{robot}"
 """Stands for the robot's name in a title."""
 
@@ -105,7 +107,7 @@ class DrawnViewport:
 
         Args:
             state: The console's state.
-            draw: Whether to draw now; False: only note what is to be drawn, for the next call.
+            draw: Whether to draw now; False: only note the drawing, for the next call.
         """
         if not self.visible(state):
             gone, self.layer, self.over, self.due = self.layer is not None, None, None, None
@@ -253,6 +255,20 @@ class DrawnViewport:
             in_picture=in_picture,
             camera=self.camera(robot, state) if robot is not None else MAIN,
         )
+
+    def need(self, state: ConsoleState) -> tuple[str, str, PictureNeed] | None:
+        """The robot, camera and picture that it needs; None: no picture."""
+        robot, shown = self.robot(state), self.visualizer
+        if not shown.rule.pictures or robot is None or not self.visible(state):
+            return None
+        camera = self.camera(robot, state)
+        if unknown_camera(camera, robot):
+            return None
+        more = max(self.scale)
+        width, height = more * self.place.width, more * self.place.height
+        size = cast("Picturing", shown).picture_size(width, height)
+        interval = float(getattr(shown, "interval_s", 0.0))
+        return robot.name, camera, PictureNeed(size=max(size, MIN_PICTURE), interval_s=interval)
 
     def camera(self, robot: RobotState, state: ConsoleState) -> str:
         """The camera that the viewport shows; the main one if its visualizer names none."""

@@ -21,14 +21,14 @@ from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
 from rune_tui.model.attention import AttentionEntry, AttentionQueue
-from rune_tui.model.cameras import PictureNeed, unknown_camera
+from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, Theme
 from rune_tui.overlays.banner_layer import BannerLayer
 from rune_tui.overlays.notice_layer import NoticeLayer, notice_only
 from rune_tui.overlays.page_layer import PageLayer
 from rune_tui.raster.urgency import Urgencies
-from rune_tui.visualizers.visualizer import Picturing, Visualizer
+from rune_tui.visualizers.visualizer import Visualizer
 from rune_tui.visualizers.words.title import with_title
 from rune_tui.visualizers.words.troubles import banner_of, problems, troubles_of_all
 
@@ -38,8 +38,6 @@ MIN_COLUMNS = 16
 MIN_ROWS = 4
 _INVISIBLE = 255
 """Transparency of a viewport that cannot be seen."""
-MIN_PICTURE = (16, 12)
-"""Smallest picture that is requested: width and height [pixels]."""
 
 
 class View:
@@ -50,6 +48,8 @@ class View:
         attention: The queue of problems in the newest picture.
         arranged: How often the viewports were placed.
         times: Processor time of drawings.
+        pictures: Pictures in the newest cells that have more than one pixel per half cell.
+        urgencies: Urgency of each cell of the newest picture.
     """
 
     def __init__(
@@ -94,18 +94,8 @@ class View:
         self._queue = AttentionQueue()
         self.attention: tuple[AttentionEntry, ...] = ()
         self._notices = NoticeLayer()
-        self._urgencies: Urgencies = np.zeros((0, 0), np.uint8)
-        self._pictures: tuple[SeenPicture, ...] = ()
-
-    @property
-    def pictures(self) -> tuple[SeenPicture, ...]:
-        """Pictures in the newest cells that have more than one pixel per half cell."""
-        return self._pictures
-
-    @property
-    def urgencies(self) -> Urgencies:
-        """Urgency of each cell of the newest picture."""
-        return self._urgencies
+        self.urgencies: Urgencies = np.zeros((0, 0), np.uint8)
+        self.pictures: tuple[SeenPicture, ...] = ()
 
     def resize(self, columns: int, rows: int) -> bool:
         """Place all viewports on a terminal of this size [cells]; the next frame is complete.
@@ -181,21 +171,19 @@ class View:
             self._failed, self._complete = True, False
             _logger.exception("the picture cannot be made")
             layers = [self._notice_alone("this cannot be drawn; the log says why", state)]
-            self._urgencies = urgencies_of(self._columns, self._rows, layers)
-            self._pictures = ()
+            self.urgencies = urgencies_of(self._columns, self._rows, layers)
+            self.pictures = ()
             return compose(self._columns, self._rows, self._background(state.theme), layers)
         self._failed = False
         return cells
 
     def feed(self, state: ConsoleState) -> None:
         """Take a state as `render` does, without drawing; the next `render` draws what is due."""
-        if not self._columns or not self._rows:
-            return
         try:
             _, changed = self._refreshed(state, draw=False)
             self._complete = self._complete and not changed
-        except Exception:  # `render` shows it too
-            _logger.exception("a frame cannot be taken")
+        except Exception:  # `render` shows and reports it
+            _logger.debug("a frame cannot be taken", exc_info=True)
             self._complete = False
 
     def copied(self) -> View:
@@ -203,7 +191,7 @@ class View:
         twin = copy.copy(self)
         twin.times = copy.copy(self.times)
         shown = {name: copy.copy(each) for name, each in self._visualizers.items()}
-        panes = [copy.copy(pane) for pane in self.panes]
+        panes = [copy.copy(each) for each in self.panes]
         for pane in panes:
             pane.visualizer, pane.times = shown[pane.spec.name], twin.times
         parts = {name: copy.copy(vars(self)[name]) for name in ("_page", "_banner", "_notices")}
@@ -238,10 +226,10 @@ class View:
             layers = [layer for pane in self.panes for layer in pane.layers(state)]
             layers += [pane.over for pane in self.panes if pane.over is not None]
             layers += [*self._page.layers, *self._notices.layers, *self._banner.layers]
-        self._urgencies = urgencies_of(self._columns, self._rows, layers)
+        self.urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._background(state.theme), layers)
         make_legible(cells, state.theme.tint)
-        self._pictures = seen_pictures(cells, layers, state.theme.tint)
+        self.pictures = seen_pictures(cells, layers, state.theme.tint)
         return tinted(cells, state.theme.tint)
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
@@ -261,19 +249,9 @@ class View:
         if self._paged:
             return self._needs  # pictures must be new when the page closes
         needs: dict[str, dict[str, PictureNeed]] = {}
-        for pane in self.panes:
-            robot, shown = pane.robot(state), pane.visualizer
-            if shown.rule.pictures and robot is not None and pane.visible(state):
-                camera = pane.camera(robot, state)
-                if unknown_camera(camera, robot):
-                    continue
-                more = max(self._scale)
-                width, height = more * pane.place.width, more * pane.place.height
-                size = cast("Picturing", shown).picture_size(width, height)
-                interval = float(getattr(shown, "interval_s", 0.0))
-                need = PictureNeed(size=max(size, MIN_PICTURE), interval_s=interval)
-                known = needs.setdefault(robot.name, {})
-                known[camera] = need.and_also(known.get(camera, need))
+        for robot, camera, need in filter(None, (pane.need(state) for pane in self.panes)):
+            known = needs.setdefault(robot, {})
+            known[camera] = need.and_also(known.get(camera, need))
         self._needs = needs
         return needs
 

@@ -11,6 +11,7 @@ from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 
 _LONGEST_NAME = 64
+_ASPECT_HELP = "height of a cell over its width, where the terminal does not say (2)"
 
 
 def _variable(text: str) -> tuple[str, str]:
@@ -58,7 +59,6 @@ def parser() -> CommandParser:
     colors_help = "what the terminal can show, where it does not say so itself"
     glyphs = [glyph_set.value for glyph_set in GlyphSet]
     glyphs_help = "what pictures are made of in truecolour (half); `rune terminal` shows each"
-    aspect_help = "height of a cell over its width, where the terminal does not say (2)"
 
     run = commands.add_parser("run", help="open the console with a layout")
     run.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
@@ -98,18 +98,19 @@ def parser() -> CommandParser:
     source.add_argument("--demo", action="store_true", help="on a simulated robot of its own")
     _add_robot_and_arena(demo, shot)
     shot.add_argument("--offline", action="store_true", help="draw it even if no hub answers")
+    replay = _add_replay(commands)
     terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
     terminal.add_argument("--json", action="store_true", help="in one line, for machines")
     _add_operator_and_record(run, demo)
-    for command in (run, demo, shot, terminal):
+    for command in (run, demo, shot, replay, terminal):
         command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
-    for command in (run, demo, terminal):
+    for command in (run, demo, replay, terminal):
         command.add_argument("--colors", choices=colors, help=colors_help)
-        command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=aspect_help)
+        command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=_ASPECT_HELP)
     joytest = _add_joytest(commands)
     _add_pad(commands, keys_help)
     _add_without_options(commands)
-    for command in (run, demo, check, shot, joytest):
+    for command in (run, demo, check, shot, replay, joytest):
         command.add_argument(
             "--set",
             type=_variable,
@@ -119,6 +120,33 @@ def parser() -> CommandParser:
             help="give a variable of the layout this value; as often as needed",
         )
     return parser
+
+
+def _add_replay(commands: Commands) -> CommandParser:
+    replay = commands.add_parser(
+        "replay",
+        help="show a recording, as the console drew it",
+        epilog="Space plays and pauses; the first row names the other keys. Exit codes: 0 ended by "
+        "you, 2 wrong usage, or a file that cannot be shown.",
+    )
+    replay.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a recording")
+    replay.add_argument("--layout", help="a layout in place of the recorded one")
+    replay.add_argument(
+        "--start",
+        default="0",
+        metavar="TIME",
+        help="begin there: 90, 1:30 or 1:02:30 (%(default)s)",
+    )
+    rate = number_type(float, 0.1, 100.0, "rate from 0.1 to 100")
+    replay.add_argument("--rate", type=rate, default=1.0, help="log time over time (%(default)s)")
+    replay.add_argument("--loop", action="store_true", help="begin again at the end")
+    replay.add_argument(
+        "--export", type=Path, metavar="FILE", help="write the picture at --start: .png, .svg, .txt"
+    )
+    replay.add_argument(
+        "--as-seen", action="store_true", help="export without border, as it was on the screen"
+    )
+    return replay
 
 
 def _add_operator_and_record(*commands: CommandParser) -> None:

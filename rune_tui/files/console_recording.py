@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,18 +22,23 @@ _logger = logging.getLogger(__name__)
 class ConsoleRecording:
     """A file of messages; any thread may call `add`."""
 
-    def __init__(self, path: Path, about: Mapping[str, str]) -> None:
+    def __init__(
+        self, path: Path, about: Mapping[str, str], clock: Callable[[], float] = time.monotonic
+    ) -> None:
         """Begin.
 
         Args:
             path: A new file.
             about: Facts, such as the layout and the number of the run.
+            clock: Monotonic time [s].
 
         Raises:
             OSError: The file cannot be written.
         """
         self.path = path
-        self._writer = RecordingWriter(path, TimeAnchor.now(), about)
+        self._clock = clock
+        anchor = TimeAnchor(time.time_ns(), clock())
+        self._writer = RecordingWriter(path, anchor, about)
 
     @property
     def state(self) -> WriterState:
@@ -66,11 +71,11 @@ class ConsoleRecording:
             _logger.warning("%s of %s is not recorded: %s", definition.name, robot, error)
             return
         topic = _part_of(robot, definition, part) if part else topic_of(robot, definition)
-        self._writer.add(topic, payload, time.monotonic(), measured, number)
+        self._writer.add(topic, payload, self._clock(), measured, number)
 
     def attach(self, name: str, data: bytes) -> None:
         """Write a file into the recording."""
-        self._writer.attach(name, "application/octet-stream", data, time.monotonic())
+        self._writer.attach(name, "application/octet-stream", data, self._clock())
 
     def close(self) -> None:
         """Write the waiting messages and the index."""

@@ -95,26 +95,7 @@ class Recorder:
         self._tap()
         if self._recording is None:
             return
-        files = dict(_files(layout))
-        whole = hashlib.sha256()
-        for name, content in files.items():
-            whole.update(f"{name} {len(content)}\n".encode())
-            whole.update(content)
-        digest = whole.hexdigest()
-        if digest not in self._attached:
-            self._attached.add(digest)
-            for name, content in files.items():
-                self._recording.attach(f"{digest[:16]}/{name}", content)
-        record = LayoutRecord(
-            layout=layout.path,
-            run=layout.run_number,
-            sha256=digest,
-            variables=tuple(
-                GivenVariable(name=name, value=value) for name, value in layout.variables
-            ),
-            files=tuple(f"{digest[:16]}/{name}" for name in files),
-        )
-        self.add(RUNE_LAYOUT, record, time.monotonic())
+        record_layout(self._recording, layout, self._attached)
 
     def end(self) -> Callable[[], user_files.Outcome]:
         """Stop to record; returns the slow rest of the work."""
@@ -172,6 +153,34 @@ class Recorder:
         """Record that the terminal shows the frame that was sent at a time [s]."""
         if self._frames is not None:
             self._frames.answered(sent, now)
+
+
+def record_layout(recording: ConsoleRecording, layout: LayoutSpec, attached: set[str]) -> None:
+    """Record that a layout is shown from now on, with its files.
+
+    Args:
+        recording: The recording.
+        layout: The layout.
+        attached: Checksums of the layouts whose files it has.
+    """
+    files = dict(_files(layout))
+    whole = hashlib.sha256()
+    for name, content in files.items():
+        whole.update(f"{name} {len(content)}\n".encode())
+        whole.update(content)
+    digest = whole.hexdigest()
+    if digest not in attached:
+        attached.add(digest)
+        for name, content in files.items():
+            recording.attach(f"{digest[:16]}/{name}", content)
+    record = LayoutRecord(
+        layout=layout.path,
+        run=layout.run_number,
+        sha256=digest,
+        variables=tuple(GivenVariable(name=name, value=value) for name, value in layout.variables),
+        files=tuple(f"{digest[:16]}/{name}" for name in files),
+    )
+    recording.add(CONSOLE, RUNE_LAYOUT, record, time.monotonic())
 
 
 def _names(links: Iterable[RobotLink]) -> list[str]:

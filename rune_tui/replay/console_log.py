@@ -93,10 +93,10 @@ class ConsoleLog:
         """The frames later than `after` and at the latest `until`, in the order of time."""
         if self._at != after:
             self._moment.begin(after)
-        self._at = -1
         for message in self._recording.messages(after + 1, until):
             frame = self._moment.frame(message)
             if frame is not None:
+                self._at = frame.stamp
                 yield frame
         self._at = until
 

@@ -54,6 +54,11 @@ class Listeners:
         """Whether the layout binds an input of this name."""
         return name in self._by_input
 
+    @property
+    def names(self) -> Iterable[str]:
+        """The inputs that the layout binds."""
+        return self._by_input.keys()
+
     def named(self, name: str) -> list[Listener]:
         """Listeners of an input, wherever the mouse is."""
         return self._by_input.get(name, [])

@@ -25,6 +25,7 @@ from hub.ipc.security.keyring import Keyring, default_folder
 from rune_tui.commands.arguments import parser
 from rune_tui.commands.demo import ARENAS, AUTO
 from rune_tui.startup.opening import open_layout
+from tests.console.replay.logged_session import logged_session
 from tests.support import warm_start
 from tests.support.command_line import rune, rune_hub
 from tests.support.waiting import until
@@ -134,6 +135,10 @@ def test_command_works(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
         _goes_in_by_a_key(words, tmp_path)
     elif words[:2] in (["rune", "demo"], ["rune", "run"]):
         _can_be_opened(words)
+    elif words[:2] == ["rune", "replay"]:
+        logged_session(tmp_path, 4.0).rename(tmp_path / words[2])
+        monkeypatch.chdir(tmp_path)
+        _replays(words)
     elif words[:2] == ["rune", "terminal"]:
         with closing(ConsoleProcess(words[1:])) as asking:
             assert asking.wait_ended() == 0
@@ -205,6 +210,16 @@ def _shows_a_picture(words: list[str]) -> None:
     with closing(ConsoleProcess(arguments, within=["env"])) as console:
         console.wait_for_picture()
         assert console.quit() == 0
+
+
+def _replays(words: list[str]) -> None:
+    if "--export" in words:
+        done = rune(*words[1:])
+        assert done.returncode == 0, done.stderr
+        return
+    with closing(ConsoleProcess(words[1:], columns=80, rows=24)) as replay:
+        replay.wait(lambda: "RECORDING" in replay.text, 20.0, "it shows nothing")
+        assert replay.quit() == 0
 
 
 def _goes_through_ssh(
