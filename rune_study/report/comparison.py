@@ -100,6 +100,10 @@ class Conditions:
             by_cell[self._cell(number, factors)] = values[:, number]
         return found
 
+    def blinded(self) -> Conditions:
+        """The same without levels."""
+        return Conditions(codes=self.codes, levels=tuple({} for _ in self.codes))
+
     def _cell(self, number: int, factors: Mapping[str, list[str]]) -> tuple[int, ...]:
         levels = self.levels[number]
         return tuple(
