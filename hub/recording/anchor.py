@@ -7,6 +7,9 @@ from typing import Self
 
 from hub.values import dataclass
 
+LATEST = 2**63 - 1
+"""The last stamp that all tools read [ns since 1970]."""
+
 
 @dataclass(frozen=True, slots=True)
 class TimeAnchor:
@@ -26,8 +29,14 @@ class TimeAnchor:
         return cls(time.time_ns(), time.monotonic())
 
     def stamp(self, moment: float) -> int:
-        """The stamp [ns since 1970] of a moment of the monotonic clock [s]; at least 0."""
-        return max(0, self.wall_ns + round((moment - self.monotonic) * 1e9))
+        """The stamp [ns since 1970] of a moment of the monotonic clock [s]; 0 to `LATEST`.
+
+        Raises:
+            ValueError: It is no number.
+            OverflowError: It is infinite.
+        """
+        stamp = self.wall_ns + round((moment - self.monotonic) * 1e9)
+        return min(max(0, stamp), LATEST)
 
     def moment(self, stamp: int) -> float:
         """The moment [s, monotonic clock] of a stamp [ns since 1970]."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import lz4.frame
@@ -16,15 +15,32 @@ import numpy.typing as npt
 import zstandard
 
 from hub.errors import RecordingError
+from hub.recording.records import CHUNK, MESSAGE, MESSAGE_INDEX, RECORD, records_of
 
-SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX = 3, 4, 5, 6, 7
-"""Numbers of records that lie in chunks, or are chunks."""
-MOST_CHUNK: Final = 512 * 1024 * 1024
+MOST_CHUNK: Final = 256 * 1024 * 1024
 """Longest part that is read, unpacked [bytes]."""
-_RECORD = struct.Struct("<BQ")
-_MESSAGE = struct.Struct("<HIQQ")
+_MESSAGE = struct.Struct("<BQHIQQ")
 _CHUNK = struct.Struct("<QQQI")
 _INDEX = struct.Struct("<HI")
+_HEAD = np.dtype(
+    [
+        ("kind", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("number", "<u4"),
+        ("stamp", "<u8"),
+        ("published", "<u8"),
+    ]
+)
+_DAMAGE: Final = (
+    struct.error,
+    ValueError,
+    RuntimeError,
+    MemoryError,
+    OverflowError,
+    zstandard.ZstdError,
+)
+"""What damaged bytes raise in the libraries that unpack them."""
 
 Stamps = npt.NDArray[np.uint64]
 
@@ -85,28 +101,10 @@ class LoggedMessage(NamedTuple):
     payload: bytes
 
 
-def records_of(data: bytes, start: int = 0) -> Iterator[tuple[int, int, int]]:
-    """Kind, begin and end of the content of each record.
-
-    Raises:
-        RecordingError: A record is longer than the data.
-    """
-    at = start
-    while at < len(data):
-        if at + _RECORD.size > len(data):
-            text = "a record is cut"
-            raise RecordingError(text)
-        kind, length = _RECORD.unpack_from(data, at)
-        at += _RECORD.size
-        if length > len(data) - at:
-            text = "a record is longer than its part of the file"
-            raise RecordingError(text)
-        yield kind, at, at + length
-        at += length
-
-
 def load(raw: bytes, place: ChunkPlace) -> LoadedChunk:
     """Unpack a part of a file.
+
+    An index that is wrong is not used: the messages themselves say where they are.
 
     Args:
         raw: The part and the indexes behind it.
@@ -117,9 +115,13 @@ def load(raw: bytes, place: ChunkPlace) -> LoadedChunk:
     """
     try:
         records = unpack(raw[: place.length]) if place.packed else raw
-        index = _read_indexes(raw[place.length :], len(records)) if place.index_length else None
-        return LoadedChunk(records, *(index or _walk(records)))
-    except (struct.error, ValueError, RuntimeError, UnicodeDecodeError, MemoryError) as error:
+        found = _read_indexes(raw[place.length :]) if place.index_length else None
+        if found is None or not _is_right(records, *found):
+            found = _walk(records)
+        return LoadedChunk(records, *found)
+    except RecordingError:
+        raise
+    except _DAMAGE as error:
         text = f"a part of it is damaged: {error}"
         raise RecordingError(text) from error
 
@@ -130,18 +132,24 @@ def unpack(raw: bytes) -> bytes:
     Raises:
         RecordingError: It is damaged, or longer than `MOST_CHUNK`.
     """
-    kind, _ = _RECORD.unpack_from(raw)
-    _, _, size, checksum = _CHUNK.unpack_from(raw, _RECORD.size)
-    at = _RECORD.size + _CHUNK.size
-    (named,) = struct.unpack_from("<I", raw, at)
-    name = raw[at + 4 : at + 4 + min(named, 16)].decode()
-    at += 4 + named
-    (length,) = struct.unpack_from("<Q", raw, at)
-    data = raw[at + 8 : at + 8 + length]
-    if kind != CHUNK or len(data) != length or size > MOST_CHUNK:
-        text = "a part of it is no chunk of messages, cut, or too long"
-        raise RecordingError(text)
-    records = _unpacked(name, data, size)
+    try:
+        kind, _ = RECORD.unpack_from(raw)
+        _, _, size, checksum = _CHUNK.unpack_from(raw, RECORD.size)
+        at = RECORD.size + _CHUNK.size
+        (named,) = struct.unpack_from("<I", raw, at)
+        name = raw[at + 4 : at + 4 + min(named, 16)].decode()
+        at += 4 + named
+        (length,) = struct.unpack_from("<Q", raw, at)
+        data = raw[at + 8 : at + 8 + length]
+        if kind != CHUNK or len(data) != length or size > MOST_CHUNK:
+            text = "a part of it is no chunk of messages, cut, or too long"
+            raise RecordingError(text)
+        records = _unpacked(name, data, size)
+    except RecordingError:
+        raise
+    except _DAMAGE as error:
+        text = f"a part of it is damaged: {error}"
+        raise RecordingError(text) from error
     if len(records) != size or (checksum and zlib.crc32(records) != checksum):
         text = "the checksum of a part of it is wrong"
         raise RecordingError(text)
@@ -149,20 +157,19 @@ def unpack(raw: bytes) -> bytes:
 
 
 def message_at(chunk: LoadedChunk, index: int) -> LoggedMessage:
-    """One message of a part.
-
-    Raises:
-        RecordingError: The index points at something else.
-    """
+    """One message of a part."""
     at = int(chunk.offsets[index])
-    kind, length = _RECORD.unpack_from(chunk.records, at)
-    if kind != MESSAGE:
-        text = "an index in it points at no message"
-        raise RecordingError(text)
-    begin = at + _RECORD.size
-    channel, number, stamp, published = _MESSAGE.unpack_from(chunk.records, begin)
-    payload = chunk.records[begin + _MESSAGE.size : begin + length]
+    _, length, channel, number, stamp, published = _MESSAGE.unpack_from(chunk.records, at)
+    payload = chunk.records[at + _MESSAGE.size : at + RECORD.size + length]
     return LoggedMessage(channel, stamp, published, number, payload)
+
+
+def without(chunk: LoadedChunk, channels: npt.NDArray[np.uint16]) -> LoadedChunk:
+    """The part with messages of these channels only."""
+    keep = np.isin(chunk.channels, channels)
+    if keep.all():
+        return chunk
+    return LoadedChunk(chunk.records, chunk.channels[keep], chunk.stamps[keep], chunk.offsets[keep])
 
 
 def _unpacked(name: str, data: bytes, size: int) -> bytes:
@@ -178,35 +185,59 @@ def _unpacked(name: str, data: bytes, size: int) -> bytes:
     raise RecordingError(text)
 
 
-def _read_indexes(raw: bytes, length: int) -> tuple[npt.NDArray[np.uint16], Stamps, Stamps] | None:
-    """Channels, stamps and offsets of messages, as the indexes say; None: an index is wrong."""
+_Found = tuple[npt.NDArray[np.uint16], Stamps, Stamps]
+"""Channels, stamps and offsets of messages, by stamp and offset."""
+
+
+def _read_indexes(raw: bytes) -> _Found | None:
+    """Messages as the indexes say; None: an index is wrong."""
     channels: list[npt.NDArray[np.uint16]] = []
     pairs: list[Stamps] = []
-    for kind, begin, end in records_of(raw):
-        if kind != MESSAGE_INDEX:
-            continue
-        channel, size = _INDEX.unpack_from(raw, begin)
-        if size % 16 or begin + _INDEX.size + size > end:
-            return None
-        flat = np.frombuffer(raw, "<u8", size // 8, begin + _INDEX.size).reshape(-1, 2)
-        pairs.append(flat)
-        channels.append(np.full(len(flat), channel, np.uint16))
+    try:
+        for kind, begin, end in records_of(raw):
+            if kind != MESSAGE_INDEX:
+                continue
+            channel, size = _INDEX.unpack_from(raw, begin)
+            if size % 16 or begin + _INDEX.size + size > end:
+                return None
+            flat = np.frombuffer(raw, "<u8", size // 8, begin + _INDEX.size).reshape(-1, 2)
+            pairs.append(flat)
+            channels.append(np.full(len(flat), channel, np.uint16))
+    except (RecordingError, struct.error):
+        return None
     if not pairs:
         return None
     both = np.concatenate(pairs)
-    if both.size and int(both[:, 1].max()) + _RECORD.size + _MESSAGE.size > length:
-        return None
     order = np.lexsort((both[:, 1], both[:, 0]))
     return np.concatenate(channels)[order], both[order, 0], both[order, 1]
 
 
-def _walk(records: bytes) -> tuple[npt.NDArray[np.uint16], Stamps, Stamps]:
+def _is_right(
+    records: bytes, channels: npt.NDArray[np.uint16], stamps: Stamps, offsets: Stamps
+) -> bool:
+    """Whether there is a whole message with this channel and stamp at each offset."""
+    if not offsets.size:
+        return True
+    if len(records) < _MESSAGE.size or offsets.max() > len(records) - _MESSAGE.size:
+        return False
+    if np.unique(offsets).size != offsets.size:
+        return False
+    # A view with a record at every byte of the chunk; nothing of it is copied.
+    everywhere = np.ndarray((len(records) - _MESSAGE.size + 1,), _HEAD, records, strides=(1,))
+    heads = everywhere[offsets]
+    whole = heads["length"] <= len(records) - RECORD.size - offsets
+    same = (heads["channel"] == channels) & (heads["stamp"] == stamps)
+    shape = (heads["kind"] == MESSAGE) & (heads["length"] >= _MESSAGE.size - RECORD.size)
+    return bool((whole & same & shape).all())
+
+
+def _walk(records: bytes) -> _Found:
     """The same from the messages themselves."""
     found = []
-    for kind, begin, _ in records_of(records):
-        if kind == MESSAGE:
-            channel, _, stamp, _ = _MESSAGE.unpack_from(records, begin)
-            found.append((channel, stamp, begin - _RECORD.size))
+    for kind, begin, end in records_of(records):
+        if kind == MESSAGE and end - begin >= _MESSAGE.size - RECORD.size:
+            _, _, channel, _, stamp, _ = _MESSAGE.unpack_from(records, begin - RECORD.size)
+            found.append((channel, stamp, begin - RECORD.size))
     channels, stamps, offsets = zip(*found, strict=True) if found else ((), (), ())
     both = np.array(stamps, np.uint64), np.array(offsets, np.uint64)
     order = np.lexsort((both[1], both[0]))

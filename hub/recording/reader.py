@@ -6,7 +6,9 @@ far as its records are whole.
 
 from __future__ import annotations
 
+import contextlib
 import os
+import zlib
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
@@ -19,21 +21,18 @@ import numpy.typing as npt
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
-from hub.recording.chunks import (
-    LoadedChunk,
-    LoggedMessage,
-    load,
-    message_at,
-)
+from hub.recording.chunks import LoadedChunk, LoggedMessage, load, message_at, without
 from hub.recording.order import ChannelChunks, WaitingMessages, by_channel
-from hub.recording.summary import AttachmentPlace, Summary, summary_of
+from hub.recording.records import ATTACHMENT, RECORD
+from hub.recording.summary import MOST_FAULTS, AttachmentPlace, Summary, summary_of
 from hub.recording.topics import RecordedTopic
 from hub.recording.writer import ABOUT
 
 __all__ = ["AttachmentPlace", "LoggedMessage", "Recording"]
 
 _CACHE_BYTES = 64 * 1024 * 1024
-_MOST_FAULTS = 20
+_MOST_ATTACHMENT = 1024**3
+_MOST_STAMP = 2**64 - 1
 
 
 class Recording:
@@ -68,6 +67,7 @@ class Recording:
         self._loaded_bytes = 0
         self._damaged: set[int] = set()
         self._of_channel: dict[int, ChannelChunks] | None = None
+        self._known = np.array(sorted(summary.topics), np.uint16)
 
     @classmethod
     def open(cls, path: Path) -> Self:
@@ -126,9 +126,23 @@ class Recording:
             return None
 
     def attachment(self, place: AttachmentPlace) -> bytes:
-        """The content of a file within the recording."""
-        head = 9 + 16 + 4 + len(place.name.encode()) + 4 + len(place.media_type.encode()) + 8
-        return os.pread(self._handle, place.size, place.offset + head)
+        """The content of a file within the recording.
+
+        Raises:
+            RecordingError: It is damaged, or too long.
+        """
+        name, media_type = place.name.encode(), place.media_type.encode()
+        texts = b"".join(len(each).to_bytes(4, "little") + each for each in (name, media_type))
+        head = RECORD.size + 16 + len(texts) + 8
+        if 0 <= place.size <= _MOST_ATTACHMENT and 0 <= place.offset < 1 << 62:
+            with contextlib.suppress(OSError):
+                raw = os.pread(self._handle, head + place.size + 4, place.offset)
+                whole = len(raw) == head + place.size + 4 and raw[0] == ATTACHMENT
+                checksum = int.from_bytes(raw[-4:], "little")
+                if whole and checksum in (0, zlib.crc32(raw[RECORD.size : -4])):
+                    return raw[head:-4]
+        text = f"{self.path}: the file {place.name[:80]!r} in it is damaged, or too long"
+        raise RecordingError(text)
 
     def newest(
         self, stamp: int, channels: AbstractSet[int] | None = None
@@ -163,9 +177,10 @@ class Recording:
             channels: Which channels; default all.
             reverse: The last message first.
         """
-        first = self.start if start is None else start
-        last = self.end if end is None else end
-        wanted = None if channels is None else np.array(sorted(channels), np.uint16)
+        first = self.start if start is None else max(0, start)
+        last = min(self.end, _MOST_STAMP if end is None else end)
+        wanted = None if channels is None else channels & self.channels.keys()
+        chosen = None if wanted is None else np.array(sorted(wanted), np.uint16)
         waiting = WaitingMessages(reverse=reverse)
         places = [
             number
@@ -181,8 +196,8 @@ class Recording:
             if chunk is not None:
                 stamps = chunk.stamps
                 keep = (stamps >= first) & (stamps <= last)
-                if wanted is not None:
-                    keep &= np.isin(chunk.channels, wanted)
+                if chosen is not None:
+                    keep &= np.isin(chunk.channels, chosen)
                 waiting.add(number, place.offset, chunk, np.flatnonzero(keep))
         yield from self._read_all(waiting.rest())
 
@@ -190,21 +205,19 @@ class Recording:
         for number, index in entries:
             chunk = self._load(number)
             if chunk is not None:
-                try:
-                    yield message_at(chunk, index)
-                except RecordingError as error:
-                    self._report(number, error)
+                yield message_at(chunk, index)
 
     def _newest(self, channel: int, chunks: ChannelChunks, stamp: int) -> LoggedMessage | None:
         best: tuple[int, int, LoadedChunk, int] | None = None  # stamp, offset, chunk, index
-        for at in range(int(np.searchsorted(chunks.starts, stamp, "right")) - 1, -1, -1):
+        until = np.uint64(min(max(0, stamp), _MOST_STAMP))  # NumPy would compare integers as floats
+        for at in range(int(np.searchsorted(chunks.starts, until, "right")) - 1, -1, -1):
             if best is not None and chunks.ends_before[at] < best[0]:
                 break
             number = int(chunks.numbers[at])
             chunk = self._load(number)
             if chunk is None:
                 continue
-            ours = np.flatnonzero((chunk.channels == channel) & (chunk.stamps <= stamp))
+            ours = np.flatnonzero((chunk.channels == channel) & (chunk.stamps <= until))
             if ours.size:
                 index = int(ours[-1])
                 key = int(chunk.stamps[index]), self._places[number].offset
@@ -222,9 +235,10 @@ class Recording:
         place = self._places[number]
         try:
             raw = os.pread(self._handle, place.length + place.index_length, place.offset)
-            chunk = load(raw, place)
-        except (RecordingError, OSError) as error:
-            self._report(number, error)
+            chunk = self._checked(number, load(raw, place))
+        except (RecordingError, OSError, MemoryError) as error:
+            self._damaged.add(number)
+            self._note(number, str(error))
             return None
         self._loaded[number] = chunk
         self._loaded_bytes += len(chunk.records)
@@ -233,10 +247,33 @@ class Recording:
             self._loaded_bytes -= len(oldest.records)
         return chunk
 
-    def _report(self, number: int, error: Exception) -> None:
-        self._damaged.add(number)
-        if len(self.faults) < _MOST_FAULTS:
-            self.faults.append(f"at byte {self._places[number].offset}: {error}")
+    def _checked(self, number: int, chunk: LoadedChunk) -> LoadedChunk:
+        """The messages whose channel is known, and whose time is that of their part."""
+        place = self._places[number]
+        count = len(chunk.stamps)
+        chunk = without(chunk, self._known)
+        if len(chunk.stamps) < count:
+            self._note(number, f"{count - len(chunk.stamps)} messages have no topic")
+        if chunk.stamps.size and not (
+            place.start <= chunk.stamps[0] and chunk.stamps[-1] <= place.end
+        ):
+            keep = (chunk.stamps >= place.start) & (chunk.stamps <= place.end)
+            self._note(
+                number,
+                f"{np.count_nonzero(~keep)} messages are of other times than the file says; "
+                "`rune-hub log recover` makes a file with all of them",
+            )
+            chunk = chunk._replace(
+                channels=chunk.channels[keep],
+                stamps=chunk.stamps[keep],
+                offsets=chunk.offsets[keep],
+            )
+        return chunk
+
+    def _note(self, number: int, fault: str) -> None:
+        sentence = f"at byte {self._places[number].offset}: {fault}"
+        if len(self.faults) < MOST_FAULTS and sentence not in self.faults:
+            self.faults.append(sentence)
 
     def _chunks_of_channels(self) -> dict[int, ChannelChunks]:
         """Which parts of the file have messages of a channel."""

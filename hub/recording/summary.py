@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import struct
 import zlib
 from collections.abc import Iterator
@@ -10,34 +11,46 @@ from dataclasses import field
 from typing import Final, NamedTuple
 
 from hub.errors import RecordingError
-from hub.recording.chunks import (
+from hub.recording.chunks import MOST_CHUNK, ChunkPlace, unpack
+from hub.recording.records import (
+    ATTACHMENT,
+    ATTACHMENT_INDEX,
     CHANNEL,
     CHUNK,
+    CHUNK_INDEX,
+    DATA_END,
+    FOOTER,
+    MAGIC,
     MESSAGE,
     MESSAGE_INDEX,
+    METADATA,
+    METADATA_INDEX,
+    RECORD,
     SCHEMA,
-    ChunkPlace,
+    STATISTICS,
     records_of,
-    unpack,
 )
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
-MAGIC: Final = b"\x89MCAP0\r\n"
-_FOOTER, _DATA_END = 2, 15
-_CHUNK_INDEX, _ATTACHMENT, _ATTACHMENT_INDEX, _STATISTICS, _METADATA, _METADATA_INDEX = (
-    8, 9, 10, 11, 12, 13,
-)  # fmt: skip
-_RECORD = struct.Struct("<BQ")
+MOST_FAULTS: Final = 20
+"""Most faults of a file that are named."""
 _CHUNK_TIMES = struct.Struct("<QQ")
 _INDEXED_CHUNK = struct.Struct("<QQQQI")
 _MESSAGE_HEAD = struct.Struct("<HIQ")
 _STATISTICS_BYTES = 8 + 2 + 4 * 4 + 2 * 8
 """Length of the statistics before the counts by channel [bytes]."""
-_LOOSE_BYTES = 1024 * 1024
+_FOOTER_BYTES: Final = RECORD.size + 20 + len(MAGIC)
+_LOOSE_BYTES: Final = 1024 * 1024
 """Messages without a chunk are read in runs of about this length [bytes]."""
-_MOST_SUMMARY = 1024**3
-_MOST_METADATA = 16 * 1024 * 1024
+_MOST_SUMMARY: Final = 256 * 1024 * 1024
+"""Longest index that is read, and all facts that a scan keeps [bytes]."""
+_MOST_METADATA: Final = 16 * 1024 * 1024
+_MOST_CHUNKS: Final = 4_000_000
+_NAMES: Final = re.compile(rb"\x03\0\0\0lz4|\x04\0\0\0zstd")
+"""How a packed chunk names its compression."""
+_BLOCK: Final = 64 * 1024
+"""A scan reads the heads of records in blocks of this length [bytes]."""
 
 
 class AttachmentPlace(NamedTuple):
@@ -126,9 +139,14 @@ class _Fields:
 
 
 class _Topics:
-    """Gathers schemas and channels into topics."""
+    """Gathers schemas and channels into topics.
+
+    Attributes:
+        complete: Each channel has its schema.
+    """
 
     def __init__(self, summary: Summary) -> None:
+        self.complete = True
         self._summary = summary
         self._schemas: dict[int, tuple[str, str, bytes]] = {}
 
@@ -138,10 +156,13 @@ class _Topics:
         if kind == SCHEMA:
             self._schemas[number] = fields.text(), fields.text(), fields.bytes()
             return
-        name, encoding, schema = self._schemas.get(fields.number("H"), ("", "", b""))
+        schema = fields.number("H")
+        if schema and schema not in self._schemas:
+            self.complete = False
+        name, encoding, text = self._schemas.get(schema, ("", "", b""))
         topic, coding = fields.text(), fields.text()
         self._summary.topics.setdefault(
-            number, RecordedTopic(topic, name, encoding, schema, coding, fields.map())
+            number, RecordedTopic(topic, name, encoding, text, coding, fields.map())
         )
 
 
@@ -153,15 +174,14 @@ class _Indexed:
         self._size = size
         self._summary = Summary(finished=True)
         self._topics = _Topics(self._summary)
-        self._messages = 0
 
     def read(self) -> Summary | None:
         """What is in the file; None: there is no index, or it is not usable."""
-        tail = os.pread(self._handle, 37, max(0, self._size - 37))
-        if len(tail) < 37 or tail[-8:] != MAGIC or tail[:1] != bytes([_FOOTER]):
+        tail = os.pread(self._handle, _FOOTER_BYTES, max(0, self._size - _FOOTER_BYTES))
+        if not _is_footer(tail):
             return None
-        start, _, checksum = struct.unpack_from("<QQI", tail, 9)
-        length = self._size - 37 - start
+        start, _, checksum = struct.unpack_from("<QQI", tail, RECORD.size)
+        length = self._size - _FOOTER_BYTES - start
         if not start or not 0 <= length <= _MOST_SUMMARY:
             return None
         data = os.pread(self._handle, length, start)
@@ -170,37 +190,61 @@ class _Indexed:
         try:
             for kind, begin, end in records_of(data):
                 self._take(kind, data, begin, end)
-        except (RecordingError, struct.error):
+        except (RecordingError, struct.error, OverflowError):
             return None
-        known = bool(self._summary.topics) or not self._messages
-        return self._summary if known and (self._summary.chunks or not self._messages) else None
+        return self._summary if self._is_complete() else None
+
+    def _is_complete(self) -> bool:
+        """Whether it names all channels, and the chunks of a file that has messages."""
+        named = set[int]()
+        for maps in {place.channels for place in self._summary.chunks}:
+            named.update(number for number, _ in struct.iter_unpack("<HQ", maps))
+        topics = self._summary.topics
+        return (
+            bool(self._summary.chunks)
+            and self._topics.complete
+            and bool(topics)
+            and named <= topics.keys()
+        )
 
     def _take(self, kind: int, data: bytes, begin: int, end: int) -> None:
-        if kind == _CHUNK_INDEX:
-            first, last, offset, length, maps = _INDEXED_CHUNK.unpack_from(data, begin)
-            at = begin + _INDEXED_CHUNK.size
-            (indexes,) = struct.unpack_from("<Q", data, at + maps)
-            if offset + length + indexes <= self._size and maps % 10 == 0 and at + maps < end:
-                self._summary.chunks.append(
-                    ChunkPlace(first, last, offset, length, indexes, data[at : at + maps])
-                )
-            else:
-                self._summary.faults.append("the index names a part that the file does not have")
+        if kind == CHUNK_INDEX:
+            self._take_chunk(data, begin, end)
         elif kind in (SCHEMA, CHANNEL):
             self._topics.take(kind, data[begin:end])
-        elif kind == _ATTACHMENT_INDEX:
+        elif kind == ATTACHMENT_INDEX:
             fields = _Fields(data, begin)
             offset, _, _, _, size = (fields.number("Q") for _ in range(5))
             name, media_type = fields.text(), fields.text()
             self._summary.attachments.append(AttachmentPlace(name, media_type, offset, size))
-        elif kind == _METADATA_INDEX:
+        elif kind == METADATA_INDEX:
             fields = _Fields(data, begin)
-            offset, length = fields.number("Q"), min(fields.number("Q"), _MOST_METADATA)
+            offset, length = fields.number("Q"), fields.number("Q")
+            if offset + length > self._size or length > _MOST_METADATA:
+                text = "its metadata is elsewhere"
+                raise RecordingError(text)
             record = os.pread(self._handle, length, offset)
-            _take_metadata(self._summary, record[_RECORD.size :])
-        elif kind == _STATISTICS:
-            self._messages = _Fields(data, begin).number("Q")
+            if record[:1] == bytes([METADATA]):
+                _take_metadata(self._summary, record[RECORD.size :])
+        elif kind == STATISTICS:
             self._take_counts(data, begin + _STATISTICS_BYTES)
+
+    def _take_chunk(self, data: bytes, begin: int, end: int) -> None:
+        first, last, offset, length, maps = _INDEXED_CHUNK.unpack_from(data, begin)
+        at = begin + _INDEXED_CHUNK.size
+        if maps % 10 or at + maps + 8 > end or len(self._summary.chunks) >= _MOST_CHUNKS:
+            text = "its index is damaged, or too long"
+            raise RecordingError(text)
+        (indexes,) = struct.unpack_from("<Q", data, at + maps)
+        if offset + length + indexes > self._size:
+            text = "its index names a part that the file does not have"
+            raise RecordingError(text)
+        if length + indexes <= MOST_CHUNK:
+            self._summary.chunks.append(
+                ChunkPlace(first, last, offset, length, indexes, data[at : at + maps])
+            )
+        elif len(self._summary.faults) < MOST_FAULTS:
+            self._summary.faults.append(f"at byte {offset}: a part of it is too long")
 
     def _take_counts(self, data: bytes, at: int) -> None:
         (length,) = struct.unpack_from("<I", data, at)
@@ -210,92 +254,180 @@ class _Indexed:
 
 
 class _Scan:
-    """Reads a file from its begin, as far as its records are whole."""
+    """Reads a file from its begin, as far as its records are whole.
+
+    Behind a damaged record it goes on at the next chunk whose checksum is right.
+    """
 
     def __init__(self, handle: int, size: int) -> None:
         self._handle = handle
         self._size = size
         self._summary = Summary()
         self._topics = _Topics(self._summary)
-        self._indexed: set[int] = set()
         self._loose: list[tuple[int, int, int]] = []  # stamp, begin, end
+        self._index_channels = bytearray()
+        self._kept = 0
+        self._block = b""
+        self._block_at = 0
 
     def read(self) -> Summary:
         """What the file has."""
-        last = len(MAGIC)
-        try:
-            for kind, offset, length in self._records():
-                last = offset + _RECORD.size + length
-                self._take(kind, offset, length)
-        except (RecordingError, struct.error) as error:
-            self._summary.faults.append(f"after byte {last} it cannot be read: {error}")
+        at: int | None = len(MAGIC)
+        while at is not None:
+            last = at
+            try:
+                for kind, offset, length in self._records(at):
+                    self._take(kind, offset, length)
+                    last = offset + RECORD.size + length
+                at = None
+            except (RecordingError, struct.error, OverflowError) as error:
+                at = self._next_chunk(last + 1)
+                self._note(f"after byte {last} {self._lacking(last, at)}: {error}")
         self._end_run()
+        self._end_index()
         for place in self._summary.chunks:
             if place.packed and self._unknown(place):
                 self._look_inside(place)
         return self._summary
 
-    def _records(self) -> Iterator[tuple[int, int, int]]:
+    def _lacking(self, last: int, at: int | None) -> str:
+        """What is lost behind a damaged record, for people."""
+        lost = (self._size if at is None else at) - last
+        return f"{lost} bytes cannot be read"
+
+    def _note(self, fault: str) -> None:
+        if len(self._summary.faults) < MOST_FAULTS:
+            self._summary.faults.append(fault)
+
+    def _records(self, at: int) -> Iterator[tuple[int, int, int]]:
         """Kind, place and length of each whole record."""
-        at = len(MAGIC)
-        while at + _RECORD.size <= self._size:
-            kind, length = _RECORD.unpack(os.pread(self._handle, _RECORD.size, at))
-            if kind == 0 or at + _RECORD.size + length > self._size:
-                raise RecordingError("its last record is cut" if kind else "that is no record")
-            if kind in (_DATA_END, _FOOTER):
+        while at + RECORD.size <= self._size:
+            kind, length = RECORD.unpack(self._bytes(at, RECORD.size))
+            if kind in (DATA_END, FOOTER) and length <= 20:
+                self._summary.finished = self._ends_well()
                 return
+            if kind == 0 or at + RECORD.size + length > self._size:
+                raise RecordingError("its last record is cut" if kind else "that is no record")
             yield kind, at, length
-            at += _RECORD.size + length
+            at += RECORD.size + length
+        if at < self._size:
+            text = "its last record is cut"
+            raise RecordingError(text)
+
+    def _ends_well(self) -> bool:
+        """Whether the file has its last bytes."""
+        return _is_footer(os.pread(self._handle, _FOOTER_BYTES, self._size - _FOOTER_BYTES))
+
+    def _next_chunk(self, start: int) -> int | None:
+        """The place of the next chunk that is whole; None: there is none."""
+        head = RECORD.size + 28
+        at = start
+        while at < self._size:
+            block = os.pread(self._handle, _LOOSE_BYTES + head + 8, at)
+            for name in _NAMES.finditer(block):
+                place = at + name.start() - head
+                if name.start() < _LOOSE_BYTES and place >= start and self._is_chunk(place):
+                    return place
+            at += _LOOSE_BYTES
+        return None
+
+    def _is_chunk(self, place: int) -> bool:
+        kind, length = RECORD.unpack(os.pread(self._handle, RECORD.size, place))
+        if kind != CHUNK or not 0 < length <= min(MOST_CHUNK, self._size - place):
+            return False
+        try:
+            unpack(os.pread(self._handle, RECORD.size + length, place))
+        except RecordingError:
+            return False
+        return True
+
+    def _bytes(self, at: int, length: int) -> bytes:
+        """A few bytes of the file."""
+        begin = at - self._block_at
+        if begin < 0 or begin + length > len(self._block):
+            self._block, self._block_at, begin = os.pread(self._handle, _BLOCK, at), at, 0
+        return self._block[begin : begin + length]
 
     def _content(self, offset: int, length: int, most: int) -> bytes:
-        return os.pread(self._handle, min(length, most), offset + _RECORD.size)
+        at, length = offset + RECORD.size, min(length, most)
+        return os.pread(self._handle, length, at) if length > _BLOCK else self._bytes(at, length)
 
     def _take(self, kind: int, offset: int, length: int) -> None:
-        end = offset + _RECORD.size + length
+        end = offset + RECORD.size + length
         if kind == MESSAGE:
             _, _, stamp = _MESSAGE_HEAD.unpack(self._content(offset, length, _MESSAGE_HEAD.size))
             self._loose.append((stamp, offset, end))
             if end - self._loose[0][1] >= _LOOSE_BYTES:
                 self._end_run()
             return
-        if kind == CHUNK:
-            self._end_run()
-            first, last = _CHUNK_TIMES.unpack(self._content(offset, length, _CHUNK_TIMES.size))
-            self._summary.chunks.append(ChunkPlace(first, last, offset, end - offset, 0, b""))
-        elif kind == MESSAGE_INDEX:
+        self._end_run()
+        if kind == MESSAGE_INDEX:
             self._take_index(offset, length, end)
+            return
+        self._end_index()
+        if kind == CHUNK:
+            first, last = _CHUNK_TIMES.unpack(self._content(offset, length, _CHUNK_TIMES.size))
+            self._add(ChunkPlace(first, last, offset, end - offset, 0, b""))
         elif kind in (SCHEMA, CHANNEL):
-            self._topics.take(kind, self._content(offset, length, _MOST_METADATA))
-        elif kind == _METADATA:
-            _take_metadata(self._summary, self._content(offset, length, _MOST_METADATA))
-        elif kind == _ATTACHMENT:
-            fields = _Fields(self._content(offset, length, 65536), 16)
+            self._topics.take(kind, self._facts(offset, length))
+        elif kind == METADATA:
+            _take_metadata(self._summary, self._facts(offset, length))
+        elif kind == ATTACHMENT:
+            fields = _Fields(self._content(offset, length, _BLOCK), 16)
             name, media_type = fields.text(), fields.text()
-            self._summary.attachments.append(
-                AttachmentPlace(name, media_type, offset, fields.number("Q"))
-            )
+            size = fields.number("Q")
+            self._kept += fields.at
+            self._check_kept()
+            self._summary.attachments.append(AttachmentPlace(name, media_type, offset, size))
+
+    def _facts(self, offset: int, length: int) -> bytes:
+        """The content of a record that is kept."""
+        self._kept += length
+        self._check_kept()
+        return self._content(offset, length, _MOST_METADATA)
+
+    def _check_kept(self) -> None:
+        if self._kept > _MOST_SUMMARY:
+            text = "it has more schemas, metadata and names than are read"
+            raise RecordingError(text)
+
+    def _add(self, place: ChunkPlace) -> None:
+        if place.length > MOST_CHUNK or len(self._summary.chunks) >= _MOST_CHUNKS:
+            self._note(f"at byte {place.offset}: a part of it is too long, or one too many")
+        else:
+            self._summary.chunks.append(place)
 
     def _take_index(self, offset: int, length: int, end: int) -> None:
         """Add the index of a channel to the chunk before it."""
-        if not self._summary.chunks or not self._summary.chunks[-1].packed:
+        place = self._summary.chunks[-1] if self._summary.chunks else None
+        if place is None or not place.packed:
             return
-        place = self._summary.chunks[-1]
-        if place.offset + place.length + place.index_length == offset:
+        if place.offset + place.length + place.index_length != offset:
+            return
+        if end - place.offset <= MOST_CHUNK:
             channel = self._content(offset, length, 2)
+            self._index_channels += channel + struct.pack("<Q", offset)
             self._summary.chunks[-1] = place._replace(
-                index_length=end - place.offset - place.length,
-                channels=place.channels + channel + struct.pack("<Q", offset),
+                index_length=end - place.offset - place.length
             )
+
+    def _end_index(self) -> None:
+        """The last chunk has all its indexes."""
+        if self._index_channels and self._summary.chunks:
+            channels = bytes(self._index_channels)
+            self._summary.chunks[-1] = self._summary.chunks[-1]._replace(channels=channels)
+        self._index_channels = bytearray()
 
     def _end_run(self) -> None:
         """Messages that lie in no chunk are a part of the file as well."""
         if self._loose:
             stamps = [stamp for stamp, _, _ in self._loose]
             begin, end = self._loose[0][1], self._loose[-1][2]
-            self._summary.chunks.append(
+            self._loose = []
+            self._end_index()
+            self._add(
                 ChunkPlace(min(stamps), max(stamps), begin, end - begin, 0, b"", packed=False)
             )
-            self._loose = []
 
     def _unknown(self, place: ChunkPlace) -> bool:
         """Whether a chunk has messages of channels that are not known yet, as far as one sees."""
@@ -308,9 +440,17 @@ class _Scan:
             records = unpack(os.pread(self._handle, place.length, place.offset))
             for kind, begin, end in records_of(records):
                 if kind in (SCHEMA, CHANNEL):
+                    self._kept += end - begin
+                    self._check_kept()
                     self._topics.take(kind, records[begin:end])
-        except (RecordingError, struct.error, RuntimeError, ValueError) as error:
-            self._summary.faults.append(f"at byte {place.offset}: {error}")
+        except (RecordingError, struct.error) as error:
+            self._note(f"at byte {place.offset}: {error}")
+
+
+def _is_footer(tail: bytes) -> bool:
+    """Whether these are the last bytes of a complete file."""
+    whole = len(tail) == _FOOTER_BYTES
+    return whole and tail[-len(MAGIC) :] == MAGIC and tail[0] == FOOTER
 
 
 def _take_metadata(summary: Summary, content: bytes) -> None:

@@ -12,25 +12,23 @@
 from __future__ import annotations
 
 import contextlib
-import io
 import math
 import os
+import struct
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import field
 from pathlib import Path
 from typing import NamedTuple
 
-from mcap.writer import CompressionType, Writer
-
+from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
+from hub.recording.encoder import WHOLE, McapEncoder, Payload
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
-LIBRARY = "rune"
-"""Who wrote a file, in its header."""
 ABOUT = "rune"
 """Name of the metadata with the anchor and what the writer says of itself."""
 BOOT = "boot"
@@ -39,10 +37,6 @@ BOOT_FILE = Path("/proc/sys/kernel/random/boot_id")
 """Where the system says which run of the machine this is."""
 _GATHER_S = 0.05
 """Time that messages wait for others before the thread wakes [s]."""
-
-Payload = bytes | bytearray | memoryview | Sequence[bytes | bytearray | memoryview]
-"""An encoded message, whole or in parts, which do not change later."""
-_BYTES = (bytes, bytearray, memoryview)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,35 +100,29 @@ class RecordingWriter:
         self._anchor = anchor
         self._limits = limits or WriterLimits()
         self._channels: dict[str, int] = {}
-        self._schemas: dict[tuple[str, bytes], int] = {}
         self._lock = threading.Lock()
         self._wake = threading.Event()
+        self._closing = threading.Event()
         self._waiting: list[_WaitingMessage] = []
         self._waiting_bytes = 0
         self._lost: Counter[str] = Counter()
-        self._closing = False
+        self._ended = False
         self._fault = ""
         self._written = 0
         self._unflushed: Counter[str] = Counter()
         self._whole = 0
         self._chunk_due = self._sync_due = math.inf
+        self._encoder = McapEncoder()
+        self._parts = [self._encoder.begin()]
+        self._parts.append(self._encoder.metadata(ABOUT, {**about, **clock_facts(anchor)}))
         self._file = path.open("xb", buffering=0)
-        self._stream = _Gathered(self._file)
-        self._writer = Writer(
-            self._stream,  # type: ignore[arg-type]  # all that Writer needs of a file
-            chunk_size=self._limits.chunk_bytes,
-            compression=CompressionType.LZ4,
-        )
-        self._writer.start(profile="ros2", library=LIBRARY)
-        self._writer.add_metadata(ABOUT, {**about, **clock_facts(anchor)})
         try:
-            self._stream.flush()
+            self._pass_on()
         except OSError:
             self._file.close()
             with contextlib.suppress(OSError):
                 path.unlink()
             raise
-        self._whole = self._stream.tell()
         self._thread = threading.Thread(target=self._serve, name="recording", daemon=True)
         self._thread.start()
 
@@ -153,7 +141,7 @@ class RecordingWriter:
         measured: float,
         number: int = 0,
     ) -> None:
-        """Write a message; never waits.
+        """Write a message; never waits. After `close` it counts as lost.
 
         Args:
             topic: Where it belongs; equal names have equal schemas.
@@ -162,105 +150,102 @@ class RecordingWriter:
             measured: When its content was measured, on the same clock [s].
             number: Its number at the receiver; 0 has none.
         """
-        size = len(payload) if isinstance(payload, _BYTES) else sum(map(len, payload))
-        entry = _WaitingMessage(topic, payload, moment, measured, number, size)
+        size = _size(payload) if isinstance(payload, WHOLE) else sum(map(_size, payload))
+        self._add(topic.name, _WaitingMessage(topic, payload, moment, measured, number, size))
+
+    def attach(self, name: str, media_type: str, data: bytes, moment: float) -> None:
+        """Write a file into the recording, such as a layout; it waits and is lost as messages."""
+        size = len(data)
+        self._add(name, _WaitingMessage(None, data, moment, moment, 0, size, name, media_type))
+
+    def close(self, patience: float = 60.0) -> None:
+        """Write what waits, and the index; once.
+
+        Args:
+            patience: Time after which a disk that does not answer is left alone [s].
+        """
+        self._closing.set()
+        self._wake.set()
+        self._thread.join(patience)
+
+    def _add(self, name: str, entry: _WaitingMessage) -> None:
         with self._lock:
-            if self._fault or self._waiting_bytes + size > self._limits.waiting_bytes:
-                self._lost[topic.name] += 1
+            if self._ended or self._waiting_bytes + entry.size > self._limits.waiting_bytes:
+                self._lost[name] += 1
                 return
-            self._waiting_bytes += size
+            self._waiting_bytes += entry.size
             first = not self._waiting
             self._waiting.append(entry)
         if first:
             self._wake.set()
 
-    def attach(self, name: str, media_type: str, data: bytes, moment: float) -> None:
-        """Write a file into the recording, such as a layout."""
-        with self._lock:
-            if not self._fault:
-                self._waiting.append(
-                    _WaitingMessage(None, data, moment, moment, 0, 0, name, media_type)
-                )
-        self._wake.set()
-
-    def close(self) -> None:
-        """Write what waits, and the index; once."""
-        self._closing = True
-        self._wake.set()
-        self._thread.join()
-
     def _serve(self) -> None:
         try:
-            while not self._fault and not (self._closing and not self._waiting):
+            while not (self._fault or (self._closing.is_set() and not self._waiting)):
                 self._wait()
                 self._write(self._take())
                 self._keep()
         except OSError as error:
-            self._give_up(error.strerror or str(error))
+            self._give_up(error)
         finally:
             self._end()
 
     def _wait(self) -> None:
         """Return when messages wait, a part of the file is due, or the recording ends."""
         due = min(self._chunk_due, self._sync_due) - time.monotonic()
-        if self._wake.wait(None if math.isinf(due) else max(0.0, due)) and not self._closing:
-            gather = min(_GATHER_S, max(0.0, due))
-            if gather and self._waiting_bytes < self._limits.chunk_bytes:
-                time.sleep(gather)
+        if self._wake.wait(None if math.isinf(due) else max(0.0, due)):
+            self._closing.wait(min(_GATHER_S, max(0.0, due)))
 
     def _take(self) -> list[_WaitingMessage]:
         with self._lock:
             entries, self._waiting = self._waiting, []
-            self._waiting_bytes = 0
             self._wake.clear()
         return entries
 
     def _write(self, entries: list[_WaitingMessage]) -> None:
+        """Encode messages; those that are complete chunks go to the system."""
         for entry in entries:
             self._write_one(entry)
+            if self._encoder.open_bytes >= self._limits.chunk_bytes:
+                self._flush()
         if entries:
+            with self._lock:
+                self._waiting_bytes -= sum(entry.size for entry in entries)
             now = time.monotonic()
             self._chunk_due = min(self._chunk_due, now + self._limits.chunk_s - _GATHER_S)
             self._sync_due = min(self._sync_due, now + self._limits.sync_s)
 
     def _write_one(self, entry: _WaitingMessage) -> None:
         topic, payload = entry.topic, entry.payload
-        stamp = self._anchor.stamp(entry.moment)
-        data = bytes(payload) if isinstance(payload, _BYTES) else b"".join(payload)
-        if topic is None:
-            self._writer.add_attachment(stamp, stamp, entry.name, entry.media_type, data)
+        try:
+            stamp = self._anchor.stamp(entry.moment)
+            if topic is None:
+                self._parts.append(self._encoder.end_chunk())
+                data = payload if isinstance(payload, bytes) else b""
+                self._parts.append(
+                    self._encoder.attachment(entry.name, entry.media_type, data, stamp)
+                )
+                return
+            self._encoder.add(
+                self._channels.get(topic.name) or self._channel(topic),
+                stamp,
+                self._anchor.stamp(entry.measured),
+                entry.number & 0xFFFFFFFF,
+                payload,
+            )
+        except (RecordingError, ValueError, TypeError, OverflowError, struct.error):
+            # Nothing of it is written: times that are no numbers, a topic too many.
+            self._lose([entry.name if topic is None else topic.name])
             return
-        self._writer.add_message(
-            channel_id=self._channels.get(topic.name) or self._channel(topic),
-            log_time=stamp,
-            publish_time=self._anchor.stamp(entry.measured),
-            data=data,
-            sequence=entry.number & 0xFFFFFFFF,
-        )
         self._unflushed[topic.name] += 1
 
     def _channel(self, topic: RecordedTopic) -> int:
-        schema = 0
-        if topic.schema_name:
-            key = (topic.schema_name, topic.schema)
-            if key not in self._schemas:
-                self._schemas[key] = self._writer.register_schema(
-                    name=topic.schema_name, encoding=topic.schema_encoding, data=topic.schema
-                )
-            schema = self._schemas[key]
-        self._channels[topic.name] = self._writer.register_channel(
-            topic=topic.name,
-            message_encoding=topic.encoding,
-            schema_id=schema,
-            metadata=dict(topic.metadata),
-        )
-        return self._channels[topic.name]
+        number = self._channels[topic.name] = self._encoder.register(topic)
+        return number
 
     def _keep(self) -> None:
-        """Pass complete parts to the system, and to the disk; look at its room."""
+        """Pass what is due to the system, and to the disk; look at its room."""
         now = time.monotonic()
-        if self._stream.gathered >= self._limits.chunk_bytes:
-            self._stream.flush()
         if now >= self._chunk_due:
             self._flush()
             self._chunk_due = math.inf
@@ -272,36 +257,56 @@ class RecordingWriter:
             self._sync_due = math.inf
 
     def _flush(self) -> None:
-        self._writer.flush()  # type: ignore[no-untyped-call]
-        self._stream.flush()
+        """End the chunk, and pass it to the system."""
+        self._parts.append(self._encoder.end_chunk())
+        self._pass_on()
         self._written += self._unflushed.total()
         self._unflushed.clear()
-        self._whole = self._stream.tell()
 
-    def _give_up(self, fault: str) -> None:
+    def _pass_on(self) -> None:
+        """Pass what was made to the system.
+
+        Raises:
+            OSError: It does not take all of it.
+        """
+        rest = memoryview(b"".join(self._parts))
+        self._parts.clear()
+        while rest:
+            rest = rest[self._file.write(rest) or 0 :]
+        self._whole = self._encoder.length
+        self._encoder.keep()
+
+    def _give_up(self, error: OSError) -> None:
         """Stop writing; the file ends with its last complete part."""
-        self._fault = fault
+        self._fault = f"{self.path} cannot be written: {error.strerror or error}"
         self._lose(self._unflushed.elements())
         self._unflushed.clear()
+        self._parts.clear()
+        self._encoder.forget(self._whole)
         with contextlib.suppress(OSError):
             os.ftruncate(self._file.fileno(), self._whole)
+            os.lseek(self._file.fileno(), 0, os.SEEK_END)
 
     def _lose(self, topics: Iterable[str]) -> None:
         with self._lock:
             self._lost.update(topics)
 
     def _end(self) -> None:
+        """Write what still waits, and the index, if there is room for it."""
+        with self._lock:
+            self._ended = True
+        rest = self._take()
         if self._fault:
-            self._lose(entry.topic.name for entry in self._take() if entry.topic is not None)
+            self._lose(entry.topic.name if entry.topic else entry.name for entry in rest)
         try:
-            if not self._stream.failed:
-                self._flush()
-                self._writer.finish()  # type: ignore[no-untyped-call]
-                self._stream.flush()
-                self._whole = self._stream.tell()
-                os.fdatasync(self._file.fileno())
+            if not self._fault:
+                self._write(rest)
+            self._flush()
+            self._parts.append(self._encoder.end())
+            self._pass_on()
+            os.fdatasync(self._file.fileno())
         except OSError as error:
-            self._give_up(error.strerror or str(error))
+            self._give_up(error)
         with contextlib.suppress(OSError):
             self._file.close()
 
@@ -320,6 +325,11 @@ def _free(path: Path) -> int:
     return disk.f_bavail * disk.f_frsize
 
 
+def _size(payload: bytes | bytearray | memoryview) -> int:
+    """Length of a payload, or of a part of it [bytes]."""
+    return payload.nbytes if isinstance(payload, memoryview) else len(payload)
+
+
 class _WaitingMessage(NamedTuple):
     """What waits for the disk; without a topic it is an attachment."""
 
@@ -331,50 +341,3 @@ class _WaitingMessage(NamedTuple):
     size: int
     name: str = ""
     media_type: str = ""
-
-
-class _Gathered:
-    """Passes what a writer writes to a file in few and complete writes.
-
-    Attributes:
-        failed: The file took a part of a write only.
-    """
-
-    def __init__(self, file: io.FileIO) -> None:
-        self._file = file
-        self._parts: list[bytes] = []
-        self._length = self._gathered = 0
-        self.failed = False
-
-    @property
-    def gathered(self) -> int:
-        """What the system does not have yet [bytes]."""
-        return self._gathered
-
-    def write(self, data: bytes) -> int:
-        """Gather these bytes."""
-        if data:
-            self._parts.append(bytes(data))
-            self._length += len(data)
-            self._gathered += len(data)
-        return len(data)
-
-    def tell(self) -> int:
-        """The place behind all that was written, gathered bytes included."""
-        return self._length
-
-    def flush(self) -> None:
-        """Pass all to the system.
-
-        Raises:
-            OSError: It does not take them.
-        """
-        rest = memoryview(b"".join(self._parts))
-        self._parts.clear()
-        self._gathered = 0
-        try:
-            while rest:
-                rest = rest[self._file.write(rest) or 0 :]
-        except OSError:
-            self.failed = True
-            raise

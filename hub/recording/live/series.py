@@ -21,8 +21,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hub.recording.anchor import TimeAnchor
+from hub.recording.encoder import Payload
 from hub.recording.topics import RecordedTopic
-from hub.recording.writer import Payload, RecordingWriter, WriterLimits
+from hub.recording.writer import RecordingWriter, WriterLimits
 from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)

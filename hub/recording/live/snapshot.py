@@ -12,15 +12,12 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from mcap.writer import CompressionType, Writer
-
 from hub.errors import HubError, RecordingError
 from hub.recording.anchor import TimeAnchor
+from hub.recording.new_recording import NewRecording
 from hub.recording.reader import LoggedMessage, Recording
 from hub.recording.topics import RecordedTopic
-from hub.recording.writer import ABOUT, LIBRARY
-
-_PARTIAL = ".partial"
+from hub.recording.writer import ABOUT
 
 
 def write_snapshot(files: Sequence[Path], target: Path, begin: float, end: float) -> int:
@@ -38,10 +35,8 @@ def write_snapshot(files: Sequence[Path], target: Path, begin: float, end: float
         The number of messages.
 
     Raises:
-        RecordingError: No file can be read, or none has a clock.
-        OSError: The target cannot be written.
+        RecordingError: No file can be read, none has a clock, or the target cannot be written.
     """
-    partial = target.with_name(target.name + _PARTIAL)
     with contextlib.ExitStack() as stack:
         recordings = [stack.enter_context(each) for each in _opened(files)]
         anchors = [each.anchor for each in recordings]
@@ -49,17 +44,13 @@ def write_snapshot(files: Sequence[Path], target: Path, begin: float, end: float
         if anchor is None:
             text = f"no file of {', '.join(map(str, files))} can be read"
             raise RecordingError(text)
-        with partial.open("wb") as file:
-            copy = _Copy(Writer(file, compression=CompressionType.LZ4), anchor, recordings)
+        with NewRecording(target, replace=True) as new:
+            copy = _Copy(new, anchor, recordings)
             copy.write_newest(begin)
             for recording, own in zip(recordings, anchors, strict=True):
                 if own is not None:
                     copy.write_span(recording, own, begin, end)
-            copy.finish()
-            file.flush()
-            os.fdatasync(file.fileno())
-        partial.rename(target)
-    return copy.count
+    return new.messages
 
 
 def _opened(files: Sequence[Path]) -> Iterator[Recording]:
@@ -69,24 +60,17 @@ def _opened(files: Sequence[Path]) -> Iterator[Recording]:
 
 
 class _Copy:
-    """A new file with messages of others.
+    """Copies messages into a new file."""
 
-    Attributes:
-        count: Number of its messages.
-    """
-
-    def __init__(self, writer: Writer, anchor: TimeAnchor, recordings: Sequence[Recording]) -> None:
-        self.count = 0
-        self._writer, self._anchor, self._recordings = writer, anchor, recordings
-        self._schemas: dict[tuple[str, bytes], int] = {}
-        self._channels: dict[str, int] = {}
-        writer.start(profile="ros2", library=LIBRARY)
+    def __init__(
+        self, new: NewRecording, anchor: TimeAnchor, recordings: Sequence[Recording]
+    ) -> None:
+        self._new, self._anchor, self._recordings = new, anchor, recordings
         about = {**recordings[-1].about.get(ABOUT, {})}
         about |= {"wall_ns": str(anchor.wall_ns), "monotonic": repr(anchor.monotonic)}
-        writer.add_metadata(ABOUT, about)
+        new.add_facts(ABOUT, about)
         for place in recordings[-1].attachments:
-            data = recordings[-1].attachment(place)
-            writer.add_attachment(0, 0, place.name, place.media_type, data)
+            new.attach(place.name, place.media_type, recordings[-1].attachment(place))
 
     def write_newest(self, begin: float) -> None:
         """Write what held when the span began, as of that moment."""
@@ -107,35 +91,16 @@ class _Copy:
                 recording.channels[message.channel], message, own.moment(message.stamp), own
             )
 
-    def finish(self) -> None:
-        """Write the index."""
-        self._writer.finish()  # type: ignore[no-untyped-call]
-
     def _write(
         self, topic: RecordedTopic, message: LoggedMessage, moment: float, own: TimeAnchor
     ) -> None:
-        self._writer.add_message(
-            channel_id=self._channels.get(topic.name) or self._channel(topic),
-            log_time=self._anchor.stamp(moment),
-            publish_time=self._anchor.stamp(own.moment(message.published)),
-            data=message.payload,
-            sequence=message.number,
+        self._new.add(
+            topic,
+            self._anchor.stamp(moment),
+            self._anchor.stamp(own.moment(message.published)),
+            message.number,
+            message.payload,
         )
-        self.count += 1
-
-    def _channel(self, topic: RecordedTopic) -> int:
-        key = topic.schema_name, topic.schema
-        if topic.schema_name and key not in self._schemas:
-            self._schemas[key] = self._writer.register_schema(
-                name=topic.schema_name, encoding=topic.schema_encoding, data=topic.schema
-            )
-        self._channels[topic.name] = self._writer.register_channel(
-            topic=topic.name,
-            message_encoding=topic.encoding,
-            schema_id=self._schemas.get(key, 0),
-            metadata=dict(topic.metadata),
-        )
-        return self._channels[topic.name]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
