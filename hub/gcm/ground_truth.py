@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from hub.gcm.fields import Flag, Metres, Number, Radians, Seconds, Speed, TurnRate
+import math
+
+from hub.gcm.fields import (
+    Flag,
+    Metres,
+    Number,
+    Radians,
+    RadiansIfKnown,
+    Seconds,
+    Speed,
+    TurnRate,
+)
 from hub.ipc.definition import MessageDefinition
 from hub.values import dataclass
 
@@ -27,6 +38,9 @@ class GroundTruth:
         pitch: About y [rad], positive nose down.
         sway: True velocity to the left [m/s].
         heave: True velocity upward [m/s].
+        contact_angle: Direction of the last collision, from straight ahead [rad], positive left;
+            NaN: there was none.
+        impact_speed: Speed towards the obstacle in that collision [m/s]; 0: there was none.
     """
 
     time: Seconds
@@ -44,6 +58,8 @@ class GroundTruth:
     pitch: Radians = 0.0
     sway: Speed = 0.0
     heave: Speed = 0.0
+    contact_angle: RadiansIfKnown = math.nan
+    impact_speed: Speed = 0.0
 
 
 GROUND_TRUTH = MessageDefinition(

@@ -123,6 +123,8 @@ class SimulatedBase:
             contacts=self._body.contacts,
             touching=int(bool(self._body.touched)),
             sway=self._sway,
+            contact_angle=self._body.impact.bearing,
+            impact_speed=self._body.impact.approach / STEP,
         )
 
     def _step(self) -> None:

@@ -21,7 +21,7 @@ from hub.sim.afloat.fluid import pressure_at
 from hub.sim.afloat.motion import NEUTRAL
 from hub.sim.afloat.rov import Dive, SimulatedRov
 from hub.sim.afloat.surroundings import Surroundings
-from hub.sim.afloat.vehicle import FloatingVehicle
+from hub.sim.afloat.vehicle import STEP, FloatingVehicle
 from hub.sim.arena import Arena
 from hub.sim.kinematics import limited, moved
 from hub.sim.spatial_pose import SpatialPose
@@ -117,6 +117,8 @@ class _FloatingBody(abc.ABC):
             pitch=pose.pitch,
             sway=velocity.sway,
             heave=velocity.heave,
+            contact_angle=self._vehicle.impact.bearing,
+            impact_speed=self._vehicle.impact.approach / STEP,
         )
 
     def _measured(self) -> Sensors:

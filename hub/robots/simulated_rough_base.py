@@ -183,6 +183,8 @@ class RoughBody:
             roll=math.remainder(base.pose.roll, math.tau),
             pitch=base.pose.pitch,
             heave=base.climb,
+            contact_angle=base.impact.bearing,
+            impact_speed=base.impact.approach / STEP,
         )
 
 

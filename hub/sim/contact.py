@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.body import Bumper
-from hub.pose import Pose
+from hub.pose import Pose, wrapped
 from hub.sim.arena import Footprints
 from hub.sim.convex_body import ConvexBody
 
@@ -20,12 +21,34 @@ _GAP = 1e-6
 _PUSHES = 6
 
 
+class Impact(NamedTuple):
+    """A new contact.
+
+    Attributes:
+        bearing: Direction of what the body touches, from straight ahead [rad], in (-pi, pi].
+        approach: Motion towards it in the step of the contact [m].
+    """
+
+    bearing: float
+    approach: float
+
+    @classmethod
+    def of(cls, direction: float, heading: float, moved_x: float, moved_y: float) -> Impact:
+        """The impact of a motion [m] on something in a direction [rad] of the plane."""
+        along = moved_x * math.cos(direction) + moved_y * math.sin(direction)
+        return cls(wrapped(direction - heading), max(0.0, along))
+
+
+NO_IMPACT = Impact(math.nan, 0.0)
+
+
 class ContactBody:
     """The robot's body among obstacles: its possible positions and its contacts.
 
     Attributes:
         touched: Numbers of the obstacles it touches.
         contacts: Number of new contacts with an obstacle.
+        impact: The last of them.
     """
 
     def __init__(
@@ -55,6 +78,7 @@ class ContactBody:
         self._free = 0.0
         self.touched: frozenset[int] = frozenset()
         self.contacts = 0
+        self.impact = NO_IMPACT
 
     def move(self, before: Pose, wanted: Pose) -> Pose:
         """The end of a short motion to a wanted pose: the body slides along obstacles, or stays.
@@ -75,9 +99,21 @@ class ContactBody:
         if self._convex is not None and self._free < TOUCH:
             gaps = self._convex.gaps(pose)[0]
         touched = frozenset(np.flatnonzero(gaps < TOUCH).tolist())
-        self.contacts += len(touched - self.touched)
+        for number in touched - self.touched:
+            self.contacts += 1
+            direction = self._direction(number, pose)
+            way = wanted.x - before.x, wanted.y - before.y
+            self.impact = Impact.of(direction, pose.theta, *way)
         self.touched = touched
         return pose
+
+    def _direction(self, number: int, pose: Pose) -> float:
+        """The direction in the plane in which the body touches an obstacle [rad]."""
+        if self._convex is None:
+            x, y = self._nearest_point(number, pose.x, pose.y)
+            return math.atan2(y - pose.y, x - pose.x)
+        bearings = self._convex.contact_bearings(pose, number, 2.0 * TOUCH)
+        return pose.theta + math.atan2(np.sin(bearings).sum(), np.cos(bearings).sum())
 
     def _slid(self, body: ConvexBody, before: Pose, wanted: Pose) -> Pose:
         """The wanted pose, moved out of obstacles; the one before if that fails."""

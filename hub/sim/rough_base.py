@@ -11,6 +11,7 @@ import numpy.typing as npt
 from hub.gcm.body import Bumper
 from hub.pose import Pose
 from hub.sim.arena import Arena
+from hub.sim.contact import Impact
 from hub.sim.ground.chassis import Chassis
 from hub.sim.ground.footing import TIPPED, Footing, Stance
 from hub.sim.ground.map_builder import level_ground
@@ -154,6 +155,11 @@ class RoughBase:
     def contacts(self) -> int:
         """Number of new contacts with obstacles."""
         return self._walls.contacts
+
+    @property
+    def impact(self) -> Impact:
+        """The last new contact."""
+        return self._walls.impact
 
     @property
     def touches(self) -> bool:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from hub.gcm.body import Bumper
 from hub.pose import Pose
 from hub.sim.arena import Arena, footprints_of
-from hub.sim.contact import ContactBody
+from hub.sim.contact import NO_IMPACT, ContactBody, Impact
 from hub.sim.ground.chassis import Chassis
 from hub.sim.ground.height_field import HeightField
 from hub.sim.spatial_pose import SpatialPose
@@ -54,6 +54,7 @@ class Storeys:
         self._field = field
         self._chassis = chassis
         self._contacts_before = 0
+        self._impact = NO_IMPACT
         self._floor: int | None = None
         self._bumpers = bumpers
         self._outline = outline
@@ -72,6 +73,11 @@ class Storeys:
         """Number of new contacts with an obstacle."""
         return self._contacts_before + self._body.contacts
 
+    @property
+    def impact(self) -> Impact:
+        """The last new contact."""
+        return self._impact if self._body.impact is NO_IMPACT else self._body.impact
+
     def bumpers(self, pose: SpatialPose) -> int:
         """Bit i is set when something touches bumper i."""
         return self._body.bumpers(pose.plan)
@@ -82,6 +88,7 @@ class Storeys:
         if floor != self._floor:
             self._floor = floor
             self._contacts_before += self._body.contacts
+            self._impact = self.impact
             touched = {self._among.origin[number] for number in self._body.touched}
             self._among = footprints = footprints_of(
                 self._boxes,

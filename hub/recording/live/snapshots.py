@@ -89,7 +89,7 @@ class Snapshot:
         process = self._process
         if process is None or process.poll() is None:
             return
-        said = process.stderr.read().decode(errors="replace") if process.stderr else ""
+        said = process.communicate()[1].decode(errors="replace")
         if process.returncode:
             last = said.strip().splitlines()[-1:] or [f"exit code {process.returncode}"]
             self._end_with(f"{last[0]}; its parts are in {self._links}")

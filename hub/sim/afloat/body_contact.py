@@ -8,6 +8,7 @@ import numpy as np
 
 from hub.sim.afloat.attitude import Vector
 from hub.sim.afloat.surroundings import Surroundings
+from hub.sim.contact import NO_IMPACT, Impact
 from hub.values import dataclass
 
 TOUCH = 1e-3
@@ -43,6 +44,7 @@ class BodyContact:
         touched: Numbers of the solids that it touches.
         contacts: Number of new contacts with a solid.
         supported: Whether something holds it from below.
+        impact: The last new contact, in the plane; its bearing counts from the x axis.
         normals: Directions away from what pushed it in the last motion.
     """
 
@@ -52,6 +54,7 @@ class BodyContact:
         self._free = 0.0
         self.touched: frozenset[int] = frozenset()
         self.contacts = 0
+        self.impact = NO_IMPACT
         self.supported = False
         self.normals: list[Vector] = []
 
@@ -63,7 +66,7 @@ class BodyContact:
             self._free -= math.dist(before, wanted)
             # A solid farther than the path since the last check cannot be reached yet.
             if self._free <= TOUCH:
-                place = self._pushed_out(wanted)
+                place = self._pushed_out(before, wanted)
         if place is None:
             place = self._refused(before, wanted)
         place = self._within_area(place)
@@ -106,7 +109,7 @@ class BodyContact:
             self.normals.append((0.0, math.copysign(1.0, held_y - y), 0.0))
         return held_x, held_y, z
 
-    def _pushed_out(self, wanted: Vector) -> Vector | None:
+    def _pushed_out(self, before: Vector, wanted: Vector) -> Vector | None:
         """The wanted place moved out of solids by the shortest ways; None if that fails."""
         shape, solids = self._shape, self._surroundings
         x, y, z = wanted
@@ -118,7 +121,11 @@ class BodyContact:
             self._free = gap = float(gaps[nearest])
             if gap >= 0.0:
                 touched = frozenset(np.flatnonzero(gaps < TOUCH).tolist())
-                self.contacts += len(touched - self.touched)
+                for number in touched - self.touched:
+                    self.contacts += 1
+                    east, north = solids.direction_from(number, x, y)
+                    way = wanted[0] - before[0], wanted[1] - before[1]
+                    self.impact = Impact.of(math.atan2(-north, -east), 0.0, *way)
                 self.touched = touched
                 return x, y, z
             out = _GAP - gap

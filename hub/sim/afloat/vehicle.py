@@ -22,6 +22,7 @@ from hub.sim.afloat.holds import (
 from hub.sim.afloat.lithium_battery import LithiumBattery
 from hub.sim.afloat.motion import NEUTRAL, BodyVelocity
 from hub.sim.afloat.surroundings import Surroundings
+from hub.sim.contact import NO_IMPACT, Impact
 from hub.sim.spatial_pose import SpatialPose
 from hub.sim.steps import WholeSteps
 from hub.values import dataclass
@@ -89,6 +90,7 @@ class FloatingVehicle(abc.ABC):
         )
         self._surroundings = surroundings
         self._contact = BodyContact(surroundings, shape)
+        self._impact = NO_IMPACT
         place = self._body.position
         self._body.position = self._contact.move(place, place)
         self._commanded = NEUTRAL
@@ -223,6 +225,11 @@ class FloatingVehicle(abc.ABC):
         return BodyVelocity(surge=u, sway=v, heave=w, roll=p, pitch=q, yaw=r)
 
     @property
+    def impact(self) -> Impact:
+        """The last new contact with a solid."""
+        return self._impact
+
+    @property
     def contacts(self) -> int:
         """Number of new contacts with a solid since the start."""
         return self._contact.contacts
@@ -243,9 +250,12 @@ class FloatingVehicle(abc.ABC):
     def _move(self, thrust: Six, flow: Vector, submerged: float = 1.0) -> None:
         """Move the body for one step, and let it slide along what it meets."""
         body, contact = self._body, self._contact
-        before = body.position
+        before, contacts = body.position, contact.contacts
         body.step(thrust, STEP, flow, submerged)
         body.position = contact.move(before, body.position)
+        if contact.contacts != contacts:
+            bearing, approach = contact.impact
+            self._impact = Impact(wrapped(bearing - self.pose.yaw), approach)
         for normal in contact.normals:
             body.strike(normal)
         if contact.supported:

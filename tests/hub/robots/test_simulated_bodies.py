@@ -148,3 +148,25 @@ def test_the_blimp_holds_its_height_and_the_rov_surfaces() -> None:
     for _ in range(4):
         blimp.advance(5.0)
     assert blimp.sensors(1.0).height == pytest.approx(height, abs=0.2)
+
+
+@pytest.mark.parametrize(("surge", "angle"), [(0.4, 0.0), (-0.4, math.pi)])
+def test_a_collision_has_a_direction_and_a_speed(name: str, surge: float, angle: float) -> None:
+    body = opened(name)
+    before = body.ground_truth()
+    assert before is not None
+    assert math.isnan(before.contact_angle)
+    assert (before.contacts, before.impact_speed) == (0, 0.0)
+    heading = before.theta
+    for _ in range(1200):
+        turned = math.remainder((body.ground_truth() or before).theta - heading, math.tau)
+        body.command(Twist(linear=Vector3(x=surge), angular=Vector3(z=-turned)))
+        body.advance(0.05)
+        truth = body.ground_truth()
+        assert truth is not None
+        if truth.contacts:
+            break
+    else:
+        pytest.skip("nothing is in its way")
+    assert 0.0 < truth.impact_speed <= abs(surge) + 0.1
+    assert abs(math.remainder(truth.contact_angle - angle, math.tau)) < math.pi / 2
