@@ -25,7 +25,7 @@ from hub.command_line import (
 )
 from hub.errors import CentralUnreachableError, HubError, QueryError
 from hub.inspection import shape_command
-from hub.inspection.record_options import add_record, run_record
+from hub.inspection.record_options import add_record, recording_settings, run_record
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
 from hub.nonblocking_logging import LEVELS, start_logging
@@ -247,7 +247,8 @@ def _run_daemon(options: argparse.Namespace) -> int:
         from hub.robomon import daemon
         from hub.robomon.module_table import load_robot_table
 
-        table = load_robot_table(options.robot, options.set)
+        settings = [*options.set, *recording_settings(options.record)]
+        table = load_robot_table(options.robot, settings)
     finally:
         gc.enable()
     if options.port is not None:
@@ -364,6 +365,7 @@ def _add_machine_commands(commands: Commands) -> None:
         metavar="TABLE.KEY=VALUE",
         help="in place of what the file says, such as simulation.arena=empty; as often as needed",
     )
+    run.add_argument("--record", type=Path, metavar="FILE", help="record all into a new file")
     run.add_argument("--json", action="store_true", help="say what happens as JSON lines")
     run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
     run.add_argument(

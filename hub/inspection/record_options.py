@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -96,6 +97,22 @@ def run_record(options: argparse.Namespace) -> int:
         return record_command.record(client, options)
     finally:
         client.close()
+
+
+def recording_settings(file: Path | None) -> list[str]:
+    """The settings of a robot file for a hub that records into a file from its start."""
+    if file is None:
+        return []
+    if file.exists():
+        text = f"{file} exists already; give another name"
+        raise RecordingError(text)
+    values = {
+        "modules.recorder": '{ run = "hub.modules.recorder" }',
+        "recording.always": "true",
+        "recording.keep": "0",
+        "recording.file": json.dumps(str(file.absolute())),
+    }
+    return [f"{name}={value}" for name, value in values.items()]
 
 
 def _add_orders(record: CommandParser) -> None:

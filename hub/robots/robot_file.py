@@ -88,7 +88,8 @@ def read_description(
     recording = toml.read_table(
         toml.keys_of(RecordingTable), data.get("recording", {}), "[recording]", problems
     )
-    recording["folder"] = _located(recording["folder"], beside)
+    for name in ("folder", "file"):
+        recording[name] = _located(recording[name], beside)
     fields["recording"] = RecordingTable(**recording)
     modules = data.get("modules", {})
     if not isinstance(modules, dict):

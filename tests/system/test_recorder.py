@@ -295,3 +295,16 @@ def test_a_taken_name_and_a_missing_recorder_are_said(start_hub: Start, tmp_path
             capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL,
         )  # fmt: skip
         assert (done.returncode, text in done.stderr) == (code, True), done.stderr
+
+
+def test_a_hub_records_from_its_start(start_hub: Start, look: Look, tmp_path: Path) -> None:
+    file = tmp_path / "trial.mcap"
+    hub = start_hub(modules=("driver",), options=("--record", str(file)))
+    observer = look(hub)
+    observer.wait(lambda: len(observer.history) > 50, 20.0)
+    seen = len(observer.history)
+    hub.close()
+    topics = [topic for topic, _, _ in contents(file)]
+    assert topics.count("/magellan/SIM_GroundTruth") >= seen - 5
+    with Recording.open(file) as recording:
+        assert recording.finished

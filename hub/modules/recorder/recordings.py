@@ -298,7 +298,8 @@ class Recordings:
             begun = float(kept["begun"])
         except FileNotFoundError:
             if self._settings.always and self._ring is None:
-                self._try_to_begin(self._folder.recording(""), "", time.time())
+                named = Path(self._settings.file) if self._settings.file else None
+                self._try_to_begin(named or self._folder.recording(""), "", time.time())
             return
         except (OSError, ValueError, KeyError, TypeError) as error:
             _logger.warning("%s cannot be read: %s", note, error)

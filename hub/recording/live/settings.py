@@ -75,6 +75,9 @@ class RecordingTable:
         "go on in a new file after this time or at this size, such as `10 min` or `500 MB`",
         without="one file; with `keep` `60 s`",
     )
+    file: str = key(
+        text(1000), "", "with `always`, without `keep`: the first file", without="date and time"
+    )
     folder: str = key(text(1000), "", "where recordings are kept", without="the user's own")
     least_free: int = key(
         words.said(words.bytes_of, "a size"),
