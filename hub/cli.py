@@ -220,11 +220,10 @@ def _run_machine_command(options: argparse.Namespace) -> int:
 def _show_arena(options: argparse.Namespace) -> int:
     from hub.inspection import arena_command
 
-    if options.arena is None:
-        return arena_command.list_all(as_json=options.json)
-    return arena_command.show(
-        options.arena, options.output, size=options.size, as_json=options.json
-    )
+    name, as_json = options.arena, options.json
+    if name is None:
+        return arena_command.list_all(as_json=as_json)
+    return arena_command.show(name, options.output, size=options.size, as_json=as_json)
 
 
 def _run_key_command(options: argparse.Namespace) -> int:
@@ -247,8 +246,7 @@ def _run_daemon(options: argparse.Namespace) -> int:
         from hub.robomon import daemon
         from hub.robomon.module_table import load_robot_table
 
-        settings = [*options.set, *recording_settings(options.record)]
-        table = load_robot_table(options.robot, settings)
+        table = load_robot_table(options.robot, [*options.set, *recording_settings(options.record)])
     finally:
         gc.enable()
     if options.port is not None:
@@ -267,7 +265,7 @@ _WITHOUT_CLIENT: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "run": _run_daemon,
     "keys": _run_key_command,
     "arena": _show_arena,
-    "record": run_record,
+    **dict.fromkeys(("record", "play"), run_record),
     "shape": shape_command.run,
     **dict.fromkeys(("check", "doctor", "service"), _run_machine_command),
 }

@@ -8,11 +8,7 @@ import os
 import select
 import signal
 import sys
-import termios
 import time
-import tty
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from hub.command_line import ExitCode, login_name
@@ -23,6 +19,7 @@ from hub.gcm.common import COMMON_RESULT
 from hub.gcm.recording import RECORD_COMMAND, RECORD_MARK, RecordAction, RecordCommand, RecordMark
 from hub.gcm.supervision import CAPABILITY_WANTS, MODULE_REPORTS, CapabilityWants
 from hub.gcm.vision import ImageCoding
+from hub.inspection.keys_of_terminal import read_keys
 from hub.inspection.output import print_error, put, report, span
 from hub.ipc.client import Client
 from hub.recording.live.bus_recorder import BusRecorder
@@ -155,7 +152,7 @@ class _Foreground:
             self._client.wait_subscribed(_ANSWER_S)
             state = self._series.state
             self._report("ready", state, f"records {self._robot} to {state.path}; Ctrl-C ends it")
-            with _keys() as keys:
+            with read_keys() as keys:
                 self._serve(keys)
         finally:
             lost = self._bus.lost()
@@ -262,20 +259,3 @@ def _robot_of(client: Client) -> tuple[str, list[str]]:
         return client.last_value(MODULE_REPORTS, timeout=_ANSWER_S).robot or "robot", [""]
     except HubError:  # a hub without a daemon
         return "robot", [""]
-
-
-@contextmanager
-def _keys() -> Iterator[int | None]:
-    """Standard input, whose keys come one by one; None: it is no terminal."""
-    try:
-        handle = sys.stdin.fileno()
-        before = termios.tcgetattr(handle)
-    except (OSError, ValueError, AttributeError, termios.error):
-        yield None
-        return
-    try:
-        tty.setcbreak(handle)
-        yield handle
-    finally:
-        termios.tcsetattr(handle, termios.TCSADRAIN, before)
-        sys.stderr.write("\n")

@@ -1,4 +1,4 @@
-"""The options of `rune-hub record`."""
+"""The options of `rune-hub record` and `rune-hub play`."""
 
 from __future__ import annotations
 
@@ -8,19 +8,24 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
-from hub.command_line import CommandParser, Commands
+from hub.command_line import CommandParser, Commands, number_type
 from hub.errors import RecordingError
+from hub.ipc.endpoints import LARGEST_PORT
 from hub.recording.live import words
 from hub.toml_reader import RefusedError
 
 T = TypeVar("T")
 
+_INSTALL = (
+    "a library for recordings is missing; install it with pip install 'robot-user-nexus[record]'"
+)
 _FORMATS = ("RLE", "JPEG", "RAW", "WEBP")
 """As in `ImageCoding`, whose import costs every command 0.1 s."""
 
 
 def add_record(commands: Commands, look: CommandParser) -> None:
-    """Add the command."""
+    """Add both commands."""
+    add_play(commands)
     record = commands.add_parser(
         "record",
         parents=[look],
@@ -80,23 +85,72 @@ def add_record(commands: Commands, look: CommandParser) -> None:
 
 
 def run_record(options: argparse.Namespace) -> int:
-    """Carry out the command; returns the exit code.
+    """Carry out one of the commands; returns the exit code.
 
     Raises:
         HubError: It cannot be done.
     """
+    if options.command == "play":
+        return _run_play(options)
     from hub.inspection import message_commands
 
     client = message_commands.connect(options.hub, options.command, options.keys)
     try:
         from hub.inspection import record_command
     except ImportError as error:
-        text = "mcap is missing; install it with pip install 'robot-user-nexus[record]'"
-        raise RecordingError(text) from error
+        raise RecordingError(_INSTALL) from error
     else:
         return record_command.record(client, options)
     finally:
         client.close()
+
+
+def _run_play(options: argparse.Namespace) -> int:
+    try:
+        from hub.inspection import play_command
+    except ImportError as error:
+        raise RecordingError(_INSTALL) from error
+    return play_command.play(options)
+
+
+def add_play(commands: Commands) -> None:
+    """Add the command that plays a recording."""
+    play = commands.add_parser(
+        "play",
+        help="play a recording on a hub of its own, for consoles and modules",
+        description="Play recordings on a bus of their own: `rune run auto --hub HOST:PORT` and "
+        "modules see the robot of the recording. Nothing moves, and commands are refused. Keys: "
+        "space pauses, left and right go 5 s, + and - change the rate, q ends.",
+    )
+    play.add_argument("files", nargs="+", type=Path, metavar="FILE", help="MCAP files or folders")
+    play.add_argument(
+        "--rate", type=number_type(float, 0.1, 100.0, "rate from 0.1 to 100"), default=1.0,
+        metavar="X", help="seconds of the recording in a second (1)",
+    )  # fmt: skip
+    play.add_argument(
+        "--start", type=_read(words.seconds_of), default=0.0, metavar="TIME",
+        help="begin so long after its start",
+    )  # fmt: skip
+    play.add_argument(
+        "--duration", type=_read(words.seconds_of), default=0.0, metavar="TIME",
+        help="end after so much of the recording",
+    )  # fmt: skip
+    play.add_argument("--loop", action="store_true", help="begin again at the end")
+    play.add_argument("--paused", action="store_true", help="stand still at the start")
+    play.add_argument(
+        "-e", "--topics", nargs="+", type=_read(words.pattern_of), default=[], metavar="REGEX",
+        help="only topics with one of these",
+    )  # fmt: skip
+    play.add_argument(
+        "-x", "--exclude", nargs="+", type=_read(words.pattern_of), default=[], metavar="REGEX",
+        help="no topics with one of these",
+    )  # fmt: skip
+    play.add_argument("--robot", default="", help="which, if it has several")
+    play.add_argument(
+        "--port", type=number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}"),
+        default=0, help="TCP port of its hub; 0: a free one (%(default)s)",
+    )  # fmt: skip
+    play.add_argument("--json", action="store_true", help="say what happens as JSON lines")
 
 
 def recording_settings(file: Path | None) -> list[str]:

@@ -56,7 +56,9 @@ CHANGING = [
 """After these, a hub has other processes than before."""
 MISSION = [command for command in EVERY if command.startswith("rune-hub mission ")]
 """These are about one mission, and come in the order of the page."""
-RECORDING = [command for command in EVERY if command.startswith("rune-hub record ")]
+RECORDING = [
+    command for command in EVERY if command.startswith(("rune-hub record ", "rune-hub play "))
+]
 """These are about one recorder, and come in the order of the page."""
 ALONE = ("run", "keys", "check", "doctor", "service", "arena", "completion")
 """Commands of `rune-hub` that ask no hub."""
@@ -114,9 +116,10 @@ def test_commands_of_recordings_work(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    hub = start_hub(modules=("driver", "recorder"))
+    hub = start_hub(modules=("driver", "navigation", "recorder"))
     for command in RECORDING:
-        done = rune_hub(*shlex.split(command)[1:], "--hub", hub.endpoint)
+        words = shlex.split(command)[1:]
+        done = rune_hub(*words, *(["--hub", hub.endpoint] if words[0] == "record" else []))
         assert done.returncode == 0, f"{command}: {done.stderr}"
     assert (tmp_path / "motion.mcap").stat().st_size > 0
 

@@ -40,7 +40,7 @@ _logger = logging.getLogger(__name__)
 _LOOK_S = 0.25
 _STATE_S = 1.0 / RECORD_STATE.rate_hz
 _INSTALL = (
-    "nothing is recorded: mcap is missing; install it on the robot with "
+    "nothing is recorded: a library is missing; install it on the robot with "
     "pip install 'robot-user-nexus[record]'"
 )
 

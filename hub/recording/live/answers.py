@@ -83,6 +83,7 @@ class RepeatedQuestion:
             _logger.info("no answer to %s: %s", self._request.name, error)
         if isinstance(error, HandlerFailedError):
             self._refused()
+        self._due = 0.0
         self._wait(_REST_S)
 
     def _wait(self, least: float) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from hub.errors import MessageFormatError
 from hub.gcm.capability import Capability
 from hub.gcm.recording import MOST_TOPICS, LostMessages
 from hub.gcm.supervision import CAPABILITY_WANTS, LEASE_S, CapabilityWants
@@ -15,11 +17,11 @@ from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.message_info import MessageInfo
 from hub.recording.live.answers import PictureQuestions, ask_for_maps
-from hub.recording.live.bus_tap import BusTap
+from hub.recording.live.bus_tap import BusTap, described
 from hub.recording.live.ros_names import RosTopics
 from hub.recording.live.series import LatchedMessage, RecordingSeries
 from hub.recording.live.settings import RecordingTable
-from hub.recording.topics import topic_of
+from hub.recording.topics import RecordedTopic, topic_of
 
 _LARGEST_LATCHED = 16 * 2**20
 """Longest message that begins each file [bytes]."""
@@ -62,6 +64,7 @@ class BusRecorder:
         self._ros = RosTopics(robot) if settings.ros_names else None
         self.series: list[RecordingSeries] = []
         self.latched: dict[str, LatchedMessage] = {}
+        self._topics: dict[MessageDefinition[Any], RecordedTopic] = {}
         self._tap = BusTap(client, self._take, self._wants, wake=settings.wake)
         PictureQuestions(client, cameras, settings.pictures, self._keep_answer)
         ask_for_maps(client, settings.maps, self._keep_answer)
@@ -106,7 +109,7 @@ class BusRecorder:
 
     def _take(self, definition: MessageDefinition[Any], payload: Buffer, info: MessageInfo) -> None:
         now = self._clock()
-        topic = topic_of(self._robot, definition)
+        topic = self._topic(definition)
         if self._ros is not None:
             for other, part in self._ros.translated(definition, payload):
                 self._add(LatchedMessage(other, part, info.measured, info.sequence), definition)
@@ -116,6 +119,18 @@ class BusRecorder:
         if _is_latched(definition) and len(payload) <= _LARGEST_LATCHED:
             first = LatchedMessage(topic, bytes(payload), info.measured, info.sequence)
             self.latched[topic.name] = first
+
+    def _topic(self, definition: MessageDefinition[Any]) -> RecordedTopic:
+        """The topic of a message; one that has no ROS 2 type has no schema."""
+        topic = self._topics.get(definition)
+        if topic is None:
+            try:
+                topic = topic_of(self._robot, definition)
+            except MessageFormatError:
+                topic = RecordedTopic(f"/{self._robot}/{definition.name}")
+            topic = dataclasses.replace(topic, metadata=described(definition))
+            self._topics[definition] = topic
+        return topic
 
     def _add(self, message: LatchedMessage, definition: MessageDefinition[Any]) -> None:
         now = self._clock()

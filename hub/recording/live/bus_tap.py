@@ -6,6 +6,7 @@ subscribed to only while another client wants them, so that a recording wakes no
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Callable
 from typing import Any
@@ -19,17 +20,32 @@ from hub.ipc.formats.codegen import Buffer
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.wire import control
 from hub.ipc.wire.control import Change
-from hub.ipc.wire.definition_listing import from_listing
+from hub.ipc.wire.definition_listing import from_listing, to_listing
 
 _logger = logging.getLogger(__name__)
 
 Pass = Callable[[MessageDefinition[Any], Buffer, MessageInfo], None]
 """Gets a message as it came."""
 
+DEFINITION = "rune_definition"
+"""The key of a topic's metadata with the definition of a message that is none of GCM, as JSON."""
 LIST_S = 5.0
 """Time between two looks at all definitions, if no report was missed [s]."""
+_CHECK_S = 0.05
 _ANSWER_S = 2.0
 _ON_DEMAND = frozenset({CAMERA_STATE.name})
+
+
+def described(definition: MessageDefinition[Any]) -> dict[str, str]:
+    """The metadata of a message's topic: a player defines it again; none for those of GCM."""
+    if BY_NAME.get(definition.name) is definition:
+        return {}
+    entry = to_listing(definition)
+    facts = {
+        "name": entry.name, "format": entry.format, "fields": entry.fields,
+        "keep": entry.keep, "plane": entry.plane, "rate_hz": entry.rate_hz,
+    }  # fmt: skip
+    return {DEFINITION: json.dumps(facts)}
 
 
 class BusTap:
@@ -62,7 +78,9 @@ class BusTap:
         self._known: dict[str, MessageDefinition[Any]] = {}
         self._asked = False
         client.directory.watch(self._on_presence)
+        self._number = 0
         client.every(LIST_S, self._ask)
+        client.every(_CHECK_S, self._check)
 
     def close(self) -> None:
         """Disconnect from the hub."""
@@ -85,6 +103,12 @@ class BusTap:
             if entry.name not in self._known and self._wanted(entry.name):
                 self._learn(entry)
         self._follow_demand(listing)
+
+    def _check(self) -> None:
+        """Look at once after each connection: what others defined before is not reported."""
+        if self._client.number not in (0, self._number):
+            self._number = self._client.number
+            self._ask()
 
     def _ask(self) -> None:
         """Look soon; several reports need one look."""

@@ -82,8 +82,12 @@ class RosTopics:
 
     def named(self, definition: MessageDefinition[Any], topic: RecordedTopic) -> RecordedTopic:
         """The topic of a message, under the name that ROS 2 has for it."""
-        name = _NAMES.get(definition.name, topic.name)
-        return self._topic(name, definition)
+        key = definition.name, ""
+        if key not in self._topics:
+            name = _NAMES.get(definition.name, topic.name)
+            metadata = {**topic.metadata, QOS: quality(definition)}
+            self._topics[key] = dataclasses.replace(topic, name=name, metadata=metadata)
+        return self._topics[key]
 
     def translated(
         self, definition: MessageDefinition[Any], payload: Buffer
