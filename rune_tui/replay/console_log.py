@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import typing
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from hub.recording.reader import LoggedMessage, Recording
+from hub.recording.reader import LoggedMessage
+from hub.recording.recording_set import RecordingSet
 from rune_tui.errors import LogError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
@@ -36,6 +37,7 @@ from rune_tui.model.theme import THEMES
 from rune_tui.replay.logged_layouts import LoggedLayouts
 from rune_tui.replay.logged_values import Decoder
 from rune_tui.replay.source import Overview, ReplayFrame
+from rune_tui.replay.survey import survey
 
 _SEARCHED_NS = 30_000_000_000
 """How far back a message is searched that is not the newest of its topic [ns]."""
@@ -46,7 +48,7 @@ _SAME = tuple(
 )
 
 
-def has_frames(recording: Recording) -> bool:
+def has_frames(recording: RecordingSet) -> bool:
     """Whether a console wrote a recording with its frames."""
     return any(topic.message == RUNE_FRAME.name for topic in recording.channels.values())
 
@@ -54,32 +56,33 @@ def has_frames(recording: Recording) -> bool:
 class ConsoleLog:
     """Frames of one console, exactly as it drew them; see `ReplaySource`."""
 
-    def __init__(self, path: Path, layout: LayoutSpec | None = None) -> None:
+    def __init__(self, path: Path, others: Sequence[Path] = ()) -> None:
         """Open a recording.
 
         Args:
             path: The file.
-            layout: A layout that shows it instead of its own; None: its own.
+            others: Recordings of the same mission, for the timeline.
 
         Raises:
             RecordingError: It cannot be read.
             LogError: It has no frames, or its layout cannot be opened.
         """
         self.title = path.name
-        self._recording = recording = Recording.open(path)
+        self._paths = (path, *others)
+        self._recording = recording = RecordingSet.open([path])
         anchor = recording.anchor
         if anchor is None or not has_frames(recording):
             recording.close()
             reason = f"{path} has no frames of a console"
             raise LogError(reason)
-        self.faults = recording.faults
+        self.faults = [*recording.faults]
         self._decoder = Decoder(recording.channels, anchor, self.faults)
         self._frames = {
             number
             for number, topic in recording.channels.items()
             if topic.message == RUNE_FRAME.name
         }
-        self._moment = _Moment(recording, self._decoder, layout)
+        self._moment = _Moment(recording, self._decoder)
         self._at = -1
         first = next(recording.messages(channels=self._frames), None)
         last = next(recording.messages(channels=self._frames, reverse=True), None)
@@ -112,7 +115,8 @@ class ConsoleLog:
 
     def overview(self) -> Overview:
         """What happened."""
-        return Overview()
+        with RecordingSet.open(self._paths) as recording:
+            return survey(recording)
 
     def close(self) -> None:
         """Close the file."""
@@ -122,15 +126,14 @@ class ConsoleLog:
 class _Moment:
     """All that is known at a moment of a recording; it goes on message by message."""
 
-    def __init__(self, recording: Recording, decoder: Decoder, layout: LayoutSpec | None) -> None:
+    def __init__(self, recording: RecordingSet, decoder: Decoder) -> None:
         self._recording = recording
         self._decoder = decoder
         self._layouts = LoggedLayouts(recording)
-        self._given = layout
         self._forget()
 
     def _forget(self) -> None:
-        self._layout = self._given
+        self._layout: LayoutSpec | None = None
         self._opened = 0
         self._terminal = TerminalRecord()
         self._fields: dict[str, Any] = {}
@@ -165,8 +168,7 @@ class _Moment:
             self._topics[value.robot] = value.topic
         elif isinstance(value, LayoutRecord):
             self._opened = message.stamp
-            if self._given is None:
-                self._layout = self._layouts.open(value)
+            self._layout = self._layouts.open(value)
         elif isinstance(value, TerminalRecord):
             self._terminal = value
         return None

@@ -10,6 +10,9 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.replay.source import ReplayFrame
 from rune_tui.view import View
 
+USUAL = (120, 40)
+"""Columns and rows where neither a terminal nor the recording has a size [cells]."""
+
 
 class FrameDrawer:
     """Draws frames in the order of time.
@@ -47,7 +50,7 @@ class FrameDrawer:
 
     def _prepared(self, frame: ReplayFrame) -> tuple[View, ConsoleState]:
         view, opened = self.view, (frame.layout, frame.opened)
-        size = self._size or frame.size or (0, 0)
+        size = self._size or frame.size or USUAL
         if view is None or opened != self._opened:
             view = self.view = View(frame.layout, pixels_per_cell=frame.pixels_per_cell)
             self._opened, self._arranged = opened, frame.arranged

@@ -6,7 +6,8 @@ import dataclasses
 import tempfile
 from pathlib import Path, PurePosixPath
 
-from hub.recording.reader import Recording
+from hub.errors import RecordingError
+from hub.recording.recording_set import RecordingSet
 from rune_tui.errors import LayoutError, LogError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.own_records import LayoutRecord
@@ -21,7 +22,7 @@ _MOST = 200
 class LoggedLayouts:
     """Opens the layouts of a recording."""
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(self, recording: RecordingSet) -> None:
         self._recording = recording
         self._places = {place.name: place for place in recording.attachments}
         self._opened: dict[tuple[str, str], LayoutSpec] = {}
@@ -60,7 +61,11 @@ class LoggedLayouts:
         if place is None or place.size > _LARGEST:
             reason = f"the recording lacks {name}, a part of its layout; name a layout by --layout"
             raise LogError(reason)
-        return self._recording.attachment(place)
+        try:
+            return self._recording.attachment(place)
+        except RecordingError as error:
+            reason = f"{name}, a part of the recorded layout, cannot be read: {error}"
+            raise LogError(reason) from error
 
 
 def _parts(name: str) -> tuple[str, ...]:

@@ -2,34 +2,99 @@
 
 from __future__ import annotations
 
+import dataclasses
+import tempfile
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 
+from hub.recording.anchor import TimeAnchor
+from hub.recording.recording_set import RecordingSet
 from rune_tui.compositor.picture import PictureFile
 from rune_tui.errors import LogError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.replay import screen
-from rune_tui.replay.console_log import ConsoleLog
+from rune_tui.replay.console_log import ConsoleLog, has_frames
 from rune_tui.replay.desk import Desk, entered
+from rune_tui.replay.logged_robot import (
+    LoggedRobot,
+    channels_of,
+    described,
+    robots_in,
+    same_robots,
+)
+from rune_tui.replay.logged_values import Decoder
 from rune_tui.replay.player import Player
 from rune_tui.replay.source import ReplaySource
+from rune_tui.replay.timed_log import TimedLog, paired
+from rune_tui.startup.auto_layout import layout_text
+from rune_tui.startup.opening import open_layout
 
 
 def open_source(files: Sequence[Path], layout: LayoutSpec | None) -> ReplaySource:
     """The recordings of some files as one source.
 
     Args:
-        files: The files.
+        files: The files, of one mission.
         layout: A layout that shows them; None: the recorded one.
 
     Raises:
         RecordingError: A file cannot be read.
         LogError: There is nothing in them that can be shown.
     """
-    (first,) = files
-    return ConsoleLog(first, layout)
+    if layout is None:
+        for path in files:
+            with RecordingSet.open([path]) as one:
+                framed = has_frames(one)
+            if framed:
+                return ConsoleLog(path, [other for other in files if other != path])
+    recording = RecordingSet.open(files)
+    try:
+        return _timed(recording, layout)
+    except BaseException:
+        recording.close()
+        raise
+
+
+def _timed(recording: RecordingSet, layout: LayoutSpec | None) -> TimedLog:
+    faults = [*recording.faults]
+    # Stamps count from here, so that small numbers stay exact.
+    anchor = recording.anchor or TimeAnchor(recording.start, 0.0)
+    decoder = Decoder(recording.channels, anchor, faults)
+    names = robots_in(recording, decoder)
+    if not names:
+        reason = f"{recording.path} has no messages of a robot that Rune knows"
+        raise LogError(reason)
+    groups = same_robots(names)
+    channels = {name: channels_of(recording, decoder, all_) for name, all_ in groups.items()}
+    if layout is None:
+        layout = _made(recording, decoder, channels)
+    roles = paired([each.name for each in layout.robots], {each: names[each] for each in groups})
+    robots = {
+        role: LoggedRobot(recording, channels.get(roles.get(role, ""), {}), decoder, anchor)
+        for role in (each.name for each in layout.robots)
+    }
+    return TimedLog(recording, layout, robots, anchor, faults)
+
+
+def _made(
+    recording: RecordingSet, decoder: Decoder, channels: Mapping[str, Mapping[int, str]]
+) -> LayoutSpec:
+    """A layout made for the first robot that describes itself.
+
+    Raises:
+        LogError: None does.
+    """
+    for each in channels.values():
+        body, capabilities = described(recording, decoder, each)
+        if body is not None:
+            with tempfile.TemporaryDirectory(prefix="rune-replay-") as folder:
+                path = Path(folder) / "auto.xml"
+                path.write_text(layout_text(body, capabilities, "127.0.0.1"), "utf-8")
+                return dataclasses.replace(open_layout(path), path="auto", files=())
+    reason = f"{recording.path} does not describe its robot; name a layout by --layout"
+    raise LogError(reason)
 
 
 def start_of(text: str) -> int:

@@ -1,0 +1,115 @@
+"""What happened in a recording, for its timeline."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoints
+from hub.gcm.navigation import ROBOT_STATE, RobotState
+from hub.gcm.recording import RECORD_MARK, RecordMark
+from hub.recording.anchor import TimeAnchor
+from hub.recording.recording_set import RecordingSet
+from rune_tui.model.own_records import RUNE_INPUT, InputOutcome, InputRecord
+from rune_tui.model.team_events import RUNE_TEAM, TeamEvent, TeamEventKind
+from rune_tui.replay.logged_values import Decoder
+from rune_tui.replay.source import EventKind, Overview, ReplayEvent, Span
+
+SECOND: Final = 1_000_000_000
+PAUSE_NS: Final = 2 * SECOND
+"""Time without an input of a robot that ends an episode of interaction [ns]."""
+LEAST_NS: Final = SECOND // 2
+"""Length of an episode of one input [ns]."""
+GAP_NS: Final = 2 * SECOND
+"""Time without any message that is a gap [ns]."""
+AGAIN_NS: Final = SECOND
+"""Time after a bump in which contact is the same bump [ns]."""
+_READ = tuple(
+    each.name for each in (RUNE_INPUT, RUNE_TEAM, INTEREST_POINTS, ROBOT_STATE, RECORD_MARK)
+)
+
+
+def survey(recording: RecordingSet) -> Overview:
+    """Read a whole recording."""
+    decoder = Decoder(recording.channels, TimeAnchor(0, 0.0), [])
+    found = _Survey()
+    channels = {
+        channel
+        for channel, topic in recording.channels.items()
+        if topic.message in _READ or topic.name.startswith("/study/")
+    }
+    busiest = max(recording.channels, key=lambda each: recording.counts.get(each, 0), default=None)
+    if busiest is not None:
+        channels.add(busiest)
+    before = recording.start
+    gaps = []
+    for message in recording.messages(channels=channels):
+        topic = recording.channels[message.channel]
+        if message.stamp - before > GAP_NS:
+            gaps.append(Span(start=before, end=message.stamp))
+        before = max(before, message.stamp)
+        if topic.name.startswith("/study/"):
+            found.step(message.stamp, topic.message)
+        elif topic.message in _READ:
+            found.take(message.stamp, topic.robot, decoder.value(message))
+    events = sorted(found.events, key=lambda event: event.stamp)
+    return Overview(events=events, episodes=tuple(found.episodes()), gaps=gaps)
+
+
+class _Survey:
+    """What is known so far."""
+
+    def __init__(self) -> None:
+        self.events: list[ReplayEvent] = []
+        self._inputs: dict[str, list[int]] = {}
+        self._points: dict[str, set[int]] = {}
+        self._pressed: dict[str, int] = {}
+        self._bumped: dict[str, int] = {}
+
+    def take(self, stamp: int, robot: str, value: Any) -> None:  # noqa: ANN401 - any message
+        match value:
+            case InputRecord() if value.robot and value.outcome is not InputOutcome.NONE:
+                self._inputs.setdefault(value.robot, []).append(stamp)
+            case TeamEvent(kind=TeamEventKind.RAISED):
+                self._note(stamp, EventKind.ALARM, value.cause, value.robot)
+            case RecordMark():
+                self._note(stamp, EventKind.NOTE, value.text, robot)
+            case InterestPoints():
+                self._marks(stamp, robot, value)
+            case RobotState():
+                self._bump(stamp, robot, value.bumpers)
+
+    def step(self, stamp: int, message: str) -> None:
+        kind = EventKind.FREEZE if message == "RuneProbe" else EventKind.TRIAL
+        self._note(stamp, kind, message.removeprefix("Rune").lower(), "")
+
+    def episodes(self) -> Iterator[Span]:
+        """When the operator interacted with each robot."""
+        for robot, stamps in self._inputs.items():
+            begin = last = stamps[0]
+            for stamp in stamps[1:]:
+                if stamp - last > PAUSE_NS:
+                    yield Span(start=begin, end=max(last, begin + LEAST_NS), robot=robot)
+                    begin = stamp
+                last = stamp
+            yield Span(start=begin, end=max(last, begin + LEAST_NS), robot=robot)
+
+    def _marks(self, stamp: int, robot: str, value: InterestPoints) -> None:
+        known = self._points.get(robot)
+        numbers = {point.number for point in value.points}
+        self._points[robot] = numbers | (known or set())
+        for point in value.points:
+            if known is not None and point.number not in known:
+                text = f"{point.kind.name.lower()} {point.number} marked"
+                self._note(stamp, EventKind.VICTIM, text, robot)
+
+    def _bump(self, stamp: int, robot: str, bumpers: int) -> None:
+        rose = bumpers and not self._pressed.get(robot, 0)
+        self._pressed[robot] = bumpers
+        if rose and stamp - self._bumped.get(robot, -AGAIN_NS) >= AGAIN_NS:
+            self._note(stamp, EventKind.BUMP, "the robot touches something", robot)
+        if bumpers:
+            self._bumped[robot] = stamp
+
+    def _note(self, stamp: int, kind: EventKind, text: str, robot: str) -> None:
+        self.events.append(ReplayEvent(stamp=stamp, kind=kind, text=text, robot=robot))
