@@ -1,4 +1,4 @@
-"""A robot of Rune's own recordings: its newest messages, whoever wrote them."""
+"""A robot of Rune's own recordings: its newest messages, from any writer."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ def survey(recording: RecordingSet) -> Overview:
 
 
 class _Survey:
-    """What is known so far."""
+    """What was found until now."""
 
     def __init__(self) -> None:
         self.events: list[ReplayEvent] = []
