@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from hub.errors import LinkShaperError
-from hub.gcm import navigation
+from hub.gcm import navigation, vision
 from hub.gcm.geometry import TwistStamped
 from hub.gcm.shaper import SHAPER_STATE, ShaperState
 from hub.ipc.client import Client
@@ -156,6 +156,25 @@ def test_in_a_blackout_the_robot_stops_and_afterwards_waits_for_neutral(
     began = time.monotonic()
     driver.drive_until(lambda: time.monotonic() - began > 2.0)
     assert driver.commanded == 0.0
+
+
+def test_cameras_give_as_many_pictures_as_the_profile_says(
+    hub: HubProcess, stack: ExitStack
+) -> None:
+    link = stack.enter_context(ShapedLink(hub.endpoint, "fps-2", 1))
+    far = client(stack, link, "eye")
+    request = vision.ImageRequest(width_px=32, height_px=24)
+
+    def taken() -> float:
+        image = far.query_response(vision.IMAGE_REQUEST, request, vision.IMAGE, timeout=5.0)
+        return image.camera.stamp
+
+    until(lambda: link.state, 5.0)
+    stamps = {taken() for _ in range(3)}  # the limit is known by now
+    began = time.monotonic()
+    while time.monotonic() < began + 3.0:
+        stamps.add(taken())
+    assert 5 <= len(stamps) <= 10
 
 
 def test_a_key_passes_through_the_link_to_a_gateway(tmp_path: Path, stack: ExitStack) -> None:

@@ -16,11 +16,13 @@ from hub.gcm.camera_info import CAMERA_INFO, CameraInfos
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.frames import in_base
 from hub.gcm.pose_history import PoseHistory
+from hub.gcm.shaper import SHAPER_STATE, ShaperState
 from hub.gcm.vehicle import VEHICLE_COMMAND, VehicleCommand, VehicleOrder
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
 from hub.modules.vision.camera_service import CameraService
+from hub.modules.vision.picture_rate import PictureRateLimit
 from hub.modules.vision.pose_feed import PoseFeed, PoseSource
 from hub.modules.vision.stances import Stances
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
@@ -69,6 +71,8 @@ class Vision:
             sources.append(PoseSource(definition=navigation.GROUND_TRUTH, handler=self._place))
         self._feed = PoseFeed(client, sources)
         client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._requested)
+        self._rate_limit = PictureRateLimit()
+        client.subscribe(SHAPER_STATE, self._shaped)
         client.subscribe(vision.CAMERA_COMMAND, self._move)
         client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
         self._lights = {each.name: each.camera for each in robot.body.lights if each.camera}
@@ -123,8 +127,11 @@ class Vision:
             known = ", ".join(self._cameras)
             text = f"there is no camera {request.camera!r}; the robot has {known}"
             raise CameraError(text)
-        image, measured = camera.picture(request)
+        image, measured = camera.picture(request, self._rate_limit.at(self._clock()))
         reply.answer(image, measured=measured)
+
+    def _shaped(self, state: ShaperState, _: MessageInfo) -> None:
+        self._rate_limit.hear(state, self._clock())
 
     def _publish_state(self) -> None:
         now = self._clock()

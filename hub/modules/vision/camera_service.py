@@ -17,7 +17,7 @@ from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness, prepare
 from hub.modules.vision.stances import Stances
 from hub.robots.cropping import vertical_fov
-from hub.robots.interfaces import Camera
+from hub.robots.interfaces import Camera, Picture
 
 
 class CameraService:
@@ -49,6 +49,9 @@ class CameraService:
         self._clock = clock
         self._night = NightMode()
         self._advanced = clock()
+        self._kept: tuple[Picture, vision.CameraState] | None = None
+        self._kept_size = (0, 0)
+        self._due = 0.0
         self.camera = camera
 
     @property
@@ -67,24 +70,26 @@ class CameraService:
         self.camera.advance(now - self._advanced)
         self._advanced = now
 
-    def picture(self, request: vision.ImageRequest) -> tuple[vision.Image, float]:
+    def picture(
+        self, request: vision.ImageRequest, most_per_s: float = 0.0
+    ) -> tuple[vision.Image, float]:
         """A picture as requested, and the time at which it was taken [s].
+
+        Args:
+            request: What is asked for.
+            most_per_s: Limit of the rate of new pictures [1/s]; between them the last one is
+                given again. 0: each is new.
 
         Raises:
             CameraError: There is none; the text gives the reason and the remedy.
         """
         self.advance()
         now = self._clock()
-        taken = self.camera.take(request.width_px, request.height_px, now)
+        taken, state = self._take((request.width_px, request.height_px), now, most_per_s)
         gain = self._night.see(brightness(taken.pixels), now)
         pixels = prepare(brightened(taken.pixels, gain), request.kind)
-        state = dataclasses.replace(
-            self.state(taken.measured),
-            horizontal_fov=taken.horizontal_fov,
-            vertical_fov=vertical_fov(taken.horizontal_fov),
-        )
         image = vision.Image(
-            camera=state,
+            camera=dataclasses.replace(state, gain=self._night.gain),
             coding=request.coding,
             width_px=pixels.shape[1],
             height_px=pixels.shape[0],
@@ -92,6 +97,26 @@ class CameraService:
             data=code(pixels, request.coding, request.quality),
         )
         return image, taken.measured
+
+    def _take(
+        self, size: tuple[int, int], now: float, most_per_s: float
+    ) -> tuple[Picture, vision.CameraState]:
+        """A new picture and the camera's state then; within the limit's time the last ones."""
+        if self._kept is not None and most_per_s and now < self._due and self._kept_size == size:
+            return self._kept
+        taken = self.camera.take(*size, now)
+        state = dataclasses.replace(
+            self.state(taken.measured),
+            horizontal_fov=taken.horizontal_fov,
+            vertical_fov=vertical_fov(taken.horizontal_fov),
+        )
+        if most_per_s:
+            period = 1.0 / most_per_s
+            self._due = max(self._due, now - period) + period  # a late request delays no other
+            self._kept, self._kept_size = (taken, state), size
+        else:
+            self._kept = None
+        return taken, state
 
     def state(self, measured: float) -> vision.CameraState:
         """Its state, with the robot's pose and stance at `measured` [s]."""
