@@ -11,7 +11,10 @@ import socket
 from typing import TypeAlias
 
 WINDOW = 256 * 1024
-"""Largest content of a connection in one direction of the link, as a TCP window [bytes]."""
+"""Largest content of a connection in one direction of the link, as a TCP window [bytes].
+
+A profile with a larger queue has a window of that size.
+"""
 _SMALL_BUFFER = 8192
 
 
@@ -46,11 +49,14 @@ class LinkEnd:
         served: When it was read last [s].
     """
 
-    def __init__(self, own: socket.socket, *, small: bool, connecting: bool = False) -> None:
+    def __init__(
+        self, own: socket.socket, window: int, *, small: bool, connecting: bool = False
+    ) -> None:
         """Take over a socket.
 
         Args:
             own: The socket.
+            window: Largest content from here in the link [bytes].
             connecting: Whether its connection is begun and not yet made.
             small: Whether its buffer is small, so that a full link slows its sender soon.
         """
@@ -59,7 +65,7 @@ class LinkEnd:
             own.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             if small:
                 own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SMALL_BUFFER)
-        self.socket = own
+        self.socket, self._window = own, window
         self.connecting = connecting
         self.open = self.ended = self.broken = False
         self.events = 0
@@ -76,7 +82,7 @@ class LinkEnd:
     @property
     def reads(self) -> bool:
         """Whether its data may enter the link."""
-        return self.open and not self.ended and self.held < WINDOW
+        return self.open and not self.ended and self.held < self._window
 
     @property
     def finished(self) -> bool:

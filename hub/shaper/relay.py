@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from hub.errors import EndpointError
-from hub.shaper.carried import Carried, Content, LinkEnd, Mark, begin_connection
+from hub.shaper.carried import WINDOW, Carried, Content, LinkEnd, Mark, begin_connection
 from hub.shaper.model import Delivery, LinkDirection, LinkModel
 from hub.shaper.profile import LinkProfile
 
@@ -174,9 +174,14 @@ class Relay:
             near.close()
             return
         self._next += 1
-        self._carried[self._next] = Carried(LinkEnd(near, small=self._small), place)
+        self._carried[self._next] = Carried(self._end_of(near), place)
         self._numbers[self._carried[self._next].near] = self._next
         self.model.up.send(self._next, Mark.OPEN, _MARK_BYTES, now, _OPEN_AGAIN_S)
+
+    def _end_of(self, own: socket.socket, *, connecting: bool = False) -> LinkEnd:
+        direction = self.model.down if connecting else self.model.up
+        window = max(WINDOW, direction.conditions.spec.queue)
+        return LinkEnd(own, window, small=self._small, connecting=connecting)
 
     def _serve(self, end: LinkEnd, events: int, now: float) -> None:
         number = self._numbers.get(end)
@@ -269,7 +274,7 @@ class Relay:
         address = self._hub[carried.place]
         source = self.address if address[0].startswith("127.") else ""
         made = begin_connection(address, source)
-        carried.far = LinkEnd(made, small=self._small, connecting=True)
+        carried.far = self._end_of(made, connecting=True)
         self._numbers[carried.far] = number
 
     def _written(self, carried: Carried, end: LinkEnd, count: int) -> None:

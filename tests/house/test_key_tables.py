@@ -18,6 +18,14 @@ from hub.robomon.module_table import ModuleSpec
 from hub.robots.body_tables import BumperTable, CameraTable, FrameTable, RangeTable
 from hub.robots.description import RobotDescription
 from hub.robots.vehicle_tables import HoldTable, JointTable, LightTable
+from hub.shaper.profile import (
+    BurstsSpec,
+    DirectionSpec,
+    EpisodesSpec,
+    LinkProfile,
+    load_profile,
+    shipped_profiles,
+)
 from hub.sim import arena_specs, spec_values
 from hub.sim.ground import specs as ground_specs
 from hub.toml_reader import REQUIRED, Key, Within, keys_of, tables_of
@@ -51,6 +59,12 @@ _BODY = {
     "`[[light]]`": LightTable,
     "`[[joint]]`": JointTable,
 }
+_LINK = {
+    "At the top of the file": LinkProfile,
+    "For both directions": DirectionSpec,
+    "In `[blackouts]`": EpisodesSpec,
+    "In `[bursts]`": BurstsSpec,
+}
 
 
 def _pages() -> Iterator[tuple[str, str, Mapping[str, Key]]]:
@@ -65,6 +79,8 @@ def _pages() -> Iterator[tuple[str, str, Mapping[str, Key]]]:
     yield "writing-a-robot.md", "`[recording]`", keys_of(RecordingTable)
     yield "writing-a-robot.md", "Its `pictures`", keys_of(PictureSettings)
     yield "writing-a-robot.md", "`[modules.NAME]`", keys_of(ModuleSpec)
+    for heading, kind in _LINK.items():
+        yield "links.md", heading, keys_of(kind)
 
 
 def _row(name: str, key: Key) -> str:
@@ -78,23 +94,48 @@ def _row(name: str, key: Key) -> str:
     return "| " + " | ".join((f"`{name}`", key.meaning, allowed, shown)) + " |"
 
 
-@pytest.mark.parametrize("page", ["writing-an-arena.md", "writing-a-robot.md"])
+@pytest.mark.parametrize("page", ["writing-an-arena.md", "writing-a-robot.md", "links.md"])
 def test_tables_of_keys_are_those_of_the_code(page: str) -> None:
     path = _DOCS / page
     lines = path.read_text().splitlines()
     for where, heading, keys in _pages():
         if where != page:
             continue
-        starts = [place for place, line in enumerate(lines) if line.startswith(heading)]
-        assert starts, f"{page} has no line that begins with {heading}"
-        first = next(n for n in itertools.count(starts[-1]) if lines[n].startswith("|"))
-        last = next(n for n in itertools.count(first) if not lines[n].startswith("|"))
-        rows = [_row(name, key) for name, key in keys.items()]
-        lines[first:last] = [
-            "| key | meaning | values | without it |",
-            "| --- | --- | --- | --- |",
-            *rows,
-        ]
+        _put_table(lines, heading, [_row(name, key) for name, key in keys.items()])
+    _check(path, lines)
+
+
+def test_table_of_link_profiles_is_that_of_their_files() -> None:
+    path = _DOCS / "links.md"
+    lines = path.read_text().splitlines()
+    _put_table(lines, "The profiles:", [_profile_row(load_profile(n)) for n in shipped_profiles()])
+    _check(path, lines)
+
+
+def _profile_row(profile: LinkProfile) -> str:
+    way = profile.down
+    jitter = f" ({profile.jitter * 1e3:.0f})" if profile.jitter else ""
+    loss = f"{way.loss * 100:g} % ({way.burst:g})" if way.loss else "none"
+    cells = (
+        f"`{profile.name}`",
+        profile.purpose,
+        f"{profile.round_trip * 1e3:g}{jitter}",
+        loss,
+        f"{way.rate / 1e3:,g}",
+    )
+    return "| " + " | ".join(cells) + " |"
+
+
+def _put_table(lines: list[str], heading: str, rows: list[str]) -> None:
+    """Put rows in place of those of the table behind a line that begins so."""
+    starts = [place for place, line in enumerate(lines) if line.startswith(heading)]
+    assert starts, f"no line begins with {heading}"
+    first = next(n for n in itertools.count(starts[-1]) if lines[n].startswith("|")) + 2
+    last = next(n for n in itertools.count(first) if not lines[n].startswith("|"))
+    lines[first:last] = rows
+
+
+def _check(path: Path, lines: list[str]) -> None:
     wanted = "\n".join(lines) + "\n"
     if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
         path.write_text(wanted)

@@ -269,7 +269,7 @@ def _connects_until_ended(words: list[str]) -> None:
 def _asks(words: list[str], hub: HubProcess, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It says something of the hub, until Ctrl-C if it repeats."""
     words += ["--hub", hub.endpoint]
-    if "-r" in words:
+    if "-r" in words or words[1:3] == ["shape", "--profile"]:
         _repeats_until_ended(words, folder)
         return
     monkeypatch.chdir(folder)
@@ -289,7 +289,7 @@ def _succeeds(words: list[str], folder: Path) -> None:
 
 
 def _repeats_until_ended(words: list[str], folder: Path) -> None:
-    """It does it again and again, until Ctrl-C."""
+    """It goes on until Ctrl-C."""
     complaints = folder / "complaints"
     with complaints.open("wb") as file:
         process = warm_start.start(
