@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import ClassVar
 
 from textual import events
@@ -76,6 +76,7 @@ class Console(CoveredApp, inherit_bindings=False):
         super().__init__(driver_class=terminal_driver())
         self.title = f"Rune {source.layout.path}"
         self.leaving = False
+        self._cancel_forced_end: Callable[[], None] = lambda: None
         self._trouble = trouble
         self._links = links
         self._pane = ViewPane(traits.glyphs.half)
@@ -127,6 +128,8 @@ class Console(CoveredApp, inherit_bindings=False):
         try:
             self.run()
         finally:
+            # It is for the terminal only: files and hubs may take longer to end.
+            self._cancel_forced_end()
             self.inputs.release_all()
             self.inputs.joysticks.close()
             for link in self._links.values():
@@ -228,5 +231,5 @@ class Console(CoveredApp, inherit_bindings=False):
             return
         self.leaving = True
         self.inputs.release_all()
-        force_end_later()
+        self._cancel_forced_end = force_end_later()
         self.exit()

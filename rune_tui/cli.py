@@ -130,7 +130,7 @@ def _demo(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
     from rune_tui.commands.auto import with_file
-    from rune_tui.commands.demo import ARENAS, DemoHub, demo_layout, demo_robots
+    from rune_tui.commands.demo import ARENAS, DemoHubs, demo_layout, demo_robots
 
     named, arena = options.layout or "", _arena(options.arena)
     if named in ARENAS and not Path(named).exists():
@@ -139,27 +139,22 @@ def _demo(options: argparse.Namespace) -> int:
     _need_screen([layout], options.set)
     log = log_to_file()
     with ExitStack() as stack:
-
-        def started(robot: str, arena: str) -> DemoHub:
-            settings = [f"simulation.arena={arena}"] if arena else []
-            return stack.enter_context(DemoHub(robot, log.path, settings))
-
-        hubs = []
+        hubs = stack.enter_context(DemoHubs(log.path))
         if layout in (DEMO_LAYOUT, AUTO):  # one robot, whose hub starts while the console is loaded
-            (robot,), _ = demo_robots(["robot"], arena, options.robot)
+            robots, _ = demo_robots(["robot"], arena, options.robot)
             _say_start(1)
-            hubs.append(started(robot, arena))
+            hubs.start(robots, arena)
             import rune_tui.app  # noqa: F401
 
         if layout == AUTO:
-            (layout,) = stack.enter_context(with_file([layout], hubs[0].endpoint()))
+            (layout,) = stack.enter_context(with_file([layout], hubs.endpoints()[0]))
         source = _source([layout], options.set, watched=True)
         roles = [each.name for each in source.layout.robots]
         robots, arena = demo_robots(roles, arena, options.robot)
         if not hubs:
             _say_start(len(robots))
-        hubs += [started(each, arena) for each in robots[len(hubs) :]]
-        links = _links(source.layout, [hub.endpoint() for hub in hubs], operator=options.operator)
+        hubs.start(robots[len(hubs) :], arena)
+        links = _links(source.layout, hubs.endpoints(), operator=options.operator)
         return _console(source, links, options, log)
 
 
@@ -231,7 +226,7 @@ def _shot(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
     from rune_tui.commands import shot
-    from rune_tui.commands.demo import DemoHub, demo_robots
+    from rune_tui.commands.demo import DemoHubs, demo_robots
     from rune_tui.compositor.picture import PictureFile
 
     if (options.robot or options.arena) and not options.demo:
@@ -245,9 +240,9 @@ def _shot(options: argparse.Namespace) -> int:
 
         def started(roles: Sequence[str]) -> list[str]:
             robots, where = demo_robots(roles, arena, options.robot)
-            settings, log = [f"simulation.arena={where}"] if where else [], log_to_file()
-            demo = [stack.enter_context(DemoHub(each, log.path, settings)) for each in robots]
-            return [hub.endpoint() for hub in demo]
+            demo = stack.enter_context(DemoHubs(log_to_file().path))
+            demo.start(robots, where)
+            return demo.endpoints()
 
         hubs = _endpoints(options.hub)
         if options.demo and options.layout == AUTO:

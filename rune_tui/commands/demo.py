@@ -1,4 +1,4 @@
-"""The hub of `rune demo`: a simulated robot in its own process, on free loopback ports."""
+"""The hubs of `rune demo`: simulated robots in processes of their own, on free loopback ports."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -98,17 +99,6 @@ class DemoHub:
             text = f"the demo's hub cannot be started: {error}"
             raise DemoError(text) from error
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
-
     def endpoint(self) -> str:
         """Wait until the hub listens; returns its endpoint.
 
@@ -147,10 +137,14 @@ class DemoHub:
         said = (line.removeprefix(_SAID) for line in lines if line.startswith(_SAID))
         return plain(next(said, ""))
 
-    def close(self) -> None:
-        """End the hub and all its modules."""
+    def begin_end(self) -> None:
+        """Have the hub and all its modules end, and do not wait."""
         if self._process.stdin is not None:
             self._process.stdin.close()
+
+    def close(self) -> None:
+        """End the hub and all its modules."""
+        self.begin_end()
         try:
             self._process.wait(_STOP_S)
         except subprocess.TimeoutExpired:
@@ -159,3 +153,56 @@ class DemoHub:
         if self._process.stdout is not None:
             self._process.stdout.close()
         self._kept.cleanup()
+
+
+class DemoHubs:
+    """The hubs of a demo; they end in parallel, with this context."""
+
+    def __init__(self, log: Path) -> None:
+        """Prepare.
+
+        Args:
+            log: File for the logs of all hubs.
+        """
+        self._log = log
+        self._hubs: list[DemoHub] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        for hub in self._hubs:
+            hub.begin_end()
+        with ExitStack() as stack:
+            for hub in self._hubs:
+                stack.callback(hub.close)
+
+    def start(self, robots: Sequence[str], arena: str) -> None:
+        """Start the hubs of more robots.
+
+        Args:
+            robots: Names of shipped robots.
+            arena: Name or path of the arena; empty: that of each robot.
+
+        Raises:
+            DemoError: A process cannot be started.
+        """
+        settings = [f"simulation.arena={arena}"] if arena else []
+        for robot in robots:
+            self._hubs.append(DemoHub(robot, self._log, settings))
+
+    def __len__(self) -> int:
+        return len(self._hubs)
+
+    def endpoints(self) -> list[str]:
+        """Wait until all hubs listen; returns their endpoints.
+
+        Raises:
+            DemoError: A hub ended, or takes too long.
+        """
+        return [hub.endpoint() for hub in self._hubs]

@@ -9,8 +9,8 @@ import signal
 import threading
 from collections.abc import Callable
 
-_LEAVE_S = 3.0
-"""Longest time of an orderly end before the process is ended by force [s]."""
+LEAVE_S = 3.0
+"""Longest time until the terminal has read all output, before an end by force [s]."""
 
 
 def run_on_termination(loop: asyncio.AbstractEventLoop, work: Callable[[], None]) -> None:
@@ -24,11 +24,12 @@ def run_on_termination(loop: asyncio.AbstractEventLoop, work: Callable[[], None]
             loop.add_signal_handler(getattr(signal, name), work)
 
 
-def force_end_later() -> None:
-    """End the process by force after a time limit.
+def force_end_later() -> Callable[[], None]:
+    """End the process by force after a time limit; returns what cancels that.
 
     Textual waits until the terminal has read all output; a blocked terminal never does.
     """
-    last_resort = threading.Timer(_LEAVE_S, os._exit, (1,))
+    last_resort = threading.Timer(LEAVE_S, os._exit, (1,))
     last_resort.daemon = True
     last_resort.start()
+    return last_resort.cancel

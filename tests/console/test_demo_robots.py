@@ -8,7 +8,7 @@ import pytest
 
 from hub.robots.robot_file import SHIPPED
 from hub.sim.arena import load_arena, shipped_arenas
-from rune_tui.commands.demo import ARENAS, ROBOTS, DemoHub, demo_layout, demo_robots
+from rune_tui.commands.demo import ARENAS, ROBOTS, DemoHubs, demo_layout, demo_robots
 from rune_tui.errors import DemoError
 
 
@@ -64,8 +64,7 @@ def test_a_robot_with_more_than_wheels_has_a_layout_made_for_it(
 def test_a_hub_that_does_not_start_says_why_in_one_sentence(tmp_path: Path) -> None:
     log = tmp_path / "rune.log"
     log.write_text("rune-hub: the words of an earlier demo\n")
-    with (
-        DemoHub("rov", log, ["simulation.arena=yellow"]) as hub,
-        pytest.raises(DemoError, match=r"did not start: .*it has no water to dive in"),
-    ):
-        hub.endpoint()
+    with DemoHubs(log) as hubs:
+        hubs.start(["rov"], "yellow")
+        with pytest.raises(DemoError, match=r"did not start: .*it has no water to dive in"):
+            hubs.endpoints()

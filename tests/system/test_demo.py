@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import signal
-from contextlib import ExitStack, closing
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager, suppress
 
+import psutil
 import pytest
 
+from rune_tui.ui.ending import LEAVE_S
 from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, family, gone, in_soak
 
@@ -33,4 +37,36 @@ def test_its_hub_ends_with_it_however_it_ends(demo: ConsoleProcess, number: sign
     processes = family(demo.process.pid)
     demo.process.send_signal(number)
     demo.wait_ended()
+    until(lambda: gone(processes), 10.0, "processes are left")
+
+
+@contextmanager
+def suspended(*processes: psutil.Process) -> Iterator[None]:
+    """Keep processes from running."""
+    try:
+        for process in processes:
+            process.suspend()
+        yield
+    finally:
+        for process in processes:
+            with suppress(psutil.NoSuchProcess):
+                process.resume()
+
+
+def test_its_hubs_end_in_parallel_and_later_than_a_terminal_that_blocks_may(
+    stack: ExitStack,
+) -> None:
+    console = ConsoleProcess(["demo", "land-sea-air"], columns=120, rows=40)
+    demo = stack.enter_context(closing(console))
+    demo.wait_for_picture()
+    processes = family(demo.process.pid)
+    first, second, third = psutil.Process(demo.process.pid).children()
+    with suspended(first, third):
+        demo.type("q")
+        ends = time.monotonic() + LEAVE_S
+        demo.wait(lambda: gone([second]), 20.0)
+        assert first.is_running(), "a hub waits for another one's end"
+        assert third.is_running(), "a hub waits for another one's end"
+        demo.wait(lambda: time.monotonic() > ends or demo.process.poll() is not None, 10.0)
+    assert demo.wait_ended() == 0
     until(lambda: gone(processes), 10.0, "processes are left")
