@@ -20,6 +20,7 @@ class Estimate:
         high: Upper end of its interval; NaN: it has none.
         n: Observations that it stands on.
         why: Why there is no number; empty where there is one.
+        censored: Whether the value is only a bound: the event was not seen up to then.
         note: What a reader must know beside it, such as the bound of a restricted mean.
     """
 
@@ -27,6 +28,7 @@ class Estimate:
     low: float = math.nan
     high: float = math.nan
     n: int = 0
+    censored: bool = False
     why: str = ""
     note: str = ""
 

@@ -17,6 +17,7 @@ import math
 from collections.abc import Sequence
 
 from hub.gcm.mapping import InterestPoint, PointKind
+from hub.missions.matching import match
 from hub.values import dataclass
 
 FOUND, PLACED, FALSE = 20.0, 10.0, -10.0
@@ -89,7 +90,7 @@ class Score:
 def score(
     victims: Sequence[Victim], marks: Sequence[InterestPoint], weight: float, operators: int
 ) -> Score:
-    """Compare the marks of victims with the victims; the nearest pairs belong together.
+    """Compare the marks of victims with the victims, paired as `match` does.
 
     Args:
         victims: All victims, with their places in `map`.
@@ -98,25 +99,24 @@ def score(
         operators: Number of operators.
     """
     marked = [mark for mark in marks if mark.kind is PointKind.VICTIM]
-    pairs = sorted(
-        (math.hypot(mark.x - victim.x, mark.y - victim.y), place, number)
-        for place, victim in enumerate(victims)
-        for number, mark in enumerate(marked)
+    pairs = match(
+        [(mark.x, mark.y) for mark in marked], [(each.x, each.y) for each in victims], FARTHEST
     )
-    pairs = [pair for pair in pairs if pair[0] <= FARTHEST]
-    findings: dict[int, VictimScore] = {}
-    used: set[int] = set()
-    for error, place, number in pairs:
-        if place not in findings and number not in used:
-            used.add(number)
-            spare = min(1.0, (FARTHEST - error) / (FARTHEST - EXACT))
-            findings[place] = VictimScore(
-                victim=victims[place],
-                mark=marked[number].number,
-                error=error,
-                points=FOUND + PLACED * spare,
-            )
-    near = {number for _, _, number in pairs} - used
+    findings = {
+        pair.place: VictimScore(
+            victim=victims[pair.place],
+            mark=marked[pair.mark].number,
+            error=pair.distance,
+            points=FOUND + PLACED * min(1.0, (FARTHEST - pair.distance) / (FARTHEST - EXACT)),
+        )
+        for pair in pairs
+    }
+    used = {pair.mark for pair in pairs}
+    near = {
+        number
+        for number, mark in enumerate(marked)
+        if any(math.hypot(mark.x - each.x, mark.y - each.y) <= FARTHEST for each in victims)
+    } - used
     return Score(
         findings=tuple(
             findings.get(place) or VictimScore(victim=victim)
