@@ -276,8 +276,9 @@ def _replay(options: argparse.Namespace) -> int:
     layout = _load(options.layout, options.set) if options.layout is not None else None
     opened = functools.partial(opening.open_source, options.files, layout)
     if options.export is not None:
-        start, as_seen = opening.start_of(options.start), options.as_seen
-        opening.export(opened, start, options.export, as_seen=as_seen)
+        from rune_tui.replay.exporting import export
+
+        export(options, opened)
         return ExitCode.OK
     _need_screen([], ())
     log_to_file()

@@ -141,7 +141,20 @@ def _add_replay(commands: Commands) -> CommandParser:
     replay.add_argument("--rate", type=rate, default=1.0, help="log time over time (%(default)s)")
     replay.add_argument("--loop", action="store_true", help="begin again at the end")
     replay.add_argument(
-        "--export", type=Path, metavar="FILE", help="write the picture at --start: .png, .svg, .txt"
+        "--export",
+        type=Path,
+        metavar="FILE",
+        help="write the picture at --start: .png, .svg, .txt; or a video from there: .mp4, .gif",
+    )
+    replay.add_argument("--end", metavar="TIME", help="end of a video; default: the recording's")
+    fps = number_type(float, 0.1, 60.0, "number of frames from 0.1 to 60")
+    replay.add_argument("--fps", type=fps, default=10.0, help="frames of a video (%(default)s 1/s)")
+    scale = number_type(int, 2, 32, "width from 2 to 32")
+    replay.add_argument(
+        "--scale", type=scale, default=8, help="width of a cell in a video (%(default)s px)"
+    )
+    replay.add_argument(
+        "--lossless", action="store_true", help="keep each pixel in an .mp4; some players fail"
     )
     replay.add_argument(
         "--as-seen", action="store_true", help="export without border, as it was on the screen"

@@ -1,4 +1,4 @@
-"""Opens recordings for `rune replay`, and writes pictures of them."""
+"""Opens recordings for `rune replay`."""
 
 from __future__ import annotations
 
@@ -6,17 +6,14 @@ import dataclasses
 import tempfile
 from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
 from pathlib import Path
 
 from hub.recording.anchor import TimeAnchor
 from hub.recording.recording_set import RecordingSet
-from rune_tui.compositor.picture import PictureFile
 from rune_tui.errors import LogError
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.replay import screen
 from rune_tui.replay.console_log import ConsoleLog, has_frames
-from rune_tui.replay.desk import Desk, entered
+from rune_tui.replay.desk import entered
 from rune_tui.replay.logged_robot import (
     LoggedRobot,
     channels_of,
@@ -117,28 +114,3 @@ def player_of(opened: Callable[[], ReplaySource], options: Namespace) -> Player:
     player.seek(player.source.start + start)
     player.playing = True
     return player
-
-
-def export(opened: Callable[[], ReplaySource], start: int, path: Path, *, as_seen: bool) -> None:
-    """Write the picture at a time into a file.
-
-    Args:
-        opened: Opens the recording.
-        start: The time after its begin [ns].
-        path: The file.
-        as_seen: Whether to leave out the border that says that it is a recording.
-
-    Raises:
-        PictureFileError: The file cannot be written.
-        LogError: There is no picture.
-    """
-    file = PictureFile(path)
-    with closing(Player(opened)) as player:
-        cells = player.seek(player.source.start + start, whole=True)
-        if cells is None:
-            reason = f"{player.source.title} has no frame there"
-            raise LogError(reason)
-        if not as_seen:
-            columns, rows = cells.columns + 2 * screen.SIDES, cells.rows
-            cells = Desk(player, lambda: 0.0).cells(columns, rows + screen.TOP + screen.BOTTOM)
-        file.write(file.draw(cells, ()))

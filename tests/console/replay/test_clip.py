@@ -1,0 +1,105 @@
+"""A part of a recording becomes a video whose frames are those of the replay."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from rune_tui.compositor.picture import image
+from rune_tui.errors import LogError, PictureFileError
+from rune_tui.replay.clip import ClipOptions, write_clip
+from rune_tui.replay.console_log import ConsoleLog
+from rune_tui.replay.player import Player
+from tests.console.replay.logged_session import logged_session
+
+SECOND = 1_000_000_000
+SMALL = ClipOptions(start=SECOND, end=3 * SECOND, frames_per_s=2.0, scale=2, as_seen=True)
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return logged_session(tmp_path_factory.mktemp("session"), 5)
+
+
+@pytest.fixture
+def player(session: Path) -> Iterator[Player]:
+    with closing(Player(partial(ConsoleLog, session))) as player:
+        yield player
+
+
+def nothing(share: float) -> None:
+    del share
+
+
+def frames_of(path: Path) -> list[np.ndarray]:
+    av = pytest.importorskip("av")
+    with av.open(str(path)) as container:
+        return [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+
+
+def test_an_exact_video_has_each_pixel_of_the_replay(
+    session: Path, player: Player, tmp_path: Path
+) -> None:
+    path = tmp_path / "clip.mp4"
+    count = write_clip(player, path, ClipOptions(**_fields(SMALL), lossless=True), nothing)
+    frames = frames_of(path)
+    assert len(frames) == count == 5
+    with closing(Player(partial(ConsoleLog, session))) as other:
+        for number, frame in enumerate(frames):
+            cells = other.seek(other.source.start + SECOND + number * SECOND // 2)
+            cells = cells or other.drawer.cells
+            assert cells is not None
+            want = np.asarray(image(cells, scale=2))
+            assert np.array_equal(frame[: want.shape[0], : want.shape[1]], want)
+
+
+def _fields(options: ClipOptions) -> dict[str, object]:
+    names = ("start", "end", "frames_per_s", "scale", "as_seen")
+    return {name: getattr(options, name) for name in names}
+
+
+def test_a_video_says_that_it_is_a_recording_unless_it_must_not(
+    player: Player, tmp_path: Path
+) -> None:
+    bare, marked = tmp_path / "bare.mp4", tmp_path / "marked.mp4"
+    write_clip(player, bare, SMALL, nothing)
+    write_clip(player, marked, ClipOptions(**{**_fields(SMALL), "as_seen": False}), nothing)
+    (first, *_), (other, *_) = frames_of(bare), frames_of(marked)
+    assert other.shape[0] > first.shape[0]
+    assert np.abs(other[1, 1].astype(int) - (176, 32, 144)).max() < 24
+
+
+def test_a_gif_lasts_as_long_as_its_part_at_the_rate(player: Player, tmp_path: Path) -> None:
+    path = tmp_path / "clip.gif"
+    options = ClipOptions(**_fields(SMALL), rate=2.0)
+    assert write_clip(player, path, options, nothing) == 3
+    with Image.open(path) as gif:
+        lasts = 0
+        for number in range(getattr(gif, "n_frames", 1)):
+            gif.seek(number)
+            lasts += gif.info["duration"]
+    assert lasts == 1500
+
+
+def test_a_part_without_frames_and_a_place_that_refuses_are_sentences(
+    player: Player, tmp_path: Path
+) -> None:
+    late = ClipOptions(start=100 * SECOND)
+    with pytest.raises(LogError, match="has nothing in this part"):
+        write_clip(player, tmp_path / "late.gif", late, nothing)
+    with pytest.raises(PictureFileError, match=r"none/x\.gif cannot be written: No such file"):
+        write_clip(player, tmp_path / "none" / "x.gif", SMALL, nothing)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_progress_ends_at_the_whole(player: Player, tmp_path: Path) -> None:
+    shares: list[float] = []
+    write_clip(player, tmp_path / "clip.gif", SMALL, shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
