@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from functools import partial
 from pathlib import Path
 
@@ -29,6 +29,7 @@ from rune_tui.model.effects import (
     MissionEffect,
     NextLayoutEffect,
     Notify,
+    OrderEffect,
     PaletteEffect,
     QuitEffect,
     RecordEffect,
@@ -101,13 +102,24 @@ class EffectRunner:
         self.layouts = LayoutFollower(source, self.open_layout, self.report_trouble)
 
     def run(self, effects: Iterable[Effect]) -> None:
-        """Execute some effects."""
+        """Execute some effects.
+
+        After an order that does not reach its robot, the reason stays: later notices of that robot
+        are dropped, as they confirm the order; alarms are not.
+        """
+        unreached: set[str] = set()
         for effect in effects:
             with self.guard(effect):
                 if isinstance(effect, StateEffect):
-                    self._change(effect)
-                else:
-                    self._do(effect)
+                    if not _confirms(effect, unreached):
+                        self._change(effect)
+                    continue
+                self._do(effect)
+                if isinstance(effect, OrderEffect) and (
+                    outcome := undelivered(effect, self._links[effect.robot].state)
+                ):
+                    self.notify(outcome)
+                    unreached.add(effect.robot)
 
     def notify(self, outcome: Outcome) -> None:
         """Show the operator a notice."""
@@ -213,9 +225,7 @@ class EffectRunner:
 
     def _do_external(
         self,
-        effect: SendEffect
-        | ControlEffect
-        | MissionEffect
+        effect: OrderEffect
         | ScreenshotEffect
         | RecordEffect
         | ExportEffect
@@ -246,7 +256,7 @@ class EffectRunner:
         for event in events:
             self.file_writer.recorder.note_team(now, event)
 
-    def _send(self, effect: SendEffect | ControlEffect | MissionEffect) -> None:
+    def _send(self, effect: OrderEffect) -> None:
         link = self._links[effect.robot]
         if isinstance(effect, ControlEffect):
             link.control(effect.action, by_driving=effect.by_driving)
@@ -257,5 +267,8 @@ class EffectRunner:
             if effect.controlled:
                 state = self._state()
                 self._record_team(self._team.command(effect.robot, state), state.now)
-        if (outcome := undelivered(effect, link.state)) is not None:
-            self.notify(outcome)
+
+
+def _confirms(effect: StateEffect, robots: Collection[str]) -> bool:
+    """Whether an effect is a notice without alarm of one of these robots."""
+    return isinstance(effect, Notify) and not effect.notice.alarm and effect.notice.robot in robots

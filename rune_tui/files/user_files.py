@@ -20,7 +20,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.model.effects import ControlEffect, MissionEffect, SendEffect
+from rune_tui.model.effects import ControlEffect, MissionEffect, OrderEffect, SendEffect
 from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
@@ -50,9 +50,7 @@ class Outcome:
     routine: bool = False
 
 
-def undelivered(
-    effect: SendEffect | ControlEffect | MissionEffect, robot: RobotState
-) -> Outcome | None:
+def undelivered(effect: OrderEffect, robot: RobotState) -> Outcome | None:
     """Why an order has no effect now; None if it has, or if the next one follows soon."""
     if isinstance(effect, ControlEffect):
         what = "request for control"

@@ -431,11 +431,11 @@ StateEffect = (
     | Notify
 )
 """Effects that only change the console's state."""
+OrderEffect = SendEffect | ControlEffect | MissionEffect
+"""Orders to a robot."""
 ActionEffect = (
-    SendEffect
-    | ControlEffect
+    OrderEffect
     | ReleaseFirst
-    | MissionEffect
     | QuitEffect
     | NextLayoutEffect
     | ScreenshotEffect

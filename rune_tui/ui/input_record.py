@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 
 from rune_tui.controls.events import ControlEvent
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.effects import ControlEffect, Effect, MissionEffect, Notify, SendEffect
+from rune_tui.model.effects import Effect, Notify, OrderEffect, SendEffect
 from rune_tui.model.own_records import InputOutcome, InputRecord
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.widgets.listeners import Listener
@@ -55,7 +55,7 @@ def _outcome(
     effects: Collection[Effect],
     state: ConsoleState,
 ) -> InputOutcome:
-    orders = [each for each in effects if isinstance(each, _ORDERS)]
+    orders = [each for each in effects if isinstance(each, OrderEffect)]
     if orders:
         sent = any(_arrives(each, state) for each in orders)
         return InputOutcome.SENT if sent else InputOutcome.REFUSED
@@ -67,10 +67,7 @@ def _outcome(
     return InputOutcome.DEAF if kept_back else InputOutcome.NONE
 
 
-_ORDERS = (SendEffect, ControlEffect, MissionEffect)
-
-
-def _arrives(order: SendEffect | ControlEffect | MissionEffect, state: ConsoleState) -> bool:
+def _arrives(order: OrderEffect, state: ConsoleState) -> bool:
     """Whether the link to the robot takes an order."""
     robot = state.robots.get(order.robot)
     if robot is None or robot.link.phase is not LinkPhase.CONNECTED:

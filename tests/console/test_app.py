@@ -10,10 +10,11 @@ from typing import Any
 import pytest
 from textual import events
 
-from hub.gcm.navigation import STOP, Stop
+from hub.gcm.navigation import STOP, TURN_COMMAND, Stop, TurnCommand
+from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityReports
 from rune_tui.controls.events import PAUSE_S
 from rune_tui.layout.loader import load_layout
-from rune_tui.model.effects import SendEffect
+from rune_tui.model.effects import Notify, SendEffect
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.driver_reports import KeyMoved, ReleasesReported
 from tests.console.app_desk import Desk, Script
@@ -189,6 +190,29 @@ def test_an_effect_that_cannot_be_done_is_told_once_and_what_comes_after_it_is_d
         desk.console.effects.run((nowhere, nowhere, stop))
         await desk.until(lambda: desk.robot.stops)
         assert len([text for text in desk.notices if "could not be done" in text]) == 1
+
+    play(script)
+
+
+def test_no_confirmation_hides_the_reason_why_an_order_is_not_sent(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        reports = CapabilityReports(robot="magellan", capabilities=())
+        desk.robot.client.publish(CAPABILITY_REPORTS, reports)
+        await desk.until(lambda: desk.link.state.link.lacking)
+        state = desk.console.state
+        desk.console.effects.run(
+            (
+                SendEffect(robot="magellan", definition=TURN_COMMAND, value=TurnCommand()),
+                Notify.now(state, "it turns", robot="magellan"),
+                Notify.now(state, "it is hot", robot="magellan", alarm=True),
+                Notify.now(state, "another robot turns", robot="other"),
+            )
+        )
+        last = [notice.text for notice in desk.console.state.notices][-3:]
+        assert "turn command has no effect: it does not provide" in last[0]
+        assert last[1:] == ["it is hot", "another robot turns"]
 
     play(script)
 
