@@ -310,7 +310,7 @@ def command_parser() -> CommandParser:
         parents=[look],
         help="stop the robot, and wait until it stands",
         description="Stop the robot, whoever has control. It drives again only after a neutral "
-        "command. Exit codes: 0 it stands, 1 it does not report that within 2 s, 3 no hub.",
+        "command. Exit codes: 0 it stands, 1 it does not report that in time, 3 no hub.",
     )
     listing = commands.add_parser("list", parents=[look], help="modules and messages of a hub")
     echo = commands.add_parser("echo", parents=[name], help="show messages as they come")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import time
 
 from hub.command_line import login_name
@@ -17,6 +18,8 @@ STILL_M_S = 0.01
 """A robot that is slower than this stands [m/s]."""
 STILL_RAD_S = 0.02
 """A robot that turns more slowly than this stands [rad/s]."""
+_ROUND_TRIPS = 8
+"""Round trips that may pass as well: stops and reports need connections first."""
 _REPEAT_S = 0.1
 _MOVING = (MotionState.MOVING, MotionState.GOING, MotionState.NO_DRIVER)
 
@@ -29,7 +32,9 @@ class Halt:
         seen: Whether the robot has reported a stop.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, limit: float = LIMIT_S) -> None:
+        """Wait for `limit` [s]."""
+        self._limit = limit
         self.report: RobotState | None = None
         self.seen = False
         self._stops_before: int | None = None
@@ -71,7 +76,7 @@ class Halt:
             )
         what = "still moves" if self.seen else "has not reported a stop"
         speeds = f"{report.linear:.2f} m/s, {report.angular:.2f} rad/s"
-        return f"the robot {what} after {LIMIT_S:.0f} s ({speeds}); use its emergency stop"
+        return f"the robot {what} after {self._limit:.0f} s ({speeds}); use its emergency stop"
 
 
 def halt(client: Client, *, as_json: bool) -> int:
@@ -80,9 +85,11 @@ def halt(client: Client, *, as_json: bool) -> int:
     Sends stops until the robot has reported one, because a single stop may be lost.
 
     Returns:
-        The exit code: 1 if the robot does not report within `LIMIT_S` that it stands.
+        The exit code: 1 if the robot does not report in time that it stands.
     """
-    course = Halt()
+    round_trip = 0.0 if math.isnan(client.round_trip) else client.round_trip
+    limit = LIMIT_S + _ROUND_TRIPS * round_trip
+    course = Halt(limit)
     stop = Stop(reason=f"rune-hub halt {login_name()}".rstrip())
     client.demand_right(STOP)
     client.define(STOP)
@@ -99,7 +106,7 @@ def halt(client: Client, *, as_json: bool) -> int:
     send()
     client.subscribe(ROBOT_STATE, take)
     timer = client.every(_REPEAT_S, send)
-    while not course.stands and time.monotonic() < begun + LIMIT_S:
+    while not course.stands and time.monotonic() < begun + limit:
         client.listen(_REPEAT_S)
     timer.cancel()
     lasted = time.monotonic() - begun

@@ -34,6 +34,8 @@ from hub.plain_text import plain
 T = TypeVar("T")
 
 _ANSWER_S = 2.0
+_STOP_CONNECTS_S = 8.0
+"""Longest time for the connection of a stop, which is tried on slow links too [s]."""
 _BETWEEN_S = 0.05
 """Time between two messages, so that a receiver sees both and not only the newer one [s]."""
 
@@ -47,7 +49,7 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
     name = f"rune-hub-{command}-{os.getpid()}"
     client = Client(name, endpoint, keys=read_client_keys(keys) if keys else None)
     try:
-        client.wait_connected(_ANSWER_S)
+        client.wait_connected(_STOP_CONNECTS_S if command == "halt" else _ANSWER_S)
     except HubError:
         client.close()
         raise

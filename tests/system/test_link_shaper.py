@@ -6,6 +6,8 @@ import json
 import os
 import signal
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -155,6 +157,18 @@ def test_in_a_blackout_the_robot_stops_and_afterwards_waits_for_neutral(
     watcher.wait(lambda: states[-1][1].blackout == 0, 20.0)
     began = time.monotonic()
     driver.drive_until(lambda: time.monotonic() - began > 2.0)
+    assert driver.commanded == 0.0
+
+
+def test_a_stop_reaches_the_robot_under_rubble(hub: HubProcess, stack: ExitStack) -> None:
+    lan = stack.enter_context(ShapedLink(hub.endpoint, "lan", 1))
+    rubble = stack.enter_context(ShapedLink(hub.endpoint, "rubble", 4))
+    driver = Driver(hub, stack, lan)
+    command = [sys.executable, "-m", "hub", "halt", "--hub", rubble.endpoint]
+    halting = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    driver.drive_until(lambda: halting.poll() is not None)
+    said, _ = halting.communicate()
+    assert (halting.returncode, said[:16]) == (0, "the robot stands")
     assert driver.commanded == 0.0
 
 
