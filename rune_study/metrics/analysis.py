@@ -150,7 +150,7 @@ class TrialAnalysis:
         if self.seen.value >= self.spec.least_seen - 1e-12:
             return None
         drops = sum(each.seen for each in self.neglects)
-        why = f"not identifiable: only {drops} of {self.seen.n} drops were seen"
+        why = f"not identifiable: only {drops} of {self.seen.n} neglects ended with a drop"
         return unknown(why, self.seen.n)
 
     def _why_no_neglect(self) -> str:

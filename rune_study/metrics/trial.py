@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping
 
@@ -18,7 +19,9 @@ from rune_study.metrics.neglect import FRACTION, HOLD_S, LEAST_SEEN, SHORT_S
 from rune_study.metrics.victims import RADIUS_M, Mark
 from rune_study.statistics.arrays import Flags, Floats
 
-_NONE = np.empty(0)
+
+def _none() -> Floats:
+    return np.empty(0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,8 +96,8 @@ class RobotData:
     """
 
     name: str
-    inputs: Floats = _NONE
-    selections: Floats = _NONE
+    inputs: Floats = dataclasses.field(default_factory=_none)
+    selections: Floats = dataclasses.field(default_factory=_none)
     progress: Signal | None = None
     travel: Travel | None = None
     motion: Motion | None = None
