@@ -132,6 +132,11 @@ def _add_replay(commands: Commands) -> CommandParser:
     replay.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a recording")
     replay.add_argument("--layout", help="a layout in place of the recorded one")
     replay.add_argument(
+        "--topics",
+        action="store_true",
+        help="show the topics as a tree, a table and a plot, also those of a recording of Rune",
+    )
+    replay.add_argument(
         "--start",
         default="0",
         metavar="TIME",

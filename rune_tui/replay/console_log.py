@@ -113,6 +113,10 @@ class ConsoleLog:
         found = next(self._recording.messages(stamp + 1, channels=self._frames), None)
         return found.stamp if found is not None else None
 
+    def press(self, _key: str, _stamp: int) -> bool:
+        """No key means anything."""
+        return False
+
     def overview(self) -> Overview:
         """What happened."""
         with RecordingSet.open(self._paths) as recording:

@@ -81,6 +81,8 @@ class Desk:
             self._entry = "" if name == ":" else name
         elif name in self._keys:
             self._keys[name]()
+        elif self.player.source.press(name, self.player.position):
+            self.player.seek(self.player.position)
         elif name in self._driving():
             self.say(f"{name} does nothing: this is a recording, and no robot hears you")
         else:

@@ -8,10 +8,12 @@ from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from hub.gcm.catalog import BY_NAME
 from hub.recording.anchor import TimeAnchor
 from hub.recording.recording_set import RecordingSet
 from rune_tui.errors import LogError
 from rune_tui.layout.spec import LayoutSpec
+from rune_tui.replay.bag_source import BagSource
 from rune_tui.replay.console_log import ConsoleLog, has_frames
 from rune_tui.replay.desk import entered
 from rune_tui.replay.logged_robot import (
@@ -25,22 +27,31 @@ from rune_tui.replay.logged_values import Decoder
 from rune_tui.replay.player import Player
 from rune_tui.replay.source import ReplaySource
 from rune_tui.replay.timed_log import TimedLog, paired
+from rune_tui.replay.topic_choice import TopicChoice
 from rune_tui.startup.auto_layout import layout_text
 from rune_tui.startup.opening import open_layout
 
 
-def open_source(files: Sequence[Path], layout: LayoutSpec | None) -> ReplaySource:
+def open_source(
+    files: Sequence[Path],
+    layout: LayoutSpec | None,
+    choice: TopicChoice | None = None,
+    *,
+    topics: bool = False,
+) -> ReplaySource:
     """The recordings of some files as one source.
 
     Args:
         files: The files, of one mission.
-        layout: A layout that shows them; None: the recorded one.
+        layout: A layout that shows them; None: the recorded one, or one made for the recording.
+        choice: The topic that is looked at, where the layout shows topics.
+        topics: Whether to show the topics alone, also those of Rune.
 
     Raises:
         RecordingError: A file cannot be read.
         LogError: There is nothing in them that can be shown.
     """
-    if layout is None:
+    if layout is None and not topics:
         for path in files:
             with RecordingSet.open([path]) as one:
                 framed = has_frames(one)
@@ -48,6 +59,9 @@ def open_source(files: Sequence[Path], layout: LayoutSpec | None) -> ReplaySourc
                 return ConsoleLog(path, [other for other in files if other != path])
     recording = RecordingSet.open(files)
     try:
+        of_rune = any(topic.message in BY_NAME for topic in recording.channels.values())
+        if topics or not of_rune:
+            return BagSource(recording, layout, choice)
         return _timed(recording, layout)
     except BaseException:
         recording.close()

@@ -112,13 +112,15 @@ class ReplaySource(Protocol):
         title: Its name for people.
         start: Stamp of the first frame [ns since 1970].
         end: Stamp of the last frame [ns since 1970].
-        faults: What cannot be shown, and why, in sentences; it grows while frames are read.
     """
 
     title: str
     start: int
     end: int
-    faults: list[str]
+
+    @property
+    def faults(self) -> Sequence[str]:
+        """What cannot be shown, and why, in sentences; it grows while frames are read."""
 
     def frames(self, after: int, until: int) -> Iterator[ReplayFrame]:
         """The frames later than `after` and at the latest `until`, in the order of time."""
@@ -128,6 +130,9 @@ class ReplaySource(Protocol):
 
     def frame_after(self, stamp: int) -> int | None:
         """Stamp of the first frame later than a time; None: there is none."""
+
+    def press(self, key: str, stamp: int) -> bool:
+        """Handle a key at a time; returns whether frames are other ones now."""
 
     def overview(self) -> Overview:
         """What happened; reads the whole recording, in another thread if wanted."""

@@ -107,6 +107,10 @@ class TimedLog:
         found = self.start + ((stamp - self.start) // PERIOD_NS + 1) * PERIOD_NS
         return found if found <= self.end else None
 
+    def press(self, _key: str, _stamp: int) -> bool:
+        """No key means anything."""
+        return False
+
     def overview(self) -> Overview:
         """What happened."""
         return survey(self._recording)

@@ -11,6 +11,7 @@ from rune_tui.visualizers.gauges.environment import EnvironmentGauge
 from rune_tui.visualizers.gauges.heading import Compass, Heading
 from rune_tui.visualizers.gauges.plot import Plot
 from rune_tui.visualizers.gauges.speed_gauge import Speed
+from rune_tui.visualizers.gauges.topic_plot import TopicPlot
 from rune_tui.visualizers.maps.map_data import MapData
 from rune_tui.visualizers.maps.range_data import RangeData
 from rune_tui.visualizers.video.angle_bars import PanData, TiltData
@@ -33,6 +34,7 @@ from rune_tui.visualizers.words.mission import VisualizeMission
 from rune_tui.visualizers.words.modules import Modules
 from rune_tui.visualizers.words.status import Status
 from rune_tui.visualizers.words.team import Team
+from rune_tui.visualizers.words.topic_words import TopicFields, TopicTree
 from rune_tui.visualizers.words.vehicle import VisualizeVehicle
 
 VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
@@ -67,4 +69,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeModules": Modules,
     "visualizeButton": Button,
     "visualizePlot": Plot,
+    "visualizeTopics": TopicTree,
+    "visualizeFields": TopicFields,
+    "visualizeTopicPlot": TopicPlot,
 }

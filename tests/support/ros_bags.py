@@ -142,7 +142,7 @@ def _messages(seconds: int) -> Iterator[tuple[str, int, Any]]:
         )
         yield "/debug/load", stamp, make("std_msgs/msg/Float64", data=math.sin(tick / 10))
         if tick % 2 == 0:
-            yield "/camera/image_raw", stamp, picture(stamp, tick)
+            yield "/camera/image_raw", stamp, picture(stamp, tick % 256)
             yield "/scan", stamp, _scan(stamp)
         if tick % 20 == 0:
             yield (

@@ -64,7 +64,7 @@ class Bag:
         numbers: dict[tuple[str, str, str, str, bytes], int] = {}
         self.channels: dict[int, RecordedTopic] = {}
         counts: Counter[int] = Counter()
-        self.counts: Mapping[int, int] = counts
+        self.counts: dict[int, int] = counts
         self._numbers: list[dict[int, int]] = []
         self._folder: tempfile.TemporaryDirectory[str] | None = None
         for split in self._splits:

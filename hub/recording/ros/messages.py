@@ -54,7 +54,7 @@ def battery(value: RosValue) -> BatteryState:
         power_supply_status=PowerSupplyStatus(
             status if 0 <= status <= PowerSupplyStatus.FULL else 0
         ),
-        present=bool(value.get("present")),
+        present=bool(value.get("present")) or math.isfinite(_number(value, "voltage", 1e-3, 1e3)),
     )
 
 

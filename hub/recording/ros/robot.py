@@ -30,11 +30,10 @@ from hub.gcm.ranges import RANGES, LaserScan, RangeReadings
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
 from hub.recording.ros import messages, motion
-from hub.recording.ros.bag import Bag
 from hub.recording.ros.decoding import RosDecoder, RosValue
 from hub.recording.ros.frame_tree import FrameTree, plain_frame
 from hub.recording.ros.topic_roles import RosRole
-from hub.recording.ros.topic_values import ShownMessage, TopicValues
+from hub.recording.ros.topic_values import ShownMessage, TopicMessages, TopicValues
 from hub.values import dataclass
 
 MOST_CAMERAS: Final = 8
@@ -97,9 +96,10 @@ class RosRobot:
 
     Attributes:
         values: The newest messages.
+        cameras: The topics of pictures that are shown as cameras, the main one first.
     """
 
-    def __init__(self, bag: Bag, name: str) -> None:
+    def __init__(self, bag: TopicMessages, name: str) -> None:
         """Look at the topics of a bag.
 
         Args:
@@ -107,6 +107,8 @@ class RosRobot:
             name: The robot's name.
         """
         self.values = TopicValues(bag)
+        roles = (RosRole.PICTURE, RosRole.PACKED_PICTURE, RosRole.CLOUD)
+        self.cameras = self.values.of_role(*roles)[:MOST_CAMERAS]
         self._bag = bag
         self._name = plain(name)[:64] or "robot"
         self._roles = {each.channel: each.role for each in self.values.of_role(*RosRole)}
@@ -164,7 +166,7 @@ class RosRobot:
             readings = RangeReadings(scans=tuple(scan.value[1] for _, scan in scans))
             newest = max(scan.stamp for _, scan in scans)
             made[RANGES.name] = ShownMessage(value=readings, stamp=newest)
-        body = self._body(scans, pictures)
+        body = self._body(scans)
         made[ROBOT_DESCRIPTION.name] = ShownMessage(value=body, stamp=self._bag.start)
         problems = self._problems()
         made[DIAGNOSTICS.name] = max(problems.values(), key=lambda each: each.stamp, default=None)
@@ -233,7 +235,6 @@ class RosRobot:
     def _body(
         self,
         scans: Sequence[tuple[str, ShownMessage]],
-        pictures: Mapping[str, RosPicture],
     ) -> RobotBody:
         """The body: its sensors where the frames say."""
         base = motion.base_frame(self.values, self._frames)
@@ -250,8 +251,8 @@ class RosRobot:
             frames=tuple(frames),
             ranges=tuple(scan.value[0] for _, scan in scans),
             cameras=tuple(
-                CameraBody(name=each.camera, horizontal_fov=each.horizontal_fov)
-                for each in pictures.values()
+                CameraBody(name=each.name, horizontal_fov=self._fov(each.channel))
+                for each in self.cameras
             ),
         )
         # The same body again, so that what was made of it counts further.
@@ -262,8 +263,7 @@ class RosRobot:
     def _pictures(self) -> dict[str, RosPicture]:
         """The newest picture of each camera, the main one first."""
         shown: dict[str, RosPicture] = {}
-        roles = (RosRole.PICTURE, RosRole.PACKED_PICTURE, RosRole.CLOUD)
-        for each in self.values.of_role(*roles)[:MOST_CAMERAS]:
+        for each in self.cameras:
             message = self.values.newest.get(each.channel)
             if message is not None:
                 shown[each.name] = RosPicture(

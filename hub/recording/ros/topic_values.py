@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Set as AbstractSet
+from typing import Any, Final, Protocol
 
 from hub.errors import RecordingError
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
-from hub.recording.ros.bag import Bag
 from hub.recording.ros.decoding import RosDecoder, RosValue
 from hub.recording.ros.topic_roles import RosRole, TopicRole, roles_of
+from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
 Convert = Callable[[RosValue], Any]
@@ -32,16 +33,52 @@ class ShownMessage:
     stamp: int
 
 
+class TopicMessages(Protocol):
+    """Recordings, one or several; see `hub.recording.reader.Recording`.
+
+    Attributes:
+        channels: Topics by number.
+        counts: Number of messages by channel, where the files say it.
+    """
+
+    channels: dict[int, RecordedTopic]
+    counts: dict[int, int]
+
+    @property
+    def start(self) -> int:
+        """Stamp of the first message [ns]; 0 without messages."""
+
+    @property
+    def end(self) -> int:
+        """Stamp of the last message [ns]; 0 without messages."""
+
+    def newest(
+        self, stamp: int, channels: AbstractSet[int] | None = None
+    ) -> dict[int, LoggedMessage]:
+        """The last message of each channel at or before a time [ns]."""
+
+    def messages(
+        self,
+        start: int | None = None,
+        end: int | None = None,
+        channels: AbstractSet[int] | None = None,
+        *,
+        reverse: bool = False,
+    ) -> Iterator[LoggedMessage]:
+        """All messages by stamp [ns]."""
+
+
 class TopicValues:
     """The newest messages; for one thread.
 
     Attributes:
         newest: The newest message of each topic.
         decoders: The decoders of all topics that can be read.
+        unreadable: Why no message of a topic can be read, by its number.
         faults: What cannot be used, once for each topic, in sentences.
     """
 
-    def __init__(self, bag: Bag) -> None:
+    def __init__(self, bag: TopicMessages) -> None:
         """Find out what can be read of a bag."""
         self.newest: dict[int, LoggedMessage] = {}
         self.faults: list[str] = []
@@ -49,11 +86,13 @@ class TopicValues:
         self._failed: set[int] = set()
         self._made: dict[int, tuple[LoggedMessage, Any]] = {}
         decoders: dict[int, RosDecoder] = {}
+        unreadable: dict[int, str] = {}
         for channel, topic in bag.channels.items():
             try:
                 decoders[channel] = RosDecoder.of(topic)
             except RecordingError as error:
-                self.note(channel, error)
+                unreadable[channel] = str(error)
+        self.unreadable: Mapping[int, str] = unreadable
         self.decoders: Mapping[int, RosDecoder] = decoders
         self._of_role: dict[RosRole, list[TopicRole]] = {}
         for each in roles_of(bag.channels, bag.counts):

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Sequence
 from typing import ClassVar, Self
 
 from hub.gcm.catalog import BY_NAME
 from hub.gcm.navigation import ROBOT_STATE
-from hub.values import dataclass
 from rune_tui.layout.rules import NumberOption, TextOption, VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.shapes import drawing
 from rune_tui.visualizers.parts.history import History, Slot, number_at
 from rune_tui.visualizers.parts.notice import write_notice
+from rune_tui.visualizers.parts.plot_lines import draw_line, limits_of, write_limits
 from rune_tui.visualizers.parts.rows import fitting_form
 from rune_tui.visualizers.parts.staleness import DIM_AFTER_S, age_look, draw_age, pause_of
 
-_LABELLED_ROWS = 4
 _LATE = 2.5
 """Periods without a message that make a gap."""
 
@@ -115,7 +113,7 @@ class Plot:
         end = (self._pixel(state.now) + 1) * self._seconds / self._width
         slots = [*history.since(end - self._seconds)]
         low, high = self._limits(slots)
-        self._draw_line(canvas, slots, (low, high), end, state.theme)
+        draw_line(canvas, slots, (low, high), (end - self._seconds, end), state.theme)
         self._write(canvas, newest, (low, high), state.theme)
         if self._definition.rate_hz:
             draw_age(canvas, received.age(state.now), state.theme, self._pause)
@@ -139,44 +137,7 @@ class Plot:
         least, most = self._range
         if least != most:
             return min(least, most), max(least, most)
-        low = min((slot.low for slot in slots), default=0.0)
-        high = max((slot.high for slot in slots), default=0.0)
-        margin = 0.0 if high > low else max(abs(low) * 0.1, 0.5)
-        return low - margin, high + margin
-
-    def _draw_line(
-        self,
-        canvas: Canvas,
-        slots: Sequence[Slot],
-        limits: tuple[float, float],
-        end: float,
-        theme: Theme,
-    ) -> None:
-        top, height = 2, canvas.height - 2
-        if height < 1:
-            return
-        low, high = limits
-
-        def place(value: float) -> int:
-            share = min(1.0, max(0.0, (value - low) / (high - low)))
-            return top + round((1.0 - share) * (height - 1))
-
-        with drawing(canvas) as pen:
-            if low < 0.0 < high:
-                pen.rectangle(0, place(0.0), canvas.width, place(0.0) + 1, theme.faint)
-            before = None
-            for stroke in _strokes(slots, end - self._seconds, canvas.width / self._seconds):
-                highest, lowest = stroke.high, stroke.low
-                if before is not None and stroke.joined:
-                    if stroke.column - before.column > 1:
-                        ends = [(before.column, place(before.last))]
-                        pen.line([*ends, (stroke.column, place(stroke.first))], theme.accent)
-                    else:
-                        highest, lowest = max(highest, before.last), min(lowest, before.last)
-                left = stroke.column
-                pen.rectangle(left, place(highest), left + 1, place(lowest) + 1, theme.accent)
-                before = stroke
-            pen.rectangle(0, 0, canvas.width, top, theme.panel)
+        return limits_of(slots)
 
     def _write(
         self, canvas: Canvas, newest: float, limits: tuple[float, float], theme: Theme
@@ -192,43 +153,4 @@ class Plot:
             value,
         )
         canvas.text(0, 0, head, theme.ink)
-        if canvas.rows >= _LABELLED_ROWS:
-            canvas.text(0, 1, high, theme.ink)
-            canvas.text(0, canvas.rows - 1, low, theme.ink)
-
-
-@dataclass(slots=True)
-class _Stroke:
-    """The values in one column of pixels.
-
-    Attributes:
-        column: Which; negative left of the edge.
-        first: The first value.
-        last: The last one.
-        low: The lowest.
-        high: The highest.
-        joined: Whether there is no gap before this stroke.
-    """
-
-    column: int
-    first: float
-    last: float
-    low: float
-    high: float
-    joined: bool
-
-
-def _strokes(slots: Iterable[Slot], start: float, scale: float) -> list[_Stroke]:
-    """Slots by their columns, from a time [s] on, `scale` pixels a second."""
-    strokes: list[_Stroke] = []
-    for slot in slots:
-        column = math.floor((slot.begin - start) * scale)
-        if slot.joined and strokes and strokes[-1].column == column:
-            newest = strokes[-1]
-            newest.low = min(newest.low, slot.low)
-            newest.high = max(newest.high, slot.high)
-            newest.last = slot.last
-        else:
-            stroke = _Stroke(column, slot.first, slot.last, slot.low, slot.high, slot.joined)
-            strokes.append(stroke)
-    return strokes
+        write_limits(canvas, limits, theme)

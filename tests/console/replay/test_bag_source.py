@@ -1,0 +1,246 @@
+"""A recording of any robot of ROS 2 is shown, the same however a moment is reached."""
+
+from __future__ import annotations
+
+import io
+import random
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.writer import Writer as McapWriter
+from PIL import Image as PillowImage
+
+from hub.recording.recording_set import RecordingSet
+from hub.recording.ros.topic_roles import RosRole, TopicRole
+from rune_tui.errors import LogError
+from rune_tui.model.topics import Topics, topics_of
+from rune_tui.replay.bag_layout import bag_layout
+from rune_tui.replay.bag_source import STEP_NS, BagSource
+from rune_tui.replay.player import Player
+from rune_tui.replay.source import ReplayFrame
+from rune_tui.replay.topic_choice import TopicChoice
+from rune_tui.startup.opening import open_layout
+from tests.support import ros_bags
+from tests.support.ros_bags import START, STORE, Entry, header, make
+
+SECOND = 1_000_000_000
+SIZE = (118, 37)
+
+
+@pytest.fixture(scope="module", name="rover")
+def _rover(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("bags") / "rover.mcap"
+    return ros_bags.write_mcap(path, [*ros_bags.entries(6)])
+
+
+Opened = Callable[..., BagSource]
+
+
+@pytest.fixture(name="opened")
+def _opened() -> Iterator[Opened]:
+    made: list[BagSource] = []
+
+    def opened(path: Path, choice: TopicChoice | None = None) -> BagSource:
+        made.append(BagSource(RecordingSet.open([path]), choice=choice))
+        return made[-1]
+
+    yield opened
+    for each in made:
+        each.close()
+
+
+def entry(topic: str, message: Any, stamp: int) -> Entry:
+    name = message.__msgtype__
+    return topic, name, stamp, bytes(STORE.serialize_cdr(message, name))
+
+
+def topics(frame: ReplayFrame) -> Topics:
+    received = topics_of(frame.state.robots["robot"])
+    assert received is not None
+    return received.value
+
+
+def test_frames_are_equally_far_apart(opened: Opened, rover: Path) -> None:
+    source = opened(rover)
+    stamps = [frame.stamp for frame in source.frames(source.start - 1, source.end)]
+    assert stamps == [*range(source.start, source.end + 1, STEP_NS)]
+    assert source.faults == []
+    chance = random.Random(3)
+    for _ in range(50):
+        stamp = chance.randrange(source.start, source.end)
+        before, after = source.frame_before(stamp), source.frame_after(stamp)
+        assert before == max(each for each in stamps if each <= stamp)
+        assert after == min(each for each in stamps if each > stamp)
+    assert source.frame_before(source.start - 1) is None
+    assert source.frame_after(source.end) is None
+
+
+def test_100_jumps_show_what_playing_shows(opened: Opened, rover: Path) -> None:
+    played = opened(rover)
+    frames = {
+        each.stamp: repr(each.state.robots["robot"].messages.keys())
+        + repr(each.state.robots["robot"].navigation)
+        + repr({name: p.number for name, p in each.state.robots["robot"].all_pictures.items()})
+        for each in played.frames(played.start - 1, played.end)
+    }
+    jumped = opened(rover)
+    chance = random.Random(5)
+    for stamp in chance.choices([*frames], k=100):
+        (frame,) = jumped.frames(stamp - 1, stamp)
+        robot = frame.state.robots["robot"]
+        here = repr(robot.messages.keys()) + repr(robot.navigation)
+        here += repr({name: each.number for name, each in robot.all_pictures.items()})
+        assert here == frames[stamp]
+
+
+def test_a_jump_draws_what_playing_draws(opened: Opened, rover: Path) -> None:
+    played = Player(lambda: opened(rover), size=SIZE)
+    jumped = Player(lambda: opened(rover), size=SIZE)
+    played.seek(played.source.start, whole=True)
+    for stamp in (START + 2 * SECOND, START + 4 * SECOND + 7):
+        one, other = played.seek(stamp, whole=True), jumped.seek(stamp, whole=True)
+        assert one is not None
+        assert other is not None
+        assert np.array_equal(one.pixels, other.pixels)
+        assert np.array_equal(one.glyphs, other.glyphs)
+
+
+def test_a_pause_of_years_has_no_frames(opened: Opened, tmp_path: Path) -> None:
+    text = make("std_msgs/msg/Float64", data=1.0)
+    year = 400 * 86400 * SECOND
+    entries = [entry("/a", text, START), entry("/a", text, START + year)]
+    source = opened(ros_bags.write_mcap(tmp_path / "a.mcap", entries))
+    stamps = [each.stamp for each in source.frames(source.start - 1, source.end)]
+    assert len(stamps) == 52
+    assert stamps[-1] == source.end >= START + year
+    middle = START + year // 2
+    assert source.frame_before(middle) == stamps[50]
+    assert source.frame_after(middle) == stamps[51]
+
+
+def test_pictures_have_their_colours(opened: Opened, tmp_path: Path) -> None:
+    pixels = np.zeros((48, 64, 3), np.uint8)
+    pixels[:, :32, 0], pixels[:, 32:, 1] = 255, 255
+
+    def packed(kind: str) -> bytes:
+        out = io.BytesIO()
+        PillowImage.fromarray(pixels).save(out, kind, quality=95)
+        return out.getvalue()
+
+    def message(data: bytes, name: str) -> Any:
+        content = np.frombuffer(data, np.uint8)
+        return make("sensor_msgs/msg/CompressedImage", format=name, data=content)
+
+    depth = io.BytesIO()
+    ramp = np.arange(1, 48 * 64 + 1, dtype=np.uint16).reshape(48, 64)
+    PillowImage.fromarray(ramp).save(depth, "PNG")
+    entries = [
+        entry(f"/{kind.lower()}/compressed", message(packed(kind), f"bgr8; {kind}"), START)
+        for kind in ("JPEG", "PNG", "WEBP")
+    ]
+    deep = message(bytes(12) + depth.getvalue(), "16UC1; compressedDepth png")
+    entries.append(entry("/deep/compressedDepth", deep, START))
+    bad = message(packed("JPEG")[:99], "jpeg")
+    entries.append(entry("/bad/compressed", bad, START))
+    bomb = message(packed("PNG")[:16] + b"\xff\xff\xff\xff\xff\xff\xff\xff", "png")
+    entries.append(entry("/bomb/compressed", bomb, START))
+    source = opened(ros_bags.write_mcap(tmp_path / "a.mcap", entries))
+    (frame,) = source.frames(START - 1, START)
+    robot = frame.state.robots["robot"]
+    assert robot.body is not None
+    shown = {name: each.value.pixels for name, each in robot.pictures.items()}
+    shown[robot.body.cameras[0].name] = robot.picture.value.pixels
+    for kind in ("jpeg", "png", "webp"):
+        assert np.abs(shown[kind].astype(int) - pixels)[:, [5, -5]].max() < 30, kind
+    assert shown["deep"][40, 40, 0] > shown["deep"][3, 3, 0]
+    assert shown["bad"].shape == shown["bomb"].shape == (3, 4, 3)
+    said = "\n".join(source.faults)
+    assert "bad: a picture in the format 'jpeg' cannot be decoded" in said
+    assert "bomb: " in said
+
+
+def test_topics_that_cannot_be_read_are_in_the_tree(opened: Opened, tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        ros_bags.add_foreign(writer)
+        writer.finish()
+    source = opened(path)
+    (frame,) = source.frames(START - 1, START)
+    troubles = {each.name: each.trouble for each in topics(frame).entries}
+    assert troubles.keys() == {"/thing", "/proto", "/bare"}
+    assert "its messages are json (jsonschema)" in troubles["/thing"]
+    assert "protobuf" in troubles["/proto"]
+    assert "of no named encoding" in troubles["/bare"]
+    cells = Player(lambda: opened(path), size=SIZE).seek(START)
+    assert cells is not None
+    text = "".join(map(chr, cells.glyphs[cells.glyphs > 0].tolist()))
+    assert "foxglove.Lognotread" in text.replace(" ", "")
+
+
+def test_keys_choose_topic_and_field(opened: Opened, rover: Path) -> None:
+    choice = TopicChoice()
+    source = opened(rover, choice)
+
+    def shown() -> Topics:
+        (frame,) = source.frames(START + SECOND - 1, START + SECOND)
+        return topics(frame)
+
+    first = shown()
+    assert (first.chosen, first.field) == ("/battery", "voltage")
+    assert source.press("down", START + SECOND)
+    assert shown().chosen == "/camera/image_raw"
+    assert source.press("down", START + SECOND)
+    load = shown()
+    assert (load.chosen, load.field) == ("/debug/load", "data")
+    series = load.read_series()
+    assert len(series.times) == 21
+    assert series.values[-1] == pytest.approx(np.sin(2.0))
+    assert source.press("z", START + SECOND)
+    assert shown().seconds == 60.0
+    assert source.press("pagedown", START + SECOND)
+    assert source.press("up", START + SECOND)
+    assert source.press("up", START + SECOND)
+    assert source.press("up", START + SECOND)
+    assert shown().chosen == "/odom"
+    before = shown().field
+    assert source.press("tab", START + SECOND)
+    assert shown().field != before
+    assert source.press("shift+tab", START + SECOND)
+    assert shown().field == before
+    assert not source.press("w", START + SECOND)
+
+
+def test_a_recording_without_messages_is_refused(opened: Opened, tmp_path: Path) -> None:
+    with pytest.raises(LogError, match="has no messages"):
+        opened(ros_bags.write_mcap(tmp_path / "a.mcap", [entry("/a", header(0), 0)]))
+
+
+def test_ten_thousand_topics_are_shown(opened: Opened, tmp_path: Path) -> None:
+    message = make("std_msgs/msg/Float64", data=1.0)
+    entries = [entry(f"/part/t{n}", message, START + n) for n in range(10_000)]
+    source = opened(ros_bags.write_mcap(tmp_path / "a.mcap", entries))
+    frame = next(source.frames(START, source.end))
+    assert len(topics(frame).entries) == 10_000
+
+
+ROLES = list(RosRole)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_recording_has_a_layout(tmp_path: Path, seed: int) -> None:
+    chance = random.Random(seed)
+    names = ["a \"b\" <c> & 'd'", "x" * 64, "{robot}", "front", "depth", "--", "e", "f"]
+    cameras = [
+        TopicRole(channel=n, role=RosRole.PICTURE, name=names[n])
+        for n in range(chance.randrange(len(names)))
+    ]
+    roles = frozenset(chance.sample(ROLES, chance.randrange(len(ROLES))))
+    path = tmp_path / "layout.xml"
+    path.write_text(bag_layout(cameras, roles), "utf-8")
+    layout = open_layout(path)
+    assert {"topics", "fields", "plot"} <= {each.name for each in layout.view.viewports}

@@ -1,0 +1,44 @@
+"""The page of the replay has the tables of what there is."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from hub.recording.ros.images import ENCODINGS
+from hub.recording.ros.topic_roles import ROLES, SHOWN_BY, RosRole
+
+PAGE = Path(__file__).parents[3] / "docs" / "replay.md"
+
+
+def role_rows() -> list[str]:
+    by_role: dict[str, list[str]] = {}
+    for name, role in ROLES.items():
+        package, _, kind = name.split("/")
+        by_role.setdefault(SHOWN_BY[role], []).append(f"{package}/{kind}")
+    frames = SHOWN_BY[RosRole.FIXED_FRAMES]
+    by_role[frames] = ["tf2_msgs/TFMessage in a topic tf_static"]
+    return [f"| {', '.join(types)} | {shown} |" for shown, types in by_role.items()]
+
+
+TABLES = {
+    "roles": ["| type of ROS 2 | shown by |", "| --- | --- |", *role_rows()],
+    "encodings": [
+        "| encodings of sensor_msgs/Image |",
+        "| --- |",
+        f"| {', '.join(f'`{each}`' for each in ENCODINGS)} |",
+    ],
+}
+
+
+def test_the_page_has_each_type_and_encoding() -> None:
+    """RUNE_WRITE_SNAPSHOTS=1 writes them anew."""
+    whole = PAGE.read_text()
+    for name, lines in TABLES.items():
+        mark = f"<!-- {name} -->\n"
+        before, _, behind = whole.partition(mark)
+        _, _, rest = behind.partition("\n\n")
+        whole = f"{before}{mark}{chr(10).join(lines)}\n\n{rest}"
+    if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
+        PAGE.write_text(whole)
+    assert PAGE.read_text() == whole
