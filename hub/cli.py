@@ -25,6 +25,8 @@ from hub.command_line import (
 )
 from hub.errors import CentralUnreachableError, HubError, QueryError
 from hub.inspection import shape_command
+from hub.inspection.log_options import add_log, run_log
+from hub.inspection.mission_options import add_missions, order_mission, run_mission
 from hub.inspection.record_options import add_record, recording_settings, run_record
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
@@ -77,8 +79,10 @@ def run_command(options: argparse.Namespace) -> int:
     """Do what the options of the command line say; returns the exit code."""
     if options.command == "completion":
         return write_completion(command_parser, options.shell)
+    if options.command == "log":
+        return run_log(options)
     if options.command == "mission" and options.task in ("list", "show", "export", "score"):
-        return _run_mission_command(options)
+        return run_mission(options)
     if options.command in _WITHOUT_CLIENT:
         return _WITHOUT_CLIENT[options.command](options)
     from hub.inspection import message_commands
@@ -96,7 +100,7 @@ def _run_inspection(client: Client, options: argparse.Namespace) -> int:
     """Carry out a command that inspects a running hub."""
     from hub.inspection import message_commands
 
-    if options.command in ("status", "log", "close", "log-level"):
+    if options.command in ("status", "trace", "close", "log-level"):
         return _run_central_command(client, options)
     if options.command == "control":
         return _run_control_command(client, options)
@@ -105,7 +109,7 @@ def _run_inspection(client: Client, options: argparse.Namespace) -> int:
 
         return halt_command.halt(client, as_json=options.json)
     if options.command == "mission":
-        return _order_mission(client, options)
+        return order_mission(client, options)
     if options.command in _OF_MODULES:
         return _run_module_command(client, options)
     if options.command == "list":
@@ -137,8 +141,8 @@ def _run_central_command(client: Client, options: argparse.Namespace) -> int:
 
     if options.command == "status":
         return central_commands.status(client, as_json=options.json)
-    if options.command == "log":
-        return central_commands.log(
+    if options.command == "trace":
+        return central_commands.trace(
             client, options.names, with_data=options.data, count=options.count
         )
     if options.command == "close":
@@ -153,32 +157,6 @@ def _run_control_command(client: Client, options: argparse.Namespace) -> int:
     if options.task == "release":
         return control_commands.release(client, force=options.force)
     return control_commands.show(client, as_json=options.json)
-
-
-def _run_mission_command(options: argparse.Namespace) -> int:
-    """Carry out a command about the records of missions; no hub needs to run."""
-    from hub.inspection import mission_commands
-
-    if options.task == "list":
-        return mission_commands.list_all(options.robot, options.folder, as_json=options.json)
-    which = options.id, options.robot, options.folder
-    if options.task == "show":
-        return mission_commands.show(*which, as_json=options.json)
-    if options.task == "export":
-        return mission_commands.export(*which, options.output)
-    from hub.inspection import score_command
-
-    how = {"arena": options.arena, "berth": options.berth, "operators": options.operators}
-    return score_command.show(*which, **how, as_json=options.json)
-
-
-def _order_mission(client: Client, options: argparse.Namespace) -> int:
-    """Carry out a command for the robot that keeps the mission."""
-    from hub.gcm.mission import MissionAction
-    from hub.inspection import mission_commands
-
-    name = " ".join(getattr(options, "name", ()))
-    return mission_commands.order(client, MissionAction[options.task.upper()], name)
 
 
 def _run_module_command(client: Client, options: argparse.Namespace) -> int:
@@ -327,12 +305,12 @@ def command_parser() -> CommandParser:
     state = commands.add_parser(
         "status", parents=[look], help="modules, rates, bytes, what was missed, how old it is"
     )
-    log = commands.add_parser(
-        "log", parents=[look], help="one line for each message, and from whom"
+    trace = commands.add_parser(
+        "trace", parents=[look], help="one line for each message, and from whom"
     )
-    log.add_argument("names", nargs="+", metavar="NAME", help="message name")
-    log.add_argument("--data", action="store_true", help="with its fields")
-    log.add_argument("-n", "--count", type=_whole, default=0, help="end after so many")
+    trace.add_argument("names", nargs="+", metavar="NAME", help="message name")
+    trace.add_argument("--data", action="store_true", help="with its fields")
+    trace.add_argument("-n", "--count", type=_whole, default=0, help="end after so many")
     close = commands.add_parser(
         "close", parents=[look], help="disconnect a module; under the daemon it is started again"
     )
@@ -343,8 +321,9 @@ def command_parser() -> CommandParser:
     for command in (halt, listing, echo, rate, query, state, *tables):
         command.add_argument("--json", action="store_true", help="JSON, one line a message")
     _add_control(commands, look)
-    _add_missions(commands, look)
+    add_missions(commands, look)
     add_record(commands, look)
+    add_log(commands)
     shape_command.add_parser(commands, look)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     add_completion(commands)
@@ -446,37 +425,6 @@ def _add_control(commands: Commands, look: CommandParser) -> None:
         "task", nargs="?", choices=("release",), help="with --force: take it from whoever has it"
     )
     control.add_argument("--force", action="store_true", help="release what somebody else has")
-
-
-def _add_missions(commands: Commands, look: CommandParser) -> None:
-    mission = commands.add_parser("mission", help="what robots have kept, and the one that runs")
-    tasks = mission.add_subparsers(dest="task", required=True, metavar="TASK")
-    where = CommandParser(add_help=False)
-    where.add_argument(
-        "--robot", default="", help="a name of column 'robot' of the list, or a robot file"
-    )
-    where.add_argument("--folder", default="", help="folder of the missions, if not the usual one")
-    listing = tasks.add_parser("list", parents=[where], help="all missions, the oldest first")
-    show = tasks.add_parser("show", parents=[where], help="marks and events of a mission")
-    export = tasks.add_parser("export", parents=[where], help="write a mission into files")
-    score = tasks.add_parser(
-        "score", parents=[where], help="compare the marks of a mission with an arena's victims"
-    )
-    score.add_argument("--arena", required=True, help="a shipped arena, or an arena file")
-    score.add_argument(
-        "--berth", default="", help="kind of the robot that started at its berth; without: [start]"
-    )
-    score.add_argument("--operators", type=_whole, default=1, help="how many (%(default)s)")
-    for command in (show, export, score):
-        command.add_argument("id", nargs="?", default="", help="which; without: the newest")
-    for command in (listing, show, score):
-        command.add_argument("--json", action="store_true", help="JSON, one line a mission")
-    export.add_argument("-o", "--output", type=Path, help="folder for the files; without: ./ID")
-    begin = tasks.add_parser("begin", parents=[look], help="have the robot begin a mission")
-    begin.add_argument("name", nargs="*", metavar="NAME", help="its name; without: date and time")
-    name = tasks.add_parser("name", parents=[look], help="give the mission another name")
-    name.add_argument("name", nargs="+", metavar="NAME", help="that")
-    tasks.add_parser("end", parents=[look], help="end the mission; its folder stays")
 
 
 def _add_keys(keys: CommandParser) -> None:

@@ -54,7 +54,7 @@ def status(client: Client, *, as_json: bool) -> int:
     return 0
 
 
-def log(client: Client, names: Sequence[str], *, with_data: bool, count: int) -> int:
+def trace(client: Client, names: Sequence[str], *, with_data: bool, count: int) -> int:
     """Write one line for each message of these names, until `count` were written (0: no limit)."""
     publishers: dict[int, str] = {}
     written = 0

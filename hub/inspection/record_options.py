@@ -38,19 +38,19 @@ def add_record(commands: Commands, look: CommandParser) -> None:
     record.add_argument("-o", "--output", type=Path, metavar="FILE", help="a new file")
     what = record.add_argument_group("what is recorded")
     what.add_argument(
-        "-e", "--topics", nargs="+", type=_read(words.pattern_of), default=[], metavar="REGEX",
+        "-e", "--topics", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
         help="only topics with one of these, such as GCM_RobotState",
     )  # fmt: skip
     what.add_argument(
-        "-x", "--exclude", nargs="+", type=_read(words.pattern_of), default=[], metavar="REGEX",
+        "-x", "--exclude", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
         help="no topics with one of these",
     )  # fmt: skip
     what.add_argument(
-        "--pictures", type=_read(words.rate_of), default=5.0, metavar="RATE",
+        "--pictures", type=reader(words.rate_of), default=5.0, metavar="RATE",
         help="pictures a second of each camera; 0: none (5/s)",
     )  # fmt: skip
     what.add_argument(
-        "--size", type=_read(words.size_of), default=(320, 240), metavar="WxH",
+        "--size", type=reader(words.size_of), default=(320, 240), metavar="WxH",
         help="largest size of pictures (320x240)",
     )  # fmt: skip
     what.add_argument(
@@ -58,26 +58,26 @@ def add_record(commands: Commands, look: CommandParser) -> None:
         help="coding of pictures (%(default)s)",
     )  # fmt: skip
     what.add_argument(
-        "--maps", type=_read(words.seconds_of), default=10.0, metavar="TIME",
+        "--maps", type=reader(words.seconds_of), default=10.0, metavar="TIME",
         help="time between two maps; 0: none (10 s)",
     )  # fmt: skip
     what.add_argument("--ros-names", action="store_true", help="name topics as ROS 2 does: /tf")
     what.add_argument("--wake", action="store_true", help="keep modules running for the recording")
     ends = record.add_argument_group("when files end")
     ends.add_argument(
-        "-d", "--duration", type=_read(words.seconds_of), default=0.0, metavar="TIME",
+        "-d", "--duration", type=reader(words.seconds_of), default=0.0, metavar="TIME",
         help="end after this time",
     )  # fmt: skip
     ends.add_argument(
-        "-b", "--max-bytes", type=_read(words.bytes_of), default=0, metavar="SIZE",
+        "-b", "--max-bytes", type=reader(words.bytes_of), default=0, metavar="SIZE",
         help="end at this size of all files",
     )  # fmt: skip
     ends.add_argument(
-        "--split-every", type=_read(words.split_of), default=(0.0, 0), metavar="TIME|SIZE",
+        "--split-every", type=reader(words.split_of), default=(0.0, 0), metavar="TIME|SIZE",
         help="go on in another file after '10 min' or at '500 MB'",
     )  # fmt: skip
     ends.add_argument(
-        "--least-free", type=_read(words.bytes_of), default=2**30, metavar="SIZE",
+        "--least-free", type=reader(words.bytes_of), default=2**30, metavar="SIZE",
         help="stop before the disk has less than this free (1 GiB)",
     )  # fmt: skip
     record.add_argument("--json", action="store_true", help="say what happens as JSON lines")
@@ -128,21 +128,21 @@ def add_play(commands: Commands) -> None:
         metavar="X", help="seconds of the recording in a second (1)",
     )  # fmt: skip
     play.add_argument(
-        "--start", type=_read(words.seconds_of), default=0.0, metavar="TIME",
+        "--start", type=reader(words.seconds_of), default=0.0, metavar="TIME",
         help="begin so long after its start",
     )  # fmt: skip
     play.add_argument(
-        "--duration", type=_read(words.seconds_of), default=0.0, metavar="TIME",
+        "--duration", type=reader(words.seconds_of), default=0.0, metavar="TIME",
         help="end after so much of the recording",
     )  # fmt: skip
     play.add_argument("--loop", action="store_true", help="begin again at the end")
     play.add_argument("--paused", action="store_true", help="stand still at the start")
     play.add_argument(
-        "-e", "--topics", nargs="+", type=_read(words.pattern_of), default=[], metavar="REGEX",
+        "-e", "--topics", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
         help="only topics with one of these",
     )  # fmt: skip
     play.add_argument(
-        "-x", "--exclude", nargs="+", type=_read(words.pattern_of), default=[], metavar="REGEX",
+        "-x", "--exclude", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
         help="no topics with one of these",
     )  # fmt: skip
     play.add_argument("--robot", default="", help="which, if it has several")
@@ -183,16 +183,16 @@ def _add_orders(record: CommandParser) -> None:
         help="keep the time around this moment as a file of its own",
     )  # fmt: skip
     orders.add_argument(
-        "--before", type=_read(words.seconds_of), default=30.0, metavar="TIME",
+        "--before", type=reader(words.seconds_of), default=30.0, metavar="TIME",
         help="how much of a snapshot is before this moment (30 s)",
     )  # fmt: skip
     orders.add_argument(
-        "--after", type=_read(words.seconds_of), default=10.0, metavar="TIME",
+        "--after", type=reader(words.seconds_of), default=10.0, metavar="TIME",
         help="how much is after it (10 s)",
     )  # fmt: skip
 
 
-def _read(read: Callable[[object], T]) -> Callable[[str], T]:
+def reader(read: Callable[[object], T]) -> Callable[[str], T]:
     """A reader of an argument."""
 
     def argument(text: str) -> T:

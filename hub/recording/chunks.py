@@ -164,6 +164,32 @@ def message_at(chunk: LoadedChunk, index: int) -> LoggedMessage:
     return LoggedMessage(channel, stamp, published, number, payload)
 
 
+class MessageFacts(NamedTuple):
+    """Facts of many messages, without their bytes.
+
+    Attributes:
+        channels: The number of the topic of each (n,).
+        stamps: When each was logged (n,) [ns].
+        numbers: Its number at the receiver (n,).
+        lengths: Length of its payload (n,) [bytes].
+    """
+
+    channels: npt.NDArray[np.uint16]
+    stamps: Stamps
+    numbers: npt.NDArray[np.uint32]
+    lengths: Stamps
+
+
+def facts_of(chunk: LoadedChunk) -> MessageFacts:
+    """Facts of the messages of a part."""
+    if not chunk.offsets.size:
+        nothing = np.zeros(0, np.uint64)
+        return MessageFacts(chunk.channels, nothing, np.zeros(0, np.uint32), nothing)
+    heads = _heads(chunk.records, chunk.offsets)
+    lengths = heads["length"] - np.uint64(_MESSAGE.size - RECORD.size)
+    return MessageFacts(chunk.channels, chunk.stamps, heads["number"], lengths)
+
+
 def without(chunk: LoadedChunk, channels: npt.NDArray[np.uint16]) -> LoadedChunk:
     """The part with messages of these channels only."""
     keep = np.isin(chunk.channels, channels)
@@ -222,13 +248,20 @@ def _is_right(
         return False
     if np.unique(offsets).size != offsets.size:
         return False
-    # A view with a record at every byte of the chunk; nothing of it is copied.
-    everywhere = np.ndarray((len(records) - _MESSAGE.size + 1,), _HEAD, records, strides=(1,))
-    heads = everywhere[offsets]
+    heads = _heads(records, offsets)
     whole = heads["length"] <= len(records) - RECORD.size - offsets
     same = (heads["channel"] == channels) & (heads["stamp"] == stamps)
     shape = (heads["kind"] == MESSAGE) & (heads["length"] >= _MESSAGE.size - RECORD.size)
     return bool((whole & same & shape).all())
+
+
+def _heads(records: bytes, offsets: Stamps) -> npt.NDArray[np.void]:
+    """The heads of the messages at these offsets (n,)."""
+    # A view with a record at every byte of the chunk; nothing of it is copied.
+    everywhere: npt.NDArray[np.void] = np.ndarray(
+        (len(records) - _MESSAGE.size + 1,), _HEAD, records, strides=(1,)
+    )
+    return everywhere[offsets]
 
 
 def _walk(records: bytes) -> _Found:

@@ -21,7 +21,15 @@ import numpy.typing as npt
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
-from hub.recording.chunks import LoadedChunk, LoggedMessage, load, message_at, without
+from hub.recording.chunks import (
+    LoadedChunk,
+    LoggedMessage,
+    MessageFacts,
+    facts_of,
+    load,
+    message_at,
+    without,
+)
 from hub.recording.order import ChannelChunks, WaitingMessages, by_channel
 from hub.recording.records import ATTACHMENT, RECORD
 from hub.recording.summary import MOST_FAULTS, AttachmentPlace, Summary, summary_of
@@ -46,6 +54,7 @@ class Recording:
         counts: Number of messages by channel, where the file says it.
         finished: The file has its index.
         faults: What is wrong with the file, in sentences.
+        unreadable: Length of what was found to be damaged, between the parts and in them [bytes].
     """
 
     def __init__(self, path: Path, handle: int, summary: Summary) -> None:
@@ -57,6 +66,7 @@ class Recording:
         self.counts: Mapping[int, int] = summary.counts
         self.finished = summary.finished
         self.faults = summary.faults
+        self.unreadable = summary.unreadable
         self._handle = handle
         self._places = sorted(
             (place for place in summary.chunks if place.start <= place.end),
@@ -200,6 +210,30 @@ class Recording:
                     keep &= np.isin(chunk.channels, chosen)
                 waiting.add(number, place.offset, chunk, np.flatnonzero(keep))
         yield from self._read_all(waiting.rest())
+
+    def facts(self) -> Iterator[MessageFacts]:
+        """Facts of all messages, part after part in the order of the file."""
+        for number in self._in_file_order():
+            chunk = self._load(number)
+            if chunk is not None:
+                yield facts_of(chunk)
+
+    def salvage(self) -> Iterator[LoggedMessage]:
+        """All messages in the order of the file; the times that their parts name do not count."""
+        for number in self._in_file_order():
+            place = self._places[number]
+            try:
+                raw = os.pread(self._handle, place.length + place.index_length, place.offset)
+                chunk = without(load(raw, place), self._known)
+            except (RecordingError, OSError, MemoryError) as error:
+                self.unreadable += place.length + place.index_length
+                self._note(number, str(error))
+                continue
+            for index in np.argsort(chunk.offsets, kind="stable").tolist():
+                yield message_at(chunk, index)
+
+    def _in_file_order(self) -> list[int]:
+        return sorted(range(len(self._places)), key=lambda number: self._places[number].offset)
 
     def _read_all(self, entries: Iterator[tuple[int, int]]) -> Iterator[LoggedMessage]:
         for number, index in entries:

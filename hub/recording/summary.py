@@ -81,6 +81,7 @@ class Summary:
         counts: Number of messages by channel; empty without an index.
         finished: The file has its index.
         faults: What is wrong with the file, in sentences.
+        unreadable: Length of what lies between the parts and is damaged [bytes].
     """
 
     topics: dict[int, RecordedTopic] = field(default_factory=dict)
@@ -90,6 +91,7 @@ class Summary:
     counts: dict[int, int] = field(default_factory=dict)
     finished: bool = False
     faults: list[str] = field(default_factory=list)
+    unreadable: int = 0
 
 
 def summary_of(handle: int) -> Summary:
@@ -282,18 +284,15 @@ class _Scan:
                 at = None
             except (RecordingError, struct.error, OverflowError) as error:
                 at = self._next_chunk(last + 1)
-                self._note(f"after byte {last} {self._lacking(last, at)}: {error}")
+                lost = (self._size if at is None else at) - last
+                self._summary.unreadable += lost
+                self._note(f"after byte {last} {lost} bytes cannot be read: {error}")
         self._end_run()
         self._end_index()
         for place in self._summary.chunks:
             if place.packed and self._unknown(place):
                 self._look_inside(place)
         return self._summary
-
-    def _lacking(self, last: int, at: int | None) -> str:
-        """What is lost behind a damaged record, for people."""
-        lost = (self._size if at is None else at) - last
-        return f"{lost} bytes cannot be read"
 
     def _note(self, fault: str) -> None:
         if len(self._summary.faults) < MOST_FAULTS:

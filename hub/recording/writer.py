@@ -31,6 +31,8 @@ from hub.values import dataclass
 
 ABOUT = "rune"
 """Name of the metadata with the anchor and what the writer says of itself."""
+LOST = "rune lost"
+"""Name of the metadata with the number of lost messages by topic, where there are some."""
 BOOT = "boot"
 """Key of that metadata: which run of a machine the monotonic clock belongs to."""
 BOOT_FILE = Path("/proc/sys/kernel/random/boot_id")
@@ -302,6 +304,9 @@ class RecordingWriter:
             if not self._fault:
                 self._write(rest)
             self._flush()
+            if lost := self.state.lost:
+                facts = {name: str(count) for name, count in lost.items()}
+                self._parts.append(self._encoder.metadata(LOST, facts))
             self._parts.append(self._encoder.end())
             self._pass_on()
             os.fdatasync(self._file.fileno())

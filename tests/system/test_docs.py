@@ -28,6 +28,7 @@ from rune_tui.startup.opening import open_layout
 from tests.console.replay.logged_session import logged_session
 from tests.support import warm_start
 from tests.support.command_line import rune, rune_hub
+from tests.support.recorded_drive import write_drive
 from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.ssh_server import SshServer, missing
@@ -56,6 +57,8 @@ CHANGING = [
 """After these, a hub has other processes than before."""
 MISSION = [command for command in EVERY if command.startswith("rune-hub mission ")]
 """These are about one mission, and come in the order of the page."""
+LOG = [command for command in EVERY if command.startswith("rune-hub log ")]
+"""These are about one recording, and come in the order of the page."""
 RECORDING = [
     command for command in EVERY if command.startswith(("rune-hub record ", "rune-hub play "))
 ]
@@ -76,7 +79,7 @@ def named(found: Iterable[str]) -> list[Any]:
     return [pytest.param(command, id=f"{EVERY[command]}: {command}") for command in found]
 
 
-_IN_ORDER = [*CHANGING, *MISSION, *RECORDING]
+_IN_ORDER = [*CHANGING, *MISSION, *RECORDING, *LOG]
 ON_A_HUB = [each for each in EVERY if each not in _IN_ORDER and asks_a_hub(each)]
 BY_ITSELF = [each for each in EVERY if not asks_a_hub(each)]
 
@@ -122,6 +125,15 @@ def test_commands_of_recordings_work(
         done = rune_hub(*words, *(["--hub", hub.endpoint] if words[0] == "record" else []))
         assert done.returncode == 0, f"{command}: {done.stderr}"
     assert (tmp_path / "motion.mcap").stat().st_size > 0
+
+
+def test_commands_on_recordings_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_drive(tmp_path / "drive.mcap")
+    for command in LOG:
+        done = rune_hub(*shlex.split(command)[1:])
+        assert done.returncode == 0, f"{command}: {done.stderr}"
+    assert (tmp_path / "tables/scout-GCM_Battery.csv").stat().st_size > 0
 
 
 @pytest.mark.parametrize("command", named(BY_ITSELF))

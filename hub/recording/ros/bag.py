@@ -12,6 +12,7 @@ A message that rosbag2 packed alone is unpacked when it is read.
 from __future__ import annotations
 
 import heapq
+import itertools
 import re
 import shutil
 import tempfile
@@ -22,11 +23,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
+import numpy as np
 import zstandard
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
-from hub.recording.chunks import LoggedMessage
+from hub.recording.chunks import LoggedMessage, MessageFacts
 from hub.recording.reader import AttachmentPlace, Recording
 from hub.recording.ros.sqlite_bag import MAGIC, SqliteBag
 from hub.recording.topics import RecordedTopic
@@ -37,6 +39,8 @@ _MOST_SPLITS: Final = 10_000
 _MOST_METADATA: Final = 1 << 24
 LEAST_FREE: Final = 1 << 30
 """What unpacking leaves free on the disk [bytes]."""
+_BATCH: Final = 10_000
+"""Messages of a database that are counted at once."""
 _MOST_MESSAGE: Final = 1 << 28
 """Longest unpacked message [bytes]."""
 _LISTED = re.compile(r"relative_file_paths:[ ]*\n((?:[ ]*-[^\n]*\n?)+)")
@@ -184,6 +188,24 @@ class Bag:
     def finished(self) -> bool:
         """All files have their index."""
         return all(each.finished for each in self._splits if isinstance(each, Recording))
+
+    def facts(self) -> Iterator[MessageFacts]:
+        """Facts of all messages, part after part."""
+        for split, numbers in zip(self._splits, self._numbers, strict=True):
+            if isinstance(split, Recording):
+                table = np.zeros(1 << 16, np.uint16)
+                table[list(numbers)] = list(numbers.values())
+                for facts in split.facts():
+                    yield facts._replace(channels=table[facts.channels])
+            else:
+                messages = (each for each in split.messages() if each.channel in numbers)
+                while batch := list(itertools.islice(messages, _BATCH)):
+                    yield MessageFacts(
+                        np.array([numbers[each.channel] for each in batch], np.uint16),
+                        np.array([each.stamp for each in batch], np.uint64),
+                        np.array([each.number for each in batch], np.uint32),
+                        np.array([len(each.payload) for each in batch], np.uint64),
+                    )
 
     def newest(
         self, stamp: int, channels: AbstractSet[int] | None = None

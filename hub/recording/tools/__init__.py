@@ -1,0 +1,1 @@
+"""What `rune-hub log` does with recordings: facts, copies of parts, tables, recovery."""

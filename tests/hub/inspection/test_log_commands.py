@@ -1,0 +1,214 @@
+"""`rune-hub log`: recordings are described, cut, merged, filtered, saved, converted, tabled."""
+
+from __future__ import annotations
+
+import csv
+import json
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
+
+from hub.recording.reader import Recording
+from hub.recording.topics import RecordedTopic
+from hub.recording.writer import RecordingWriter
+from tests.support.command_line import rune_hub
+from tests.support.recorded_drive import ANCHOR, LIMITS, write_drive
+
+SECOND = 1_000_000_000
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def drive() -> Path:
+    path = Path("drive.mcap")
+    write_drive(path)
+    return path
+
+
+def log(line: str, code: int = 0) -> str:
+    done = rune_hub("log", *shlex.split(line))
+    assert done.returncode == code, done.stderr
+    return done.stdout + done.stderr
+
+
+def facts(line: str) -> dict[str, Any]:
+    return json.loads(log(f"{line} --json"))
+
+
+def seconds(path: str) -> dict[str, list[float]]:
+    """Times of the messages after the anchor, by topic."""
+    found: dict[str, list[float]] = {}
+    with Recording.open(Path(path)) as recording:
+        assert recording.finished
+        assert recording.faults == []
+        for each in recording.messages():
+            name = recording.channels[each.channel].name
+            found.setdefault(name, []).append((each.stamp - ANCHOR.wall_ns) / SECOND)
+    return found
+
+
+def test_info_says_what_is_in_a_recording(drive: Path) -> None:
+    said = log(f"info {drive}")
+    assert "260 messages" in said
+    assert "mark 1 at" in said
+    known = facts("info drive.mcap")
+    topics = {each["name"]: each for each in known["topics"]}
+    state = topics["/rover/GCM_DriveState"]
+    assert (state["messages"], state["missing"], state["longest_gap_s"]) == (199, 1, 1.0)
+    assert state["rate_hz"] == pytest.approx(2.0, abs=0.02)
+    assert topics["/scout/GCM_Battery"]["messages"] == 60
+    assert [each["text"] for each in known["marks"]] == ["a victim"]
+    assert (known["duration_s"], known["finished"], known["faults"]) == (99.5, True, [])
+    assert known["attachments"] == ["search.xml"]
+    assert facts("info drive.mcap --quick")["messages"] == 260
+
+
+def test_info_names_gaps_and_what_the_writer_lost() -> None:
+    writer = RecordingWriter(Path("x.mcap"), ANCHOR, {}, LIMITS)
+    for moment in (100.0, 100.5, 105.0, 105.5, 120.0):
+        writer.add(RecordedTopic("/r/T"), b"x", moment, moment)
+    writer.add(RecordedTopic("/r/T"), b"x", float("nan"), 1.0)
+    writer.close()
+    known = facts("info x.mcap")
+    assert [each["duration_s"] for each in known["gaps"]] == [4.5, 14.5]
+    assert known["lost"] == {"/r/T": 1}
+
+
+@pytest.mark.parametrize(
+    ("span", "first", "last"),
+    [
+        ("--from +10s --to +20s", 10.0, 20.0),
+        ("--from +90s", 90.5, 100.0),
+        ("--to=-98s", 0.5, 2.0),
+        ("--around victim --before 5s --after '2 s'", 35.0, 42.0),
+        ("--around 1 --before 0 --after 0", 40.0, 40.0),
+        ("--from 1790000010 --to 1790000011.5", 10.0, 11.5),
+        ("--from 2026-09-21T14:13:30+00:00 --to 2026-09-21T14:13:31Z", 10.0, 11.0),
+    ],
+)
+def test_a_span_is_cut_out(drive: Path, span: str, first: float, last: float) -> None:
+    log(f"cut {drive} -o part.mcap {span}")
+    times = seconds("part.mcap")["/rover/GCM_DriveState"]
+    if "+" in span.split("--to", maxsplit=1)[0] and "T" not in span:
+        first, last = first + 0.5 * (first != 90.5), min(100.0, last + 0.5)
+    assert (times[0], times[-1]) == (first, last)
+
+
+def test_a_cut_can_begin_with_what_held_before(drive: Path) -> None:
+    log(f"cut {drive} -o part.mcap --from +80s --newest")
+    assert seconds("part.mcap")["/scout/GCM_Battery"] == [80.5]
+    assert seconds("part.mcap")["/rover/GCM_DriveState"][:2] == [80.5, 80.5]
+
+
+def test_topics_and_robots_are_filtered(drive: Path) -> None:
+    log(f"filter {drive} -o a.mcap --robot scout")
+    log(f"filter {drive} -o b.mcap -e Drive Battery -x scout")
+    assert list(seconds("a.mcap")) == ["/scout/GCM_Battery"]
+    assert list(seconds("b.mcap")) == ["/rover/GCM_DriveState"]
+    assert "no topic of drive.mcap is meant" in log(f"filter {drive} -o c.mcap -e nothing", 2)
+
+
+def test_parts_are_merged_in_the_order_of_time(drive: Path) -> None:
+    log(f"filter {drive} -o a.mcap --robot scout")
+    log(f"filter {drive} -o b.mcap --robot rover --compression none")
+    log("merge a.mcap b.mcap -o c.mcap --compression zstd")
+    assert seconds("c.mcap") == seconds("drive.mcap")
+    with Recording.open(Path("c.mcap")) as recording:
+        assert {place.name for place in recording.attachments} == {"search.xml"}
+        stamps = [each.stamp for each in recording.messages()]
+    assert stamps == sorted(stamps)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_an_unfinished_file_is_saved_and_the_loss_said(drive: Path, share: float) -> None:
+    raw = drive.read_bytes()
+    Path("cut.mcap").write_bytes(raw[: int(share * len(raw))])
+    assert "unfinished" in log("info cut.mcap", 0 if share == 0.9 else 1)
+    known = facts("recover cut.mcap -o saved.mcap")
+    assert known["messages"] == facts("info saved.mcap")["messages"] > 50
+    times = seconds("saved.mcap")["/rover/GCM_DriveState"]
+    assert times == seconds("drive.mcap")["/rover/GCM_DriveState"][: len(times)]
+
+
+def test_damage_in_the_middle_costs_its_chunk_only(drive: Path) -> None:
+    raw = bytearray(drive.read_bytes())
+    raw[len(raw) // 3] ^= 0xFF
+    Path("flipped.mcap").write_bytes(raw)
+    assert "fault: at byte" in log("info flipped.mcap", 1)
+    known = facts("recover flipped.mcap -o saved.mcap")
+    assert known["unreadable_bytes"] > 0
+    assert 0 < known["missing"] < 30
+    assert known["messages"] == 260 - known["missing"]
+
+
+def test_tools_of_ros_read_a_bag_that_was_made(drive: Path) -> None:
+    log(f"convert {drive} -o bag --ros-names")
+    with AnyReader([Path("bag")], default_typestore=get_typestore(Stores.EMPTY)) as reader:
+        names = {each.topic for each in reader.connections}
+        assert {"/rover/odom", "/scout/battery_state", "/rover/GCM_DriveState"} <= names
+        voltages = [
+            getattr(reader.deserialize(raw, connection.msgtype), "voltage")  # noqa: B009
+            for connection, _, raw in reader.messages()
+            if connection.topic == "/scout/battery_state"
+        ]
+    assert voltages[:2] == pytest.approx([0.2, 0.4])
+    log("filter bag -o odometry.mcap -e odom")
+    assert len(seconds("odometry.mcap")["/rover/odom"]) == 199
+
+
+def test_tables_have_a_column_for_each_field(drive: Path) -> None:
+    known = [json.loads(line) for line in log(f"csv {drive} -o tables --json").splitlines()]
+    assert {each["rows"] for each in known} == {199, 60, 1}
+    with Path("tables/scout-GCM_Battery.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["voltage"]) for row in rows[:2]] == pytest.approx([0.2, 0.4])
+    assert rows[0]["log_time_s"] == "1790000001.000000000"
+    assert rows[0]["cell_voltage"] == "[]"
+    with Path("tables/rover-GCM_Record_Mark.csv").open() as file:
+        assert next(csv.DictReader(file))["text"] == "a victim"
+
+
+def test_a_folder_is_listed_with_its_bags_and_its_damage(drive: Path) -> None:
+    log(f"convert {drive} -o deep/bag --ros-names", 2)  # the folder above is not made
+    Path("deep").mkdir()
+    log(f"convert {drive} -o deep/bag --ros-names")
+    Path("deep/none.mcap").write_bytes(b"hello")
+    said = log("ls .", 1)
+    assert "deep/none.mcap cannot be read: it is no MCAP file" in said
+    assert [line.split()[0] for line in said.splitlines()[1:3]] == ["deep/bag", "drive.mcap"]
+    assert "there are no recordings in empty" in (Path("empty").mkdir() or log("ls empty"))
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("info none.mcap", "none.mcap does not exist"),
+        ("cut drive.mcap -o drive.mcap", "drive.mcap exists; choose another name"),
+        ("cut drive.mcap -o x.mcap --from tomorrow", "'tomorrow' is no time; write +90s"),
+        ("cut drive.mcap -o x.mcap --from +200s", "has no messages in that span; it goes from"),
+        ("cut drive.mcap -o x.mcap --around 7", "0 marks are '7'; the marks are: 1 a victim"),
+        ("csv drive.mcap -o drive.mcap", "drive.mcap cannot be written: File exists"),
+        ("recover none.mcap -o x.mcap", "none.mcap cannot be read: No such file"),
+        ("ls nowhere", "there is no folder nowhere"),
+    ],
+)
+def test_what_cannot_be_done_is_one_sentence(drive: Path, line: str, said: str) -> None:
+    before = drive.read_bytes()
+    complained = log(line, 2)
+    assert said in complained
+    assert len(complained.splitlines()) == 1
+    assert drive.read_bytes() == before
+    assert [each.name for each in Path().iterdir()] == ["drive.mcap"]
+
+
+def test_force_replaces_a_file(drive: Path) -> None:
+    log(f"cut {drive} -o {drive} --to +10s --force")
+    assert max(seconds("drive.mcap")["/rover/GCM_DriveState"]) == 10.5
