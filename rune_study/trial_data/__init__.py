@@ -6,4 +6,6 @@
 | `track` | where a robot was and how it moved |
 | `operator` | what the operator pressed, and which robot he had chosen |
 | `sightings` | marks, and where the camera looked |
+| `truth` | the true arena: ground and victims |
+| `measured` | all of this as the data that metrics take |
 """

@@ -1,0 +1,210 @@
+"""From recordings to the data that metrics take."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from hub.gcm.mapping import PointKind
+from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.vision import CAMERA_STATE
+from hub.values import dataclass
+from rune_study.metrics.awareness import Query
+from rune_study.metrics.coverage import seen_cells
+from rune_study.metrics.effectiveness import Signal, driven
+from rune_study.metrics.trial import (
+    Contacts,
+    Motion,
+    Questionnaires,
+    RobotData,
+    Secondary,
+    Travel,
+    TrialData,
+)
+from rune_study.metrics.trial_time import TrialTime
+from rune_study.metrics.victims import Mark
+from rune_study.statistics.arrays import Flags, Floats
+from rune_study.trial_data.operator import OperatorInputs, inputs_of
+from rune_study.trial_data.sightings import marks_of, pan_of
+from rune_study.trial_data.track import Track, track_of
+from rune_study.trial_data.trial_log import TrialLog
+from rune_study.trial_data.truth import Truth
+
+Place = tuple[float, float]
+NEW_AREA, DRIVEN = "new_area", "driven"
+EFFECTIVENESS = (NEW_AREA, DRIVEN)
+"""Names of the progress that is task effectiveness."""
+_LOOK_S = 0.5
+"""The camera's view counts as often as this [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surroundings:
+    """What belongs to a trial besides its recordings.
+
+    Attributes:
+        time: Its begin, end and pauses [s of the log].
+        truth: The arena; None: it is not known, as in the real world.
+        effectiveness: Which progress is task effectiveness.
+        roles: The name in the layout of each robot of the recordings, where they differ.
+        queries: Queries of freezes with their answers; None: there were none.
+        secondary: The secondary task; None: there was none.
+        answers: Of the questionnaires after it.
+    """
+
+    time: TrialTime
+    truth: Truth | None = None
+    effectiveness: str = NEW_AREA
+    roles: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    queries: tuple[Query, ...] | None = None
+    secondary: Secondary | None = None
+    answers: Questionnaires = Questionnaires()
+
+
+def trial_data(log: TrialLog, around: Surroundings) -> TrialData:
+    """The data of a trial; what was not recorded is left out."""
+    inputs = inputs_of(log)
+    truth = around.truth
+    seen = np.zeros_like(truth.grid.blocked) if truth is not None else None
+    robots: list[RobotData] = []
+    marks: list[Mark] = []
+    for robot in _robots(log, around.roles):
+        track = track_of(log, robot)
+        progress = _progress(log, robot, track, around, seen)
+        robots.append(_robot(log, robot, track, progress, inputs, around))
+        marks += _marks(log, robot, track, around.time)
+    return TrialData(
+        length=around.time.length,
+        robots=tuple(robots),
+        marks=tuple(marks),
+        victims=truth.victims if truth is not None else None,
+        seen=seen,
+        reachable=truth.reachable if truth is not None else None,
+        queries=around.queries,
+        secondary=around.secondary,
+        questionnaires=around.answers,
+    )
+
+
+def _robots(log: TrialLog, roles: Mapping[str, str]) -> list[str]:
+    """Names of the robots in the recordings; the console's names of the same are left out."""
+    others = set(roles.values()) - set(roles)
+    return [robot for robot in log.robots if robot not in others]
+
+
+def _robot(
+    log: TrialLog,
+    robot: str,
+    track: Track,
+    progress: Signal | None,
+    inputs: OperatorInputs,
+    around: Surroundings,
+) -> RobotData:
+    role, time = around.roles.get(robot, robot), around.time
+    pan_times, pans = pan_of(log, robot)
+    moments = time.moments(track.times)
+    moved = len(track.times) > 0
+    pan = np.interp(track.times, pan_times, pans) if len(pan_times) else None
+    return RobotData(
+        name=role,
+        inputs=_within(inputs.by_robot.get(role), time),
+        selections=_within(inputs.selections.get(role), time),
+        progress=progress,
+        travel=Travel(x=track.x, y=track.y) if moved else None,
+        motion=Motion(times=moments, linear=track.linear, angular=track.angular, pan=pan)
+        if moved
+        else None,
+        contacts=Contacts(
+            times=moments,
+            counts=track.contacts.astype(float),
+            bumpers=track.bumpers,
+            linear=track.linear,
+        )
+        if track.true
+        else None,
+    )
+
+
+def _within(times: Floats | None, time: TrialTime) -> Floats:
+    """Those of some times that are in the trial, in its own time."""
+    if times is None:
+        return np.zeros(0)
+    return time.moments(times[time.during(times)])
+
+
+def _progress(
+    log: TrialLog, robot: str, track: Track, around: Surroundings, seen: Flags | None
+) -> Signal | None:
+    """Progress so far; what the robot's camera saw is added to `seen`."""
+    if not len(track.times):
+        return None
+    looks = _Looks.of(log, robot, track)
+    area = _new_area(looks, around, seen) if seen is not None and track.true else None
+    if around.effectiveness == NEW_AREA:
+        return area
+    return Signal(times=around.time.moments(track.times), values=driven(track.x, track.y))
+
+
+@dataclass(frozen=True, slots=True)
+class _Looks:
+    """Where the camera was, every `_LOOK_S`; n looks."""
+
+    times: Floats
+    x: Floats
+    y: Floats
+    heading: Floats
+    width: float
+
+    @classmethod
+    def of(cls, log: TrialLog, robot: str, track: Track) -> _Looks:
+        times = np.arange(track.times[0], track.times[-1] + _LOOK_S, _LOOK_S)
+        index = np.minimum(np.searchsorted(track.times, times), len(track.times) - 1)
+        pan_times, pans = pan_of(log, robot)
+        heading = track.heading[index]
+        if len(pan_times):
+            heading = heading + np.interp(times, pan_times, pans)
+        states = (state for _, state in log.values(robot, CAMERA_STATE))
+        first = next(states, None)
+        width = first.horizontal_fov if first is not None else 0.0
+        return cls(times, track.x[index], track.y[index], heading, width)
+
+
+def _new_area(looks: _Looks, around: Surroundings, seen: Flags) -> Signal | None:
+    """Ground that this robot was the first to see [m^2]."""
+    if around.truth is None or looks.width <= 0.0:
+        return None
+    grid = around.truth.grid
+    areas = []
+    for x, y, heading in zip(looks.x, looks.y, looks.heading, strict=True):
+        seen |= seen_cells(grid, [x], [y], [heading], width=looks.width)
+        areas.append(float(np.count_nonzero(seen & around.truth.reachable)))
+    values = np.array(areas) * grid.resolution**2
+    return Signal(times=around.time.moments(looks.times), values=values)
+
+
+def _marks(log: TrialLog, robot: str, track: Track, time: TrialTime) -> Sequence[Mark]:
+    """Marks of victims, in the arena's frame where the truth is known."""
+    place = _map_in_arena(log, robot, track)
+    found = []
+    for moment, point in marks_of(log, robot):
+        if point.kind is PointKind.VICTIM and math.isfinite(point.x) and math.isfinite(point.y):
+            x, y = place(point.x, point.y)
+            found.append(Mark(time=float(time.moments([moment])[0]), x=x, y=y))
+    return found
+
+
+def _map_in_arena(log: TrialLog, robot: str, track: Track) -> Callable[[float, float], Place]:
+    """Turns places in `map` into places in the arena: both are known when the track begins."""
+    first = next(log.values(robot, ROBOT_STATE), None)
+    if not track.true or first is None:
+        return lambda x, y: (x, y)
+    moment, state = first
+    index = min(int(np.searchsorted(track.times, moment)), len(track.times) - 1)
+    turn = float(track.heading[index]) - state.theta
+    cosine, sine = math.cos(turn), math.sin(turn)
+    left = float(track.x[index]) - (cosine * state.x - sine * state.y)
+    down = float(track.y[index]) - (sine * state.x + cosine * state.y)
+    return lambda x, y: (left + cosine * x - sine * y, down + sine * x + cosine * y)
