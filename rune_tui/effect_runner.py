@@ -34,6 +34,7 @@ from rune_tui.model.effects import (
     QuitEffect,
     RecordEffect,
     ReleaseFirst,
+    RobotRecordEffect,
     ScreenshotEffect,
     SendEffect,
     StateEffect,
@@ -235,7 +236,7 @@ class EffectRunner:
         """Execute an effect on robots, files, joysticks or the layout."""
         state = self._state()
         match effect:
-            case SendEffect() | ControlEffect() | MissionEffect():
+            case SendEffect() | ControlEffect() | MissionEffect() | RobotRecordEffect():
                 self._send(effect)
             case ScreenshotEffect() | RecordEffect() | ExportEffect():
                 cells, pictures = self._pane.cells, self._pane.pictures
@@ -262,6 +263,9 @@ class EffectRunner:
             link.control(effect.action, by_driving=effect.by_driving)
         elif isinstance(effect, MissionEffect):
             link.mission(effect.action, effect.name)
+        elif isinstance(effect, RobotRecordEffect):
+            if link.recorder is not None:
+                link.recorder.order(effect.command)
         else:
             link.send(effect.definition, effect.value)
             if effect.controlled:

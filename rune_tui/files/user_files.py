@@ -20,7 +20,13 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.layout.spec import LayoutSpec
-from rune_tui.model.effects import ControlEffect, MissionEffect, OrderEffect, SendEffect
+from rune_tui.model.effects import (
+    ControlEffect,
+    MissionEffect,
+    OrderEffect,
+    RobotRecordEffect,
+    SendEffect,
+)
 from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.robot_state import LinkPhase, RobotState
 
@@ -56,6 +62,8 @@ def undelivered(effect: OrderEffect, robot: RobotState) -> Outcome | None:
         what = "request for control"
     elif isinstance(effect, MissionEffect):
         what = "mission"
+    elif isinstance(effect, RobotRecordEffect):
+        what = "order to record"
     elif effect.definition.keep is Keep.ALL:
         what = effect.definition.name.removeprefix("GCM_").replace("_", " ").lower()
     else:

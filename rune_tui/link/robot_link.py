@@ -26,6 +26,7 @@ from hub.gcm.mission import MISSION_STATE, MissionAction
 from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.providers import PROVIDED_BY
+from hub.gcm.recording import RECORD_STATE
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
     CapabilityReports,
@@ -43,6 +44,7 @@ from rune_tui.link.map_stream import MapStream
 from rune_tui.link.mission_line import MissionLine
 from rune_tui.link.pad_line import PadLine
 from rune_tui.link.pictures import picture_of
+from rune_tui.link.record_line import RecordLine
 from rune_tui.link.streams import Streams
 from rune_tui.link.traffic import Traffic
 from rune_tui.link.tunnel import Tunnel
@@ -74,6 +76,7 @@ _ALWAYS = frozenset(
         CONTROL_STATE,
         MISSION_STATE,
         DIAGNOSTICS,
+        RECORD_STATE,
     )
 )
 """Messages that are subscribed to with every layout."""
@@ -120,6 +123,7 @@ class RobotLink:
         self._faults: set[tuple[type, object]] = set()
         self._control: ControlLine | None = None
         self._mission: MissionLine | None = None
+        self.recorder: RecordLine | None = None  # a key that only watches has none
         self._tunnel = tunnel
         self._stopping = threading.Event()
         own_keys = read_client_keys(keys) if keys else None
@@ -146,6 +150,7 @@ class RobotLink:
             self._wants.begin()
             self._control = ControlLine(self._client, operator, lambda: self._state, self._say)
             self._mission = MissionLine(self._client, operator, self._say)
+            self.recorder = RecordLine(self._client, operator, self._wants, self._say)
         self._client.every(_REQUEST_CHECK_S, self._pictures.step)
         self._client.every(_REQUEST_CHECK_S, self._maps.step)
         self._client.every(_REQUEST_CHECK_S, self._streams.step)

@@ -55,6 +55,7 @@ class WantsLine:
         self._wanted: frozenset[str] = frozenset()
         self._interval_s = _USUAL_KEEP_ALIVE_S
         self._due, self._to_repeat = clock(), _REPEATED
+        self._also: dict[str, float] = {}
 
     def begin(self) -> None:
         """Send wants from now on."""
@@ -68,6 +69,11 @@ class WantsLine:
         self._due, self._to_repeat = self._clock(), _REPEATED
         real_time = wanted.get(Capability.CON_REAL)
         self._interval_s = real_time.interval_s if real_time else _USUAL_KEEP_ALIVE_S
+
+    def want_also(self, capability: str, seconds: float) -> None:
+        """Want something for some time [s] besides the layout's wants."""
+        self._also[capability] = self._clock() + seconds
+        self._send()
 
     def connected(self) -> None:
         """Send the wants now, after the link's start."""
@@ -90,11 +96,14 @@ class WantsLine:
             self._send()
 
     def _send(self) -> None:
-        if not (self._client.connected and self._wanted):
+        now = self._clock()
+        self._also = {name: until for name, until in self._also.items() if now < until}
+        wanted = self._wanted | self._also.keys()
+        if not (self._client.connected and wanted):
             return
         wants = CapabilityWants(
             holder=self._client.name,
-            capabilities=" ".join(sorted(self._wanted)),
+            capabilities=" ".join(sorted(wanted)),
             lease_s=max(LEASE_S, _LEASE_INTERVALS * self._interval_s),
         )
         self._client.publish(CAPABILITY_WANTS, wants)

@@ -23,6 +23,7 @@ from rune_tui.model.control import (
 from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.mission import MissionWatch
 from rune_tui.model.motions import MotionWatch
+from rune_tui.model.recording import RecordingWatch
 from rune_tui.model.robot_state import LackKind, LinkPhase, RobotState
 from rune_tui.model.task_watch import TaskWatch
 
@@ -65,6 +66,7 @@ class ChangeNotifier:
         self._refusals: dict[str, int] = {}
         self._tasks = TaskWatch()
         self._missions = MissionWatch()
+        self._recordings = RecordingWatch()
         self._motions = MotionWatch()
         self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
         self._failed: set[str] = set()
@@ -125,6 +127,7 @@ class ChangeNotifier:
         yield from self._motions.look(robot, state)
         yield from self._tasks.look(robot, state)
         yield from self._missions.look(robot, state)
+        yield from self._recordings.look(robot, state)
         if link.phase is LinkPhase.CONNECTED:
             yield from self._capabilities(robot, state)
 

@@ -10,6 +10,7 @@ from hub.gcm.autonomy import AUTONOMY_COMMAND
 from hub.gcm.control import ControlAction, is_driving, is_restricted
 from hub.gcm.mission import MissionAction
 from hub.gcm.navigation import GOAL_COMMAND, STOP, VELOCITY_COMMAND
+from hub.gcm.recording import RecordCommand
 from hub.ipc.definition import MessageDefinition
 from hub.values import dataclass
 from rune_tui.model.console_state import ConsoleState, Ghost, Notice, PictureWish
@@ -136,6 +137,17 @@ class MissionEffect(RobotEffect):
 
     action: MissionAction
     name: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotRecordEffect(RobotEffect):
+    """Give the robot's own recorder an order.
+
+    Attributes:
+        command: The order.
+    """
+
+    command: RecordCommand
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -431,7 +443,7 @@ StateEffect = (
     | Notify
 )
 """Effects that only change the console's state."""
-OrderEffect = SendEffect | ControlEffect | MissionEffect
+OrderEffect = SendEffect | ControlEffect | MissionEffect | RobotRecordEffect
 """Orders to a robot."""
 ActionEffect = (
     OrderEffect

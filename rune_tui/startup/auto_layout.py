@@ -320,6 +320,11 @@ def _vehicle(body: RobotBody, capabilities: Collection[str]) -> Iterator[str]:
         yield f'<widget handler="widgetJoint"><option name="joint" value={quoteattr(joint.name)}/>'
         yield f'  <event key="{up}" value="1"/><event key="{down}" value="-1"/>'
         yield "</widget>"
+    if "REC_LOG" in capabilities:
+        yield '<widget handler="widgetRobotRecord"><event key="f6"/></widget>'
+        yield '<widget handler="widgetRobotRecord"><option name="do" value="note"/>'
+        yield '  <event key="f7"/>'
+        yield "</widget>"
     if body.lights and "DRV_LIGHT" in capabilities:
         yield '<widget handler="widgetLight"><event key="o"/></widget>'
     if body.arms and "DRV_ARM" in capabilities:

@@ -16,6 +16,7 @@ from rune_tui.widgets.marks import SetLandmark, SetVictim
 from rune_tui.widgets.mission import Mission
 from rune_tui.widgets.orders import Autonomy, GoTo, Safety
 from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoom, HomePTZ
+from rune_tui.widgets.recording import RobotRecordWidget
 from rune_tui.widgets.seeing import ChooseCameraWidget, SetImageRequest, ToggleNightMode
 from rune_tui.widgets.session import Calibrate, NextLayout, Quit, RecordWidget, Screenshot
 from rune_tui.widgets.showing import (
@@ -85,6 +86,7 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetMessages": Messages,
     "widgetScreenshot": Screenshot,
     "widgetRecord": RecordWidget,
+    "widgetRobotRecord": RobotRecordWidget,
     "widgetCalibrate": Calibrate,
     "widgetQuit": Quit,
 }

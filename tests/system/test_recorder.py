@@ -27,7 +27,7 @@ from hub.gcm.recording import (
 from hub.ipc.definition import MessageDefinition
 from hub.recording.reader import Recording
 from hub.values import dataclass
-from tests.system.harness import HubProcess, Observer
+from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 RECORDER = """
 [modules.recorder]
@@ -309,3 +309,28 @@ def test_a_hub_records_from_its_start(start_hub: Start, look: Look, tmp_path: Pa
     assert topics.count("/magellan/SIM_GroundTruth") >= seen - 5
     with Recording.open(file) as recording:
         assert recording.finished
+
+
+def test_a_key_of_the_console_has_the_robot_record(
+    start_hub: Start, folder: Path, stack: ExitStack
+) -> None:
+    tables = RECORDER.format(keys="").replace(
+        '"hub.modules.recorder"', '"hub.modules.recorder"\nstart = "on demand"'
+    )
+    hub = start_hub(modules=("driver", "navigation"), tables=tables)
+    console = stack.enter_context(
+        closing(ConsoleProcess(["run", "auto", "--hub", hub.endpoint], columns=140))
+    )
+    console.wait(lambda: "control" in console.text, 30.0, "it does not open")
+    console.type("\x1b[17~")  # F6
+    console.wait(lambda: "ROBOT REC" in console.text, 30.0, "the robot does not record")
+    console.type("\x1b[18~")  # F7
+    console.wait(lambda: "Mark this moment" in console.text, 10.0, "it does not ask")
+    console.type("bump\r")
+    console.wait(lambda: "mark 1 is in the recording" in console.text, 20.0, "no mark")
+    console.type("\x1b[17~")
+    console.wait(lambda: "ROBOT REC" not in console.text, 20.0, "it does not end")
+    assert console.quit() == 0
+    (file,) = folder.glob("*.mcap")
+    marks = [payload for topic, _, payload in contents(file) if topic.endswith("Record_Mark")]
+    assert [RECORD_MARK.decode(each).text for each in marks] == ["bump"]

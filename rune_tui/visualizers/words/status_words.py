@@ -18,6 +18,7 @@ from rune_tui.model.robot_task import task_of
 from rune_tui.model.vehicle import problems_of
 from rune_tui.visualizers.parts.control_words import control_parts
 from rune_tui.visualizers.parts.nearness import Nearness, avoids_obstacles, nearness_of
+from rune_tui.visualizers.parts.recording_words import recording_parts
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import (
     ALARM_AFTER_S,
@@ -65,6 +66,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         *_picture_age(robot, state),
         *_joysticks(state),
         *_recording(state),
+        *recording_parts(robot),
         *_held(state),
         _release(state),
     )
