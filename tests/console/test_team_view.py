@@ -23,6 +23,7 @@ from rune_tui.controls.events import ControlEvent
 from rune_tui.dispatch import Dispatch
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ChooseRobot, Effect, Peek
+from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase, Received, RobotState
 from rune_tui.model.state_changes import changed
 from rune_tui.model.theme import DARK
@@ -157,6 +158,27 @@ def test_a_peek_is_said_beside_the_picture(size: tuple[int, int]) -> None:
     assert "PEEK" in drawn(SCENES["peek"], size)
     *_, status = drawn(changed(SCENES["alarms"], Peek(robot="submarine")), size).splitlines()
     assert "PEEK" in status, "the banner covers the title of the picture"
+
+
+@for_each("chosen", ["rover", "blimp", "submarine"])
+@for_each("size", SIZES)
+def test_the_keys_that_the_console_waits_for_are_said_at_every_size(
+    chosen: str, size: tuple[int, int]
+) -> None:
+    keys = "LET GO OF pageup w"
+    whole = {False: f"{keys} FIRST", True: f"{keys}, TAP, THEN HOLD"}
+    for tap_first, words in whole.items():
+        shown = dataclasses.replace(
+            changed(CALM, ChooseRobot(robot=chosen)),
+            must_release=("pageup", "w"),
+            tap_first=tap_first,
+            releases_reported=False,
+        )
+        *_, status = drawn(shown, size).splitlines()
+        assert (words if size[0] >= 80 else keys) in status
+    waiting = JoystickState(name="pad", phase=JoystickPhase.CONNECTED, waiting=frozenset({"lefty"}))
+    *_, status = drawn(dataclasses.replace(CALM, joysticks={"pad": waiting}), size).splitlines()
+    assert "pad LET GO OF lefty FIRST" in status
 
 
 def test_the_alarm_of_another_robot_covers_one_row_of_the_picture() -> None:

@@ -24,7 +24,7 @@ from rune_tui.visualizers.words.status_words import status_parts
 from rune_tui.visualizers.words.troubles import is_in_banner
 
 _GAP = 2
-_NOTHING, _ALARMS, _GAUGES = "nothing", "alarms", "gauges"
+_NOTHING, _ALARMS, _ATTENTION, _GAUGES = "nothing", "alarms", "attention", "gauges"
 _TROUBLE = frozenset({Severity.WARNING, Severity.ALARM})
 
 
@@ -33,11 +33,13 @@ class Status:
     """Name, link, control, motion, own task, speed, battery, obstacle and so on.
 
     Attributes:
-        alarms: Whether another pane shows the problems.
+        alarms: Whether another pane shows all alarms and warnings.
+        attention: Whether another pane shows those with a cause.
         gauges: Whether other panes show speed and battery.
     """
 
     alarms: bool = False
+    attention: bool = False
     gauges: bool = False
 
     rule: ClassVar = VisualizerRule(
@@ -55,9 +57,17 @@ class Status:
         options={
             "beside": ChoiceOption(
                 default=_NOTHING,
-                choices=(_NOTHING, _ALARMS, _GAUGES, f"{_ALARMS} and {_GAUGES}"),
+                choices=(
+                    _NOTHING,
+                    _ALARMS,
+                    _ATTENTION,
+                    _GAUGES,
+                    f"{_ALARMS} and {_GAUGES}",
+                    f"{_ATTENTION} and {_GAUGES}",
+                ),
                 meaning="what other panes say, and this line then does not: alarms what is wrong, "
-                "gauges speed, battery and that it is linked",
+                "attention the same without what you can change, such as keys to let go of, gauges "
+                "speed, battery and that it is linked",
             )
         },
         vital=True,
@@ -69,7 +79,9 @@ class Status:
     def from_spec(cls, spec: VisualizerSpec) -> Self:
         """The visualizer that a layout asks for."""
         beside = spec.options.word("beside")
-        return cls(alarms=_ALARMS in beside, gauges=_GAUGES in beside)
+        return cls(
+            alarms=_ALARMS in beside, attention=_ATTENTION in beside, gauges=_GAUGES in beside
+        )
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the parts that fit into the first row."""
@@ -96,7 +108,7 @@ class Status:
             part
             for part in status_parts(robot, state)
             if not (
-                (self.alarms and part.severity in _TROUBLE)
+                (part.severity in _TROUBLE and (self.alarms or (self.attention and part.cause)))
                 or (gauges and part.gauge)
                 or is_in_banner(part, robot, state)
             )

@@ -317,7 +317,7 @@ def _held(state: ConsoleState) -> Iterator[Part]:
     if state.must_release:
         keys = " ".join(state.must_release)
         text = f"LET GO OF {keys}, TAP, THEN HOLD" if state.tap_first else f"LET GO OF {keys} FIRST"
-        yield Part(text, 8, Severity.WARNING)
+        yield Part(text, 8, Severity.WARNING, short=f"LET GO OF {keys}")
     if state.held:
         yield Part(f"keys {' '.join(state.held)}", 1)
 
