@@ -59,7 +59,7 @@ def shortest_path(
         return math.nan
     bound = float(forth[end]) + _SLACK
     nodes = np.vstack((ends, _corners(closed, forth + back, _OCTILE * bound + 2.0 * _SLACK)))
-    return _dijkstra(closed, nodes) * grid.resolution
+    return _over_corners(closed, nodes) * grid.resolution
 
 
 def _corners(closed: Flags, lengths: Costs, bound: float) -> Floats:
@@ -85,21 +85,22 @@ def _cell(place: Floats) -> tuple[int, int]:
     return math.floor(place[0]), math.floor(place[1])
 
 
-def _dijkstra(closed: Flags, nodes: Floats) -> float:
-    """Length of the shortest path from node 0 to node 1 over lines of sight [cells]."""
+def _over_corners(closed: Flags, nodes: Floats) -> float:
+    """Length of the shortest path from node 0 to node 1 over lines of sight, by A* [cells]."""
+    direct = np.hypot(*(nodes - nodes[1]).T)
     best = np.full(len(nodes), np.inf)
     best[0] = 0.0
     left = np.ones(len(nodes), np.bool_)
     while True:
-        here = int(np.argmin(np.where(left, best, np.inf)))
+        here = int(np.argmin(np.where(left, best + direct, np.inf)))
         if not left[here] or not math.isfinite(best[here]):
             return math.nan
         if here == 1:
             return float(best[1])
         left[here] = False
         away = best[here] + np.hypot(*(nodes - nodes[here]).T)
-        ahead = away + np.hypot(*(nodes - nodes[1]).T)
-        for other in np.flatnonzero(left & (away < best) & (ahead < best[1] + 1e-9)).tolist():
+        better = left & (away < best) & (away + direct < best[1] + 1e-9)
+        for other in np.flatnonzero(better).tolist():
             if in_sight(closed, nodes[here], nodes[other]):
                 best[other] = away[other]
 

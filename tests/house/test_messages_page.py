@@ -9,7 +9,6 @@ import dataclasses
 import enum
 import inspect
 import os
-import re
 import typing
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +18,7 @@ from hub.gcm.catalog import MESSAGES
 from hub.ipc import ros_schema
 from hub.ipc.formats import grammar, ranges
 from hub.ipc.formats.dataclass_codec import DataclassCodec
+from tests.support.docstrings import meanings
 
 _PAGE = Path(__file__).parents[2] / "docs" / "messages.md"
 _HEAD = """# Messages, field by field
@@ -48,17 +48,6 @@ package `rune_msgs`.
 """
 
 
-def _meanings(kind: type[Any]) -> dict[str, str]:
-    """What the docstrings of a dataclass and its bases say of its fields."""
-    found: dict[str, str] = {}
-    for each in reversed(kind.__mro__):
-        section = inspect.cleandoc(each.__doc__ or "").partition("Attributes:\n")[2]
-        for entry in re.split(r"\n(?=    \w)", f"\n{section}")[1:]:
-            name, _, text = entry.strip().partition(": ")
-            found[name] = " ".join(text.split())
-    return found
-
-
 def _values(hint: Any) -> str:
     """What a field may hold."""
     if isinstance(hint, type) and issubclass(hint, enum.IntEnum):
@@ -82,12 +71,12 @@ def _wire(node: grammar.Format, record: DataclassCodec | None) -> str:
 
 
 def _table(record: DataclassCodec, tree: grammar.Struct) -> Iterator[str]:
-    meanings = _meanings(record.kind)
+    said = meanings(record.kind)
     hints = typing.get_type_hints(record.kind, include_extras=True)
     yield "| field | on the wire | values | meaning |"
     yield "| --- | --- | --- | --- |"
     for member, node in zip(record.members, tree.members, strict=True):
-        meaning = meanings.get(member.name, "")
+        meaning = said.get(member.name, "")
         if member.counts:
             meaning = f"elements of `{member.counts}`; Rune writes it"
         values = _values(hints.get(member.name))
@@ -149,7 +138,7 @@ def test_every_field_has_a_meaning() -> None:
         for definition in MESSAGES
         for record, _ in [*_inner(definition.record, definition.tree), (definition.record, None)]
         for member in record.members
-        if not member.counts and not _meanings(record.kind).get(member.name)
+        if not member.counts and not meanings(record.kind).get(member.name)
     ]
     assert not missing, f"say in the docstring what these are: {sorted(set(missing))}"
 
