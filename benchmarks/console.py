@@ -97,7 +97,7 @@ def layout(hubs: Sequence[str], interval: int) -> str:
     return "<rune>\n  " + "\n  ".join(named) + f"\n  {view}\n</rune>\n"
 
 
-def measured(count: int, interval: int) -> tuple[float, float, float]:
+def measured(count: int, interval: int, *, recording: bool) -> tuple[float, float, float]:
     """Share of a core that the console takes, pictures a second of each robot, bytes a second."""
     size = {1: (128, 96), 4: (64, 48), 8: (40, 30)}[count]
     with (
@@ -106,7 +106,7 @@ def measured(count: int, interval: int) -> tuple[float, float, float]:
     ):
         path = Path(folder) / "layout.xml"
         path.write_text(layout(robots.hubs, interval))
-        arguments = ["run", str(path)]
+        arguments = ["run", str(path), *(["--record", folder] if recording else [])]
         environment = {"COLORTERM": "truecolor"}
         with closing(
             ConsoleProcess(arguments, columns=COLUMNS, rows=ROWS, environment=environment)
@@ -124,11 +124,13 @@ def measured(count: int, interval: int) -> tuple[float, float, float]:
         return spent / took, min(shown) / took, (console.output_bytes - bytes_before) / took
 
 
-def figure(name: str, bar: float, count: int, interval: int, wanted: float) -> None:
+def figure(
+    name: str, bar: float, count: int, interval: int, wanted: float, *, recording: bool = False
+) -> None:
     """The median of some rounds."""
     rounds = []
     for number in range(ROUNDS):
-        rounds.append(measured(count, interval))
+        rounds.append(measured(count, interval, recording=recording))
         cpu, rate, size = rounds[-1]
         say(f"{name} {number + 1}: {cpu:.2f} cores, {rate:.1f} pictures/s, {size / 1e3:.0f} kB/s")
     cpu, rate, size = sorted(rounds)[len(rounds) // 2]
@@ -142,8 +144,9 @@ def main() -> None:
         "console.cpu_4_robots_10fps": (0.6, 4, 100, 10.0),
         "console.cpu_8_robots_5fps": (0.6, 8, 200, 5.0),
     }
-    for name in sys.argv[1:] or figures:
-        figure(name, *figures[name])
+    recorded = {"console.cpu_30fps_recorded": figures["console.cpu_30fps"]}
+    for name in sys.argv[1:] or [*figures, *recorded]:
+        figure(name, *{**figures, **recorded}[name], recording=name in recorded)
 
 
 if __name__ == "__main__":

@@ -57,8 +57,7 @@ class ReplayApp(MouseApp, inherit_bindings=False):
         self.desk.say(HELP)
         self._pane = ViewPane(traits.glyphs.half)
         self._painter = Painter(self, self._pane, traits, round_trip)
-        self._shown: Cells | None = None
-        self._look: tuple[object, ...] = ()
+        self._look: tuple[int, int, object, Cells | None] = (0, 0, None, None)
         self._more = True
         self._found: Overview | None = None
 
@@ -87,7 +86,6 @@ class ReplayApp(MouseApp, inherit_bindings=False):
     def on_resize(self, event: events.Resize) -> None:
         """Follow the terminal's size."""
         self.desk.fit(event.size.width, event.size.height)
-        self._look = ()
 
     def on_key(self, event: events.Key) -> None:
         """Handle a key."""
@@ -126,7 +124,6 @@ class ReplayApp(MouseApp, inherit_bindings=False):
         now, player = time.monotonic(), self.desk.player
         if self._found is not None:
             self.desk.overview, self._found = self._found, None
-            self._look = ()
         player.tick(now, time.monotonic, _BUSY_S)
         if self._painter.ready(now):
             self._paint(now)
@@ -136,7 +133,11 @@ class ReplayApp(MouseApp, inherit_bindings=False):
 
     def _paint(self, now: float) -> None:
         columns, rows = self.size
-        cells = self.desk.cells(columns, rows)
+        look = columns, rows, self.desk.words(columns), self.desk.player.drawer.cells
+        cells = None
+        if self._look[:3] != look[:3] or self._look[3] is not look[3]:
+            self._look = look
+            cells = self.desk.cells(columns, rows)
         self._painter.paint(now, cells, (), no_urgencies(columns, rows))
 
     def _leave(self) -> None:

@@ -134,6 +134,7 @@ class _Moment:
         self._recording = recording
         self._decoder = decoder
         self._layouts = LoggedLayouts(recording)
+        self._started: tuple[LayoutSpec, ConsoleState] | None = None
         self._forget()
 
     def _forget(self) -> None:
@@ -194,9 +195,11 @@ class _Moment:
         if self._layout is None:
             return None
         robots = {each.robot: self._robot(stamp, each) for each in record.robots}
-        start = ConsoleState.at_start(self._layout, record.now)
+        if self._started is None or self._started[0] is not self._layout:
+            self._started = self._layout, ConsoleState.at_start(self._layout, record.now)
         state = dataclasses.replace(
-            start,
+            self._started[1],
+            now=record.now,
             clock=record.clock,
             display=record.display,
             robots=robots,

@@ -84,7 +84,7 @@ class Desk:
         elif self.player.source.press(name, self.player.position):
             self.player.seek(self.player.position)
         elif name in self._driving():
-            self.say(f"{name} does nothing: this is a recording, and no robot hears you")
+            self.say(f"{name} does nothing: this is a recording")
         else:
             self.say(HELP)
 
@@ -102,16 +102,17 @@ class Desk:
         """Show a sentence for some seconds."""
         self._notice, self._noticed = text, self._clock()
 
+    def words(self, columns: int) -> tuple[str, str, str]:
+        """The first row, and the two of the timeline, at a width."""
+        source, position = self.player.source, self.player.position
+        line = columns, source.start, source.end, position
+        marks = timeline.marks_row(*line, self.overview)
+        return self._head(columns), marks, timeline.pointer_row(*line, self._time_forms())
+
     def cells(self, columns: int, rows: int) -> Cells:
         """The whole screen at a size."""
-        player = self.player
-        source, position = player.source, player.position
-        marks = timeline.marks_row(columns, source.start, source.end, position, self.overview)
-        pointer = timeline.pointer_row(
-            columns, source.start, source.end, position, self._time_forms()
-        )
-        frame = player.drawer.cells
-        return screen.framed(frame, columns, rows, self._head(columns), (marks, pointer))
+        head, *line = self.words(columns)
+        return screen.framed(self.player.drawer.cells, columns, rows, head, line)
 
     def fit(self, columns: int, rows: int) -> None:
         """Draw at the size of the console then if there is room, else as large as there is."""

@@ -52,7 +52,9 @@ class FrameDrawer:
         view, opened = self.view, (frame.layout, frame.opened)
         size = self._size or frame.size or USUAL
         if view is None or opened != self._opened:
-            view = self.view = View(frame.layout, pixels_per_cell=frame.pixels_per_cell)
+            # Its own time does not count, but the recorded one.
+            view = View(frame.layout, lambda: 0.0, pixels_per_cell=frame.pixels_per_cell)
+            self.view = view
             self._opened, self._arranged = opened, frame.arranged
         if (view.columns, view.rows) != size or frame.arranged != self._arranged:
             view.resize(*size)

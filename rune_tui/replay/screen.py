@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -21,7 +23,7 @@ def room(columns: int, rows: int) -> tuple[int, int]:
 
 
 def framed(
-    frame: Cells | None, columns: int, rows: int, head: str, timeline: tuple[str, str]
+    frame: Cells | None, columns: int, rows: int, head: str, timeline: Iterable[str]
 ) -> Cells:
     """The whole screen.
 

@@ -72,6 +72,7 @@ class TimedLog:
         self._layout = layout
         self._robots = robots
         self._anchor = anchor
+        self._begin = ConsoleState.at_start(layout, 0.0)
         self._at = -1
 
     def frames(self, after: int, until: int) -> Iterator[ReplayFrame]:
@@ -121,9 +122,9 @@ class TimedLog:
 
     def _frame(self, stamp: int) -> ReplayFrame:
         robots = {role: robot.state(role) for role, robot in self._robots.items()}
-        start = ConsoleState.at_start(self._layout, self._anchor.moment(stamp))
+        now = self._anchor.moment(stamp)
         clock = time.strftime("%H:%M:%S", time.localtime(stamp / 1e9))
-        state = dataclasses.replace(start, clock=clock, robots=robots)
+        state = dataclasses.replace(self._begin, now=now, clock=clock, robots=robots)
         return ReplayFrame(stamp=stamp, state=state, layout=self._layout, slow={})
 
 
