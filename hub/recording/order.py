@@ -61,17 +61,18 @@ class WaitingMessages:
     def __init__(self, *, reverse: bool) -> None:
         self._reverse = reverse
         self._stamps = np.zeros(0, np.uint64)
-        self._places = np.zeros((0, 3), np.int64)  # number, index, place in the file
+        self._places = np.zeros((0, 4), np.int64)  # number, index, places of part and in it
 
     def add(self, number: int, offset: int, chunk: LoadedChunk, indexes: _Ints) -> None:
         """Take these messages of a part at this place in the file."""
-        places = np.empty((len(indexes), 3), np.int64)
+        places = np.empty((len(indexes), 4), np.int64)
         places[:, 0] = number
         places[:, 1] = indexes
-        places[:, 2] = offset + chunk.offsets[indexes].astype(np.int64)
+        places[:, 2] = offset
+        places[:, 3] = chunk.offsets[indexes]  # in the unpacked part, which may be longer
         stamps = np.concatenate([self._stamps, chunk.stamps[indexes]])
         places = np.concatenate([self._places, places])
-        order = np.lexsort((places[:, 2], stamps))
+        order = np.lexsort((places[:, 3], places[:, 2], stamps))
         if self._reverse:
             order = order[::-1]
         self._stamps, self._places = stamps[order], places[order]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import typing
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -330,5 +331,6 @@ def _numbers_of(record: FrameRobot) -> set[int]:
     return (numbers | {each.number for each in record.pictures}) - {0}
 
 
+@functools.cache
 def _state_hints() -> Mapping[str, Any]:
     return typing.get_type_hints(ConsoleState)

@@ -18,9 +18,9 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.replay.drawing import FrameDrawer
 from rune_tui.replay.source import Overview, ReplayFrame, ReplaySource
 
-EVERY_NS: Final = 5_000_000_000
+EVERY_NS: Final = 3_000_000_000
 """Log time between two copies of the view [ns]."""
-WARM_NS: Final = 5_000_000_000
+WARM_NS: Final = 3_000_000_000
 """Log time of the frames that are taken where there is no copy [ns]."""
 SLOWEST: Final = 0.1
 FASTEST: Final = 100.0

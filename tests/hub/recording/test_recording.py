@@ -54,6 +54,15 @@ def test_messages_come_back_in_the_order_of_their_stamps(
         assert all(each.stamp - each.published == 10_000_000 for each in read)
 
 
+def test_equal_stamps_keep_their_order_over_well_packed_parts(tmp_path: Path) -> None:
+    """A part is longer unpacked than its distance to the next one in the file."""
+    entries = [(0, 7, bytes(150))] * 200
+    with Recording.open(written(tmp_path, entries)) as recording:
+        assert [each.number for each in recording.messages()] == list(range(1, 201))
+        backwards = [each.number for each in recording.messages(reverse=True)]
+        assert backwards == list(range(200, 0, -1))
+
+
 @settings(deadline=None)
 @given(entries=ENTRIES, tenths=st.integers(-1, 41))
 def test_the_newest_messages_are_the_last_ones_in_order(
