@@ -283,10 +283,13 @@ class _Scan:
                     last = offset + RECORD.size + length
                 at = None
             except (RecordingError, struct.error, OverflowError) as error:
+                self._forget_index()
                 at = self._next_chunk(last + 1)
                 lost = (self._size if at is None else at) - last
                 self._summary.unreadable += lost
                 self._note(f"after byte {last} {lost} bytes cannot be read: {error}")
+        if not self._summary.finished:
+            self._forget_index()
         self._end_run()
         self._end_index()
         for place in self._summary.chunks:
@@ -409,6 +412,12 @@ class _Scan:
             self._summary.chunks[-1] = place._replace(
                 index_length=end - place.offset - place.length
             )
+
+    def _forget_index(self) -> None:
+        """The indexes of the last chunk may not be all there."""
+        if self._index_channels and self._summary.chunks:
+            self._summary.chunks[-1] = self._summary.chunks[-1]._replace(index_length=0)
+        self._index_channels = bytearray()
 
     def _end_index(self) -> None:
         """The last chunk has all its indexes."""
