@@ -44,6 +44,8 @@ def by_channel(
         for number, place in enumerate(places)
     ]
     channels = np.concatenate(lists)
+    if not channels.size:
+        return {}
     numbers = np.repeat(np.arange(len(places)), [len(each) for each in lists])
     order = np.argsort(channels, kind="stable")
     found, begins = np.unique(channels[order], return_index=True)

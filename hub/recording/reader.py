@@ -163,7 +163,9 @@ class Recording:
             stamp: The time [ns].
             channels: Which channels; default all.
         """
-        found = {}
+        found: dict[int, LoggedMessage] = {}
+        if stamp < 0:
+            return found
         for channel, chunks in self._chunks_of_channels().items():
             if channels is None or channel in channels:
                 message = self._newest(channel, chunks, stamp)
@@ -243,7 +245,7 @@ class Recording:
 
     def _newest(self, channel: int, chunks: ChannelChunks, stamp: int) -> LoggedMessage | None:
         best: tuple[int, int, LoadedChunk, int] | None = None  # stamp, offset, chunk, index
-        until = np.uint64(min(max(0, stamp), _MOST_STAMP))  # NumPy would compare integers as floats
+        until = np.uint64(min(stamp, _MOST_STAMP))  # NumPy would compare integers as floats
         for at in range(int(np.searchsorted(chunks.starts, until, "right")) - 1, -1, -1):
             if best is not None and chunks.ends_before[at] < best[0]:
                 break

@@ -380,7 +380,10 @@ class _Scan:
             size = fields.number("Q")
             self._kept += fields.at
             self._check_kept()
-            self._summary.attachments.append(AttachmentPlace(name, media_type, offset, size))
+            if fields.at + size + 4 > length:
+                self._note(f"at byte {offset}: a file within it is damaged")
+            else:
+                self._summary.attachments.append(AttachmentPlace(name, media_type, offset, size))
 
     def _facts(self, offset: int, length: int) -> bytes:
         """The content of a record that is kept."""

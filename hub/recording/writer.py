@@ -206,10 +206,15 @@ class RecordingWriter:
 
     def _write(self, entries: list[_WaitingMessage]) -> None:
         """Encode messages; those that are complete chunks go to the system."""
-        for entry in entries:
-            self._write_one(entry)
-            if self._encoder.open_bytes >= self._limits.chunk_bytes:
-                self._flush()
+        rest = iter(entries)
+        try:
+            for entry in rest:
+                self._write_one(entry)
+                if self._encoder.open_bytes >= self._limits.chunk_bytes:
+                    self._flush()
+        except OSError:
+            self._lose(map(_name, rest))
+            raise
         if entries:
             with self._lock:
                 self._waiting_bytes -= sum(entry.size for entry in entries)
@@ -237,7 +242,7 @@ class RecordingWriter:
             )
         except (RecordingError, ValueError, TypeError, OverflowError, struct.error):
             # Nothing of it is written: times that are no numbers, a topic too many.
-            self._lose([entry.name if topic is None else topic.name])
+            self._lose([_name(entry)])
             return
         self._unflushed[topic.name] += 1
 
@@ -299,7 +304,7 @@ class RecordingWriter:
             self._ended = True
         rest = self._take()
         if self._fault:
-            self._lose(entry.topic.name if entry.topic else entry.name for entry in rest)
+            self._lose(map(_name, rest))
         try:
             if not self._fault:
                 self._write(rest)
@@ -328,6 +333,11 @@ def _free(path: Path) -> int:
     """Free room for us on the disk of a file [bytes]."""
     disk = os.statvfs(path.parent)
     return disk.f_bavail * disk.f_frsize
+
+
+def _name(entry: _WaitingMessage) -> str:
+    """The topic, or the name of an attachment."""
+    return entry.name if entry.topic is None else entry.topic.name
 
 
 def _size(payload: bytes | bytearray | memoryview) -> int:
