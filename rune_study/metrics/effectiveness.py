@@ -70,14 +70,15 @@ def rate_of_progress(
         From 0 up to `until` [unit/s]; NaN where progress is not known.
 
     Raises:
-        DataError: The window or the rate is not above 0.
+        DataError: The window or the rate is not above 0, or times do not ascend.
     """
     if not (window > 0.0 and rate_hz > 0.0):
         text = "the window and the rate of TE must be above 0"
         raise DataError(text)
     grid = np.arange(math.floor(until * rate_hz + 1e-9) + 1) / rate_hz
     known = np.isfinite(progress.values)
-    times, values = progress.times[known], progress.values[known]
+    kept = signal(progress.times[known], progress.values[known])
+    times, values = kept.times, kept.values
     if times.size < 2:
         return Signal(times=grid, values=np.full(grid.shape, np.nan))
     first = np.clip(grid - 0.5 * window, times[0], times[-1])

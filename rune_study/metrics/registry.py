@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from hub.values import dataclass
-from rune_study.estimate import Estimate
+from rune_study.errors import DataError
+from rune_study.estimate import Estimate, unknown
 from rune_study.metrics import trial_metrics as of
 from rune_study.metrics.analysis import TrialAnalysis
 from rune_study.metrics.trial import MeasureSpec, TrialData
@@ -60,7 +61,7 @@ _ROWS = (
     _row("nt_median", "s", "higher", lambda it: it.tolerance_median,
          "Neglect tolerance NT: time from an episode to the drop of TE below half of its "
          "median while attended. Median of the Kaplan-Meier curve, with log-log limits. Not "
-         "identifiable if less than a third of the drops were seen."),
+         "identifiable if less than a third of the neglects end so."),
     _row("nt_restricted_mean", "s", "higher", lambda it: it.tolerance,
          "The same: mean up to a bound that its note names."),
     _row("rad", "share", "lower", lambda it: it.demand,
@@ -155,12 +156,18 @@ METRICS: Mapping[str, Metric] = MappingProxyType({each.name: each for each in _R
 def measure(trial: TrialData, spec: MeasureSpec | None = None) -> dict[str, Estimate]:
     """All metrics of a trial, by name; those that cannot be known say why.
 
+    Data with a wrong shape or range are a reason too: they cost the metrics that need them only.
+
     Args:
         trial: Its data.
         spec: Numbers that the study fixed; None: the usual ones.
-
-    Raises:
-        DataError: Data have a wrong shape or range.
     """
     analysis = TrialAnalysis(trial, spec or MeasureSpec())
-    return {name: each.function(analysis) for name, each in METRICS.items()}
+    return {name: _computed(each, analysis) for name, each in METRICS.items()}
+
+
+def _computed(metric: Metric, analysis: TrialAnalysis) -> Estimate:
+    try:
+        return metric.function(analysis)
+    except DataError as error:
+        return unknown(f"its data cannot be used: {error}")

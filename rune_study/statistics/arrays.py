@@ -52,7 +52,7 @@ def complete_cases(values: Floats) -> tuple[Floats, tuple[int, ...]]:
 
 
 def pairs(first: npt.ArrayLike, second: npt.ArrayLike) -> tuple[Floats, tuple[int, ...]]:
-    """Differences of the complete pairs, and the numbers of the others.
+    """The complete pairs, shape (pairs, 2), and the numbers of the others.
 
     Args:
         first: One value for each participant.
@@ -65,5 +65,4 @@ def pairs(first: npt.ArrayLike, second: npt.ArrayLike) -> tuple[Floats, tuple[in
     if len(a) != len(b):
         text = f"pairs need equally many values, but there are {len(a)} and {len(b)}"
         raise DataError(text)
-    whole, left_out = complete_cases(np.column_stack((a, b)))
-    return whole[:, 0] - whole[:, 1], left_out
+    return complete_cases(np.column_stack((a, b)))

@@ -15,6 +15,9 @@ from rune_study.statistics.means import mean
 from rune_study.statistics.ranks import hodges_lehmann
 from rune_study.statistics.sign_flips import FlipTest, sign_flips
 
+_ROUNDING = 1e-14
+"""Differences that vary less than this share of the values are equal."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairedEffect:
@@ -60,14 +63,15 @@ def paired_effect(
     Raises:
         DataError: The lengths differ, or a value is infinite.
     """
-    differences, left_out = pairs(first, second)
+    whole, left_out = pairs(first, second)
+    differences = whole[:, 0] - whole[:, 1]
     n = len(differences)
     spread = float(differences.std(ddof=1)) if n > 1 else 0.0
-    scale = float(np.abs(differences).max()) if n else 0.0
+    rounding = _ROUNDING * float(np.abs(whole).max(initial=0.0))
     why = ""
     if n < 2:
         why = "it needs two complete pairs"
-    elif spread <= 1e-14 * scale or spread == 0.0:
+    elif spread <= rounding:
         why = "all differences are equal"
     dz = math.nan if why else float(differences.mean()) / spread
     t = dz * math.sqrt(n)

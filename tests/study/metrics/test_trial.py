@@ -157,6 +157,35 @@ def test_what_cannot_be_known_says_why(changes, name: str, why: str) -> None:
     assert math.isnan(found.value)
 
 
+@for_each(
+    ("changes", "names"),
+    [
+        ({"stick": signal([0, 30], [0, math.nan])}, {"fine", "coarse"}),
+        ({"inputs": np.array([3.0, math.nan])}, {"ie_mean", "fo", "rad_mission", "nt_seen"}),
+        ({"motion": Motion(times=np.zeros(3), linear=np.zeros(2), angular=np.zeros(3),
+                           pan=np.zeros(3))}, {"camera_off_centre"}),
+    ],
+)  # fmt: skip
+def test_bad_data_cost_only_the_metrics_that_need_them(changes, names: set[str]) -> None:
+    trial = dataclasses.replace(FULL, robots=(dataclasses.replace(ROBOT, **changes),))
+    found, whole = measure(trial), measure(FULL)
+    lost = {name for name, each in found.items() if "cannot be used" in each.why}
+    for name in names:
+        assert any(each.endswith(name) for each in lost)
+    others = set(METRICS) - lost - {"command_rate", "episodes"}
+    assert {name: found[name] for name in others if whole[name].known} == {
+        name: whole[name] for name in others if whole[name].known
+    }
+
+
+def test_the_interval_of_free_time_is_that_of_demand() -> None:
+    found = measure(FULL)
+    demand, free, robots = (found[name] for name in ("rad", "ft", "fo"))
+    assert (free.low, free.high) == (1 - demand.high, 1 - demand.low)
+    assert (demand.low, demand.high) == (1 / robots.high, 1 / robots.low)
+    assert 0 < demand.low < demand.value < demand.high < 1
+
+
 def test_a_robot_that_does_not_arrive_has_no_success() -> None:
     travel = dataclasses.replace(ROBOT.travel, arrived=False)
     found = measure(dataclasses.replace(FULL, robots=(dataclasses.replace(ROBOT, travel=travel),)))

@@ -58,6 +58,7 @@ def test_incomplete_pairs_are_named() -> None:
         ([1, 2], [math.nan, 1], "two complete pairs"),
         ([3, 4, 5], [1, 2, 3], "all differences are equal"),
         ([0.3, 0.4], [0.1, 0.2], "all differences are equal"),
+        ([10.1, 5.1, 20.1], [10, 5, 20], "all differences are equal"),
         ([1, 1], [1, 1], "all differences are equal"),
     ],
 )
@@ -107,6 +108,12 @@ def test_hodges_lehmann_is_that_of_r() -> None:
 def test_few_differences_have_no_interval_of_ranks(n: int) -> None:
     found = hodges_lehmann(range(n))
     assert (found.low, found.high) == (-math.inf, math.inf)
+
+
+def test_many_differences_have_an_interval_by_the_normal_approximation() -> None:
+    differences = np.random.default_rng(4).normal(0.1, 1.0, 1001)
+    exact, near = hodges_lehmann(differences[:1000]), hodges_lehmann(differences)
+    assert (near.low, near.high) == pytest.approx((exact.low, exact.high), abs=0.003)
 
 
 def test_six_differences_have_the_whole_range_of_pair_means() -> None:

@@ -106,6 +106,12 @@ def test_no_result_has_a_reason(rows, why: str) -> None:
     assert math.isnan(effect.p_corrected)
 
 
+def test_no_effect_at_all() -> None:
+    (effect,) = rm_anova([[1, 2, 3], [3, 1, 2], [2, 3, 1]]).effects
+    assert (effect.f, effect.p, effect.eta_generalized) == (0.0, 1.0, 0.0)
+    assert rm_anova([[1, 2, 3], [3, 1, 2], [2, 3, 1]]).square_participants == pytest.approx(0.0)
+
+
 def test_an_effect_without_any_error_is_infinite() -> None:
     (effect,) = rm_anova([[1, 2, 3], [2, 3, 4], [7, 8, 9]]).effects
     assert (effect.f, effect.p, effect.p_corrected) == (math.inf, 0.0, 0.0)
