@@ -20,6 +20,7 @@ from benchmarks.figures import report, say
 from benchmarks.stand_in_robot import StandInRobot, coded, fleet
 from hub.gcm import vision
 from hub.sim.arena import load_arena
+from hub.sim.spatial_pose import SpatialPose
 from tests.support.magellan import magellan_camera
 from tests.system.harness import ConsoleProcess
 
@@ -56,7 +57,8 @@ class Recording:
         camera = magellan_camera(arena)
         self._pictures = []
         for number in range(PICTURES):
-            camera.place(arena.start.x, arena.start.y, arena.start.theta + number * STEP)
+            heading = arena.start.theta + number * STEP
+            camera.place(SpatialPose(x=arena.start.x, y=arena.start.y, yaw=heading))
             pixels = camera.take(*size, 0.0).pixels
             self._pictures.append(coded(pixels, camera.camera_state(0.0), quality=60))
 

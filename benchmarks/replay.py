@@ -24,6 +24,7 @@ from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.vision import IMAGE
 from hub.sim.arena import load_arena
+from hub.sim.spatial_pose import SpatialPose
 from rune_tui.files.console_recording import ConsoleRecording
 from rune_tui.files.frame_log import DrawnFrame, FrameLog
 from rune_tui.files.recorder import record_layout
@@ -51,7 +52,8 @@ def log_of(path: Path, seconds: int) -> None:
     camera = magellan_camera(arena)
     pictures = []
     for number in range(30):
-        camera.place(arena.start.x, arena.start.y, arena.start.theta + number * 0.2)
+        heading = arena.start.theta + number * 0.2
+        camera.place(SpatialPose(x=arena.start.x, y=arena.start.y, yaw=heading))
         pixels = camera.take(*SIZE, 0.0).pixels
         pictures.append(coded(pixels, camera.camera_state(0.0), quality=60))
     shown = [picture_of(each) for each in pictures]

@@ -38,7 +38,7 @@ def main() -> None:
 
         def draw(number: int, width: int = width, height: int = height) -> None:
             pose = poses[number % POSES]
-            camera.place(pose.x, pose.y, pose.theta)
+            camera.place(SpatialPose().at(pose))
             camera.capture(width, height)
 
         value = median_ms(draw, POSES)

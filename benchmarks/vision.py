@@ -20,6 +20,7 @@ from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness
 from hub.robots.video_camera import VideoCamera
 from hub.sim.arena import load_arena
+from hub.sim.spatial_pose import SpatialPose
 from tests.hub.sim.arenas import free_poses
 from tests.support.magellan import magellan_camera
 
@@ -38,7 +39,7 @@ def pictures(width_px: int, height_px: int, noise: float) -> list[Pixels]:
     camera, random = magellan_camera(arena), np.random.default_rng(5)
     made = []
     for pose in free_poses(arena, POSES, 2003, 0.0, 10.0):
-        camera.place(pose.x, pose.y, pose.theta)
+        camera.place(SpatialPose().at(pose))
         pixels = camera.capture(width_px, height_px)
         if noise:
             noisy = pixels + random.normal(0.0, noise, pixels.shape)
@@ -74,7 +75,7 @@ def report_night() -> None:
 
     def picture(number: int) -> None:
         pose = poses[number % POSES]
-        camera.place(pose.x, pose.y, pose.theta)
+        camera.place(SpatialPose().at(pose))
         pixels = camera.take(320, 240, float(number)).pixels
         brightened(pixels, night.see(brightness(pixels), float(number)))
 

@@ -18,6 +18,7 @@ from hub.gcm.ranges import LaserScan
 from hub.gcm.vehicle import VehicleState
 from hub.gcm.vision import CameraCommand, CameraState
 from hub.robots.left_alone import LeftAlone
+from hub.sim.spatial_pose import SpatialPose
 from hub.values import dataclass
 
 
@@ -189,27 +190,12 @@ class Camera(Protocol):
     def camera_state(self, stamp: float) -> CameraState:
         """Its present direction; `stamp` [s since the epoch] is copied into it."""
 
-    def place(
-        self,
-        x: float,
-        y: float,
-        theta: float,
-        measured: float,
-        *,
-        z: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-    ) -> None:
+    def place(self, pose: SpatialPose, measured: float) -> None:
         """Set the robot's pose and its time; only a simulated camera uses it.
 
         Args:
-            x: Position in the arena's frame [m].
-            y: Position in the arena's frame [m].
-            theta: Heading [rad].
+            pose: In the arena's frame.
             measured: Monotonic time of the pose [s].
-            z: Height of the robot's origin above the floor [m].
-            roll: About its x [rad]; positive: its right side is down.
-            pitch: About its y [rad]; positive: its nose is down.
         """
 
     def take(self, width_px: int, height_px: int, now: float) -> Picture:

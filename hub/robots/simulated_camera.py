@@ -117,23 +117,11 @@ class SimulatedCamera:
             headlight=self._lighting.headlight if self._has_headlight else math.nan,
         )
 
-    def place(
-        self,
-        x: float,
-        y: float,
-        theta: float,
-        measured: float = -math.inf,
-        *,
-        z: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-    ) -> None:
+    def place(self, pose: SpatialPose, measured: float = -math.inf) -> None:
         """Set the robot's pose in the arena's frame; ignored when not finite."""
-        pose = SpatialPose(x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=theta)
         if pose.finite:
-            self._robot = replace(
-                pose, x=limited(x, _FARTHEST_PLACE), y=limited(y, _FARTHEST_PLACE)
-            )
+            x, y = limited(pose.x, _FARTHEST_PLACE), limited(pose.y, _FARTHEST_PLACE)
+            self._robot = replace(pose, x=x, y=y)
             self._placed = measured
 
     def take(self, width_px: int, height_px: int, now: float) -> Picture:

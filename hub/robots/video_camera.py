@@ -11,6 +11,7 @@ from hub.robots.cropping import cropped_fov, vertical_fov
 from hub.robots.interfaces import Picture
 from hub.robots.video_reader import VideoReader
 from hub.robots.video_source import video_source
+from hub.sim.spatial_pose import SpatialPose
 
 
 class VideoCamera:
@@ -68,17 +69,7 @@ class VideoCamera:
             headlight=math.nan,
         )
 
-    def place(
-        self,
-        x: float,
-        y: float,
-        theta: float,
-        measured: float,
-        *,
-        z: float = 0.0,
-        roll: float = 0.0,
-        pitch: float = 0.0,
-    ) -> None:
+    def place(self, pose: SpatialPose, measured: float) -> None:
         """Do nothing."""
 
     def take(self, width_px: int, height_px: int, _now: float) -> Picture:

@@ -33,6 +33,7 @@ from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.ranges import RangeReadings
 from hub.pose import Pose
 from hub.sim.arena import load_arena
+from hub.sim.spatial_pose import SpatialPose
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.picture import PictureFile
 from rune_tui.layout.spec import LayoutSpec
@@ -60,7 +61,7 @@ _RESOLUTION: Final = 0.05
 @functools.cache
 def _seen(pose: Pose) -> Picture:
     camera = magellan_camera(load_arena("yellow"), seed=0)
-    camera.place(pose.x, pose.y, pose.theta)
+    camera.place(SpatialPose().at(pose))
     taken = camera.take(320, 240, 0.0)
     state = dataclasses.replace(
         camera.camera_state(0.0), robot_x=pose.x, robot_y=pose.y, robot_theta=pose.theta

@@ -29,6 +29,7 @@ from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import RobotDescription
 from hub.robots.registry import camera_moves, open_camera
 from hub.runtime import publish_on_request, run_module
+from hub.sim.spatial_pose import SpatialPose
 
 _logger = logging.getLogger(__name__)
 
@@ -185,16 +186,16 @@ class Vision:
         self._stances.rose(altitude, reception.measured)
 
     def _place(self, truth: navigation.GroundTruth, reception: MessageInfo) -> None:
+        pose = SpatialPose(
+            x=truth.x,
+            y=truth.y,
+            z=truth.z,
+            roll=truth.roll,
+            pitch=truth.pitch,
+            yaw=truth.theta,
+        )
         for camera in self._simulated:
-            camera.place(
-                truth.x,
-                truth.y,
-                truth.theta,
-                reception.measured,
-                z=truth.z,
-                roll=truth.roll,
-                pitch=truth.pitch,
-            )
+            camera.place(pose, reception.measured)
 
 
 def _tables(robot: RobotDescription) -> tuple[CameraTable, ...]:

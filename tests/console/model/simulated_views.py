@@ -10,6 +10,7 @@ import pytest
 
 from hub.gcm.vision import CameraCommand, CameraMotion
 from hub.robots.simulated_camera import SimulatedCamera
+from hub.sim.spatial_pose import SpatialPose
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import Picture
 from tests.hub.sim.arenas import VOID, arena_of
@@ -50,7 +51,7 @@ def take(
     taker.move(CameraCommand(motion=CameraMotion.ABSOLUTE, pan=pan, tilt=tilt, zoom=zoom))
     taker.advance(60.0)
     above, roll, pitch = stance
-    taker.place(robot.x, robot.y, robot.theta, z=above, roll=roll, pitch=pitch)
+    taker.place(SpatialPose(z=above, roll=roll, pitch=pitch).at(robot))
     picture = taker.take(*size, 0.0)
     state = dataclasses.replace(taker.camera_state(0.0), horizontal_fov=picture.horizontal_fov)
     assert (state.pan, state.tilt) == pytest.approx((pan, tilt)), "beyond the head's limits"

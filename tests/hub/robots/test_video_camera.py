@@ -18,6 +18,7 @@ from hub.robots.interfaces import Picture
 from hub.robots.video_camera import VideoCamera
 from hub.robots.video_reader import VideoReader
 from hub.robots.video_source import video_source
+from hub.sim.spatial_pose import SpatialPose
 from tests.hub.robots.videos import frame_of, jpeg_of, make_video
 from tests.support.waiting import until
 
@@ -121,7 +122,7 @@ def test_a_camera_that_stands_still_says_so(open_camera: Open, tmp_path: Path) -
     camera = open_camera(str(make_video(tmp_path / "drive.mp4")))
     camera.move(CameraCommand(pan=1.0))
     camera.set_headlight(1.0)
-    camera.place(1.0, 1.0, 1.0, 1.0)
+    camera.place(SpatialPose(x=1.0, y=1.0, yaw=1.0), 1.0)
     camera.advance(1.0)
     state = camera.camera_state(5.0)
     assert (state.stamp, state.pan, state.tilt, state.zoom, state.slewing) == (5.0, 0, 0, 0, 0)

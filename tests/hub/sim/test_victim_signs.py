@@ -17,6 +17,7 @@ from hub.sim.arena import Arena, arena_from_spec
 from hub.sim.arena_file import check_arena
 from hub.sim.camera.heat import COLDEST_C, WARMEST_C, heat_colour
 from hub.sim.senses import FRESH_PPM, QUIET_DB, WALL_DB, VictimSenses
+from hub.sim.spatial_pose import SpatialPose
 
 VICTIM = """
 [[victim]]
@@ -45,7 +46,7 @@ def camera(arena: Arena, *, heat: bool = False) -> SimulatedCamera:
         heat=heat,
         headlight=False,
     )
-    made.place(2.6, 2.0, 0.0)
+    made.place(SpatialPose(x=2.6, y=2.0))
     return made
 
 

@@ -14,6 +14,7 @@ from hub.gcm.vision import CameraCommand, CameraMotion
 from hub.robots.simulated_camera import SimulatedCamera
 from hub.sim.arena import load_arena
 from hub.sim.camera.pan_tilt_zoom import PAN_SPEED, TILT_SPEED, PanTiltZoom
+from hub.sim.spatial_pose import SpatialPose
 from tests.support.magellan import magellan_body, magellan_camera
 
 BODY = magellan_body().cameras[0]
@@ -103,7 +104,7 @@ def test_panning_left_moves_the_picture_right() -> None:
         assert near.sum() > 20, red
         return float(np.nonzero(near)[1].mean())
 
-    it.place(6.0, 0.0, 0.0)
+    it.place(SpatialPose(x=6.0))
     ahead = sign_column()
     it.move(CameraCommand(pan=0.15))
     it.advance(1.0)
@@ -112,9 +113,10 @@ def test_panning_left_moves_the_picture_right() -> None:
 
 def test_the_camera_sees_the_same_when_robot_and_head_turn_against_each_other() -> None:
     it = camera()
-    it.place(0.0, 0.0, 0.0)
+    it.place(SpatialPose())
     straight = it.capture(80, 60)
-    it.place(0.05 - 0.05 * math.cos(0.5), -0.05 * math.sin(0.5), 0.5)
+    x, y = 0.05 - 0.05 * math.cos(0.5), -0.05 * math.sin(0.5)
+    it.place(SpatialPose(x=x, y=y, yaw=0.5))
     it.move(CameraCommand(pan=-0.5))
     it.advance(2.0)
     turned = it.capture(80, 60)
@@ -124,8 +126,8 @@ def test_the_camera_sees_the_same_when_robot_and_head_turn_against_each_other() 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1e300])
 def test_a_place_that_is_nowhere_does_no_harm(value: float) -> None:
     it = camera()
-    it.place(value, value, 0.0)
-    it.place(0.0, 0.0, value)
+    it.place(SpatialPose(x=value, y=value))
+    it.place(SpatialPose(yaw=value))
     assert it.capture(20, 15).shape == (15, 20, 3)
 
 
@@ -133,7 +135,7 @@ def test_two_cameras_take_the_same_picture_bit_for_bit() -> None:
     pictures = []
     for _ in range(2):
         it = magellan_camera(load_arena("yellow"))
-        it.place(5.0, 3.0, 1.0)
+        it.place(SpatialPose(x=5.0, y=3.0, yaw=1.0))
         pictures.append(it.capture(160, 120))
     assert (pictures[0] == pictures[1]).all()
 

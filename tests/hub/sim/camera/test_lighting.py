@@ -10,6 +10,7 @@ from hub.sim.camera.image_noise import DEVIATION, SensorNoise
 from hub.sim.camera.lighting import Lighting
 from hub.sim.camera.ray_caster import RayCaster
 from hub.sim.camera.view import View
+from hub.sim.spatial_pose import SpatialPose
 from tests.hub.sim.arenas import VOID, arena_of
 from tests.support.magellan import magellan_camera
 
@@ -103,7 +104,7 @@ def test_noise_is_the_same_for_the_same_seed_and_stays_within_bounds() -> None:
 def test_a_picture_shows_the_time_at_which_the_robot_was_there() -> None:
     camera = magellan_camera(YELLOW)
     assert camera.take(16, 12, 50.0).measured == 50.0
-    camera.place(5.0, 1.0, 0.0, 49.98)
+    camera.place(SpatialPose(x=5.0, y=1.0), 49.98)
     assert camera.take(16, 12, 50.0).measured == 49.98
     # Nothing has been heard for long: the robot stands where it stood, also now.
     assert camera.take(16, 12, 60.0).measured == 60.0

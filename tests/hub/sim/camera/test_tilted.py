@@ -150,7 +150,7 @@ def test_a_robot_nose_down_sees_more_floor_and_one_that_rolls_sees_it_slanted() 
     camera = magellan_camera(RED_HALL)
 
     def floor(**stand: float) -> np.ndarray:
-        camera.place(0.0, 0.0, 0.0, **stand)
+        camera.place(SpatialPose(**stand))
         return reddish(camera.capture(80, 60))
 
     level = floor().mean()
@@ -183,5 +183,5 @@ def test_a_camera_in_the_floor_or_the_ceiling_draws_from_just_inside(z: float) -
 def test_a_stand_that_is_no_number_is_ignored(name: str) -> None:
     camera = magellan_camera(YELLOW)
     before = camera.capture(40, 30)
-    camera.place(1.0, 1.0, 1.0, 0.0, **{name: math.nan})
+    camera.place(SpatialPose(x=1.0, y=1.0, yaw=1.0, **{name: math.nan}), 0.0)
     assert np.array_equal(camera.capture(40, 30), before)
