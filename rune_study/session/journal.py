@@ -1,0 +1,187 @@
+"""The journal of a session: what was begun, done and noted; it says where a session goes on.
+
+| record | when |
+| --- | --- |
+| `session` | first of all: the study's checksum, the participant |
+| `begin` | a step begins; `attempt` counts from 1 |
+| `done` | the step is done; its result |
+| any other | within the step that was begun last |
+
+Each record is on the disk before the next action. A line that a crash cut short counts as not
+written, so its step begins again as a further attempt; the files of earlier attempts stay.
+"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from hub.errors import MissionFileError
+from hub.missions import journal_file
+from hub.values import dataclass
+from rune_study.errors import ChangedStudyError, StudyError
+from rune_study.plan.folder import participant_folder
+from rune_study.plan.study_spec import StudySpec
+
+JOURNAL = "journal.log"
+SESSION, BEGIN, DONE = "session", "begin", "done"
+_SAME = {"what", "at", "moment"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """A line of a journal.
+
+    Attributes:
+        what: Its kind.
+        at: When [s since 1970].
+        moment: The same on the monotonic clock of this machine [s].
+        data: All else.
+    """
+
+    what: str
+    at: float
+    moment: float
+    data: dict[str, Any]
+
+
+class Journal:
+    """The open journal of a participant, which one process writes.
+
+    Attributes:
+        path: Its file.
+        records: All records so far, in their order.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open or create it, and remove what a crash left of the last line.
+
+        Raises:
+            StudyError: It cannot be used.
+        """
+        self.path = path
+        self.records: list[Record] = []
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            reading = journal_file.read(path, self._take) if path.exists() else None
+            self._file = journal_file.JournalFile(path, reading)
+        except (MissionFileError, OSError) as fault:
+            text = f"{path}: {fault}"
+            raise StudyError(text) from fault
+
+    @classmethod
+    def of(cls, study: StudySpec, participant: int, replaces: int = 0) -> Self:
+        """The journal of a participant; a new one begins with the study's checksum.
+
+        Raises:
+            ChangedStudyError: The session began with another study, or as another replacement.
+            StudyError: It cannot be used.
+        """
+        journal = cls(participant_folder(study.folder, participant) / JOURNAL)
+        begun = next((each for each in journal.records if each.what == SESSION), None)
+        if begun is None:
+            head = {"study": study.digest, "participant": participant, "replaces": replaces}
+            journal.put(SESSION, **head)
+        else:
+            try:
+                _refuse_other(begun, study, participant, replaces)
+            except ChangedStudyError:
+                journal.close()
+                raise
+        return journal
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def replaces(self) -> int:
+        """The participant whose order this one took over; 0: none."""
+        return next(
+            (int(each.data["replaces"]) for each in self.records if each.what == SESSION), 0
+        )
+
+    def done(self) -> set[int]:
+        """Numbers of the steps that are done."""
+        return {int(each.data["n"]) for each in self.records if each.what == DONE}
+
+    def attempts(self, number: int) -> int:
+        """How often a step was begun."""
+        return sum(each.what == BEGIN and each.data["n"] == number for each in self.records)
+
+    def put(self, what: str, **data: Any) -> None:  # noqa: ANN401 - what JSON has
+        """Add a record; it is on the disk when this returns.
+
+        Raises:
+            StudyError: The disk refuses.
+        """
+        line = {"what": what, "at": time.time(), "moment": time.monotonic(), **data}
+        try:
+            self._file.append([line])
+        except (MissionFileError, ValueError) as fault:
+            text = f"{self.path}: {fault}; free some space, then run the session again"
+            raise StudyError(text) from fault
+        self._take(line)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _take(self, line: dict[str, Any]) -> None:
+        record = record_of(line)
+        if record is not None:
+            self.records.append(record)
+
+
+def read_journal(path: Path) -> list[Record]:
+    """The records of a journal that another process may be writing.
+
+    Raises:
+        StudyError: It cannot be read.
+    """
+    found: list[Record] = []
+
+    def take(line: dict[str, Any]) -> None:
+        record = record_of(line)
+        if record is not None:
+            found.append(record)
+
+    try:
+        journal_file.read(path, take)
+    except MissionFileError as fault:
+        raise StudyError(str(fault)) from fault
+    return found
+
+
+def record_of(line: dict[str, Any]) -> Record | None:
+    """The record of a line; None: it is none."""
+    what, at, moment = (line.get(name) for name in ("what", "at", "moment"))
+    if not (isinstance(what, str) and isinstance(at, float) and isinstance(moment, float)):
+        return None
+    data = {name: value for name, value in line.items() if name not in _SAME}
+    numbered = isinstance(data.get("n"), int)
+    headed = isinstance(data.get("study"), str) and isinstance(data.get("replaces"), int)
+    if (what in (BEGIN, DONE) and not numbered) or (what == SESSION and not headed):
+        return None
+    return Record(what=what, at=at, moment=moment, data=data)
+
+
+def _refuse_other(begun: Record, study: StudySpec, participant: int, replaces: int) -> None:
+    if begun.data["study"] != study.digest:
+        text = (
+            f"the study was changed after the session of participant {participant} began; undo "
+            "the change, or copy the folder and begin a study of its own"
+        )
+        raise ChangedStudyError(text)
+    if replaces not in (0, begun.data["replaces"]):
+        text = f"participant {participant} began in the place of {begun.data['replaces'] or 'none'}"
+        raise ChangedStudyError(text)
