@@ -32,6 +32,26 @@ def parser() -> CommandParser:
     plan.add_argument(
         "--unblind", action="store_true", help="name the conditions of a blind study too"
     )
+    run = _add(tasks, "run", "run the session of a participant, or go on with it")
+    run.add_argument(
+        "--participant", type=_participant, metavar="N", required=True, help="the number"
+    )
+    run.add_argument(
+        "--replaces",
+        type=_participant,
+        metavar="M",
+        default=0,
+        help="take over the order of participant M, who left the study",
+    )
+    run.add_argument(
+        "--hub",
+        action="append",
+        default=[],
+        metavar="HUB",
+        help="HOST or HOST:PORT of a real robot, once for each; default: simulated robots",
+    )
+    status = _add(tasks, "status", "show who did what, and who is next")
+    status.add_argument("--json", action="store_true", help="each participant a line, for machines")
     return parser
 
 

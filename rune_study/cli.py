@@ -9,6 +9,9 @@ from collections.abc import Sequence
 from hub.command_line import ExitCode
 from hub.plain_text import plain
 from rune_study.arguments import parser
+from rune_study.errors import StudyError
+
+_LEFT = "the session is not complete; the same command goes on with it\n"
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -22,7 +25,13 @@ def main(arguments: Sequence[str]) -> int:
         ConsoleError: The console of a trial cannot run.
     """
     options = parser().parse_args(arguments)
-    tasks = {"new": _new, "check": _check, "plan": _plan}
+    tasks = {
+        "new": _new,
+        "check": _check,
+        "plan": _plan,
+        "run": _run,
+        "status": _status,
+    }
     return tasks[options.task](options)
 
 
@@ -61,4 +70,38 @@ def _plan(options: argparse.Namespace) -> int:
     make = as_csv if options.csv else json_lines if options.json else as_lines
     named = options.unblind or not study.design.blind
     sys.stdout.writelines(f"{line}\n" for line in make(study, chosen, named=named))
+    return ExitCode.OK
+
+
+def _run(options: argparse.Namespace) -> int:
+    from hub.ipc.endpoints import endpoint_of
+    from rune_study.plan.study_file import read_study
+    from rune_study.session.journal import Journal
+    from rune_study.session.session import Session
+
+    study = read_study(options.folder)
+    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout)):
+        text = "a session needs a terminal; open one of at least 80x24"
+        raise StudyError(text)
+    hubs = [endpoint_of(hub) for hub in options.hub]
+    with Journal.of(study, options.participant, options.replaces) as journal:
+        complete = Session(study, journal, options.participant, hubs).run()
+    sys.stdout.write("the session is complete\n" if complete else _LEFT)
+    return ExitCode.OK if complete else ExitCode.FAULT
+
+
+def _status(options: argparse.Namespace) -> int:
+    import dataclasses
+    import json
+
+    from rune_study.plan.study_file import read_study
+    from rune_study.session.status import participants_of, progress_of, status_lines
+
+    study = read_study(options.folder)
+    if options.json:
+        for participant in participants_of(study):
+            progress = dataclasses.asdict(progress_of(study, participant))
+            sys.stdout.write(json.dumps(progress) + "\n")
+    else:
+        sys.stdout.writelines(f"{plain(line)}\n" for line in status_lines(study))
     return ExitCode.OK

@@ -356,7 +356,14 @@ def _console(
     traits, answers, took, _ = _ask_terminal(options)
     gc.freeze()  # loaded modules stay: garbage collection skips them
     round_trip = took if answers.complete else 0.0
-    console = Console(source, links, traits, round_trip, log.trouble)
+    given = (source, links, traits, round_trip, log.trouble)
+    if options.conductor is None:
+        console = Console(*given)
+    else:
+        from rune_tui.conducted import ConductedConsole
+
+        console = conducted = ConductedConsole(*given)
+        conducted.conduct_by(options.conductor)
     if options.record is not None:
         console.effects.record_into(options.record)
     return console.run_to_end()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import select
 import sys
 from collections.abc import Sequence
 
@@ -13,6 +15,12 @@ def put(line: str) -> None:
     """Write a line at once, with control characters spelt out."""
     sys.stdout.write(plain(line, lines=True) + "\n")
     sys.stdout.flush()
+
+
+def stdin_ended() -> bool:
+    """Whether standard input has ended; its content does not count."""
+    ready, _, _ = select.select([sys.stdin], [], [], 0.0)
+    return bool(ready) and not os.read(sys.stdin.fileno(), 4096)
 
 
 def outcome(result: CommonResult) -> int:

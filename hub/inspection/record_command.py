@@ -20,7 +20,7 @@ from hub.gcm.recording import RECORD_COMMAND, RECORD_MARK, RecordAction, RecordC
 from hub.gcm.supervision import CAPABILITY_WANTS, MODULE_REPORTS, CapabilityWants
 from hub.gcm.vision import ImageCoding
 from hub.inspection.keys_of_terminal import read_keys
-from hub.inspection.output import print_error, put, report, span
+from hub.inspection.output import print_error, put, report, span, stdin_ended
 from hub.ipc.client import Client
 from hub.recording.live.bus_recorder import BusRecorder
 from hub.recording.live.places import SUFFIX, date_name, numbered
@@ -173,7 +173,7 @@ class _Foreground:
                 self._say_fault(state)
             most = self._options.max_bytes
             over = 0.0 < self._options.duration <= now - begun or 0 < most <= state.bytes
-            if over:
+            if over or (self._options.stop_with_stdin and stdin_ended()):
                 self._ending = True
             if keys is not None and now - shown >= _SHOW_S:
                 shown = now

@@ -81,6 +81,7 @@ def add_record(commands: Commands, look: CommandParser) -> None:
         help="stop before the disk has less than this free (1 GiB)",
     )  # fmt: skip
     record.add_argument("--json", action="store_true", help="say what happens as JSON lines")
+    record.add_argument("--stop-with-stdin", action="store_true", help="end when stdin ends")
     _add_orders(record)
 
 

@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import json
 import os
-import select
 import sys
 import time
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from hub.command_line import CommandParser, Commands, ExitCode, number_type
 from hub.errors import EndpointError, HubError
+from hub.inspection.output import stdin_ended
 
 if TYPE_CHECKING:
     from hub.ipc.client import Client
@@ -130,7 +130,7 @@ def _relay(options: argparse.Namespace, profile: LinkProfile) -> int:
         stack.enter_context(contextlib.closing(reporter))
         _say_ready(options, relay, profile, outputs)
         reporter.start()
-        relay.run(_stdin_ended if options.stop_with_stdin else lambda: False)
+        relay.run(stdin_ended if options.stop_with_stdin else lambda: False)
     return 0
 
 
@@ -182,9 +182,3 @@ def _say_ready(
     if not options.json:
         put(f"{profile.name}, seed {options.seed}: consoles connect with --hub {endpoint}")
         put("Ctrl-C ends it, which cuts the link.")
-
-
-def _stdin_ended() -> bool:
-    """Whether standard input has ended; its content does not count."""
-    ready, _, _ = select.select([sys.stdin], [], [], 0.0)
-    return bool(ready) and not os.read(sys.stdin.fileno(), 4096)

@@ -181,6 +181,8 @@ def _add_operator_and_record(*commands: CommandParser) -> None:
             metavar="DIR",
             help="record into a file in this folder from the start; `rune replay` shows it",
         )
+        # An inherited socket of the program that conducts the console: `rune_tui/conducted.py`.
+        command.add_argument("--conductor", type=int, help=argparse.SUPPRESS)
 
 
 def _add_without_options(commands: Commands) -> None:

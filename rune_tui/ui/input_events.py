@@ -56,6 +56,7 @@ class InputEvents:
         keyboard: The held keys.
         joysticks: The joysticks of the open layout.
         recorder: Records the inputs; None: nothing does.
+        withheld: Whether inputs do nothing but stop.
     """
 
     def __init__(
@@ -88,6 +89,7 @@ class InputEvents:
         )
         self._pauses = OwnPauses(PAUSE_S, stale_s=STALE_S)
         self.recorder: Recorder | None = None
+        self.withheld = False
         self._heard = 0.0
         self._focused = -math.inf
 
@@ -243,6 +245,9 @@ class InputEvents:
             self._give(event, time.monotonic() if read is None else read)
 
     def _give(self, event: ControlEvent, read: float) -> None:
+        if self.withheld:
+            self.stop(event.name)
+            return
         state = self._state()
         effects = self._current.dispatch.handle(event, state)
         self._note(event, effects, state, read)

@@ -6,9 +6,10 @@ except the cells under a list.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections import deque
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from typing import Final
 
 import numpy as np
@@ -77,6 +78,7 @@ class Painter:
         self._output: TerminalOutput = BlockOutput(traits.glyphs, self.control)
         self.urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self._latency = math.nan
+        self._rests = False
         self._asked = self._moved = -math.inf
         self._sent: deque[tuple[float, int]] = deque()
 
@@ -90,8 +92,20 @@ class Painter:
         """Whether the terminal answers the question after a frame, so that silence means delay."""
         return self._pacer.answers
 
+    @contextlib.contextmanager
+    def rest(self) -> Iterator[None]:
+        """Write nothing, while another program has the terminal."""
+        with self._app.batch_update():
+            self._rests = True
+            try:
+                yield
+            finally:
+                self._rests = False
+
     def ready(self, now: float) -> bool:
         """Whether the terminal can take a frame now."""
+        if self._rests:
+            return False
         if output_is_pending(self._app) or not self._pacer.may_send(now):
             return False
         if self._traits.discards and self._sent and now - self._sent[-1][0] < _SELDOM_S:

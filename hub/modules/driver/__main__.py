@@ -22,6 +22,7 @@ from hub.gcm import (
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
+from hub.gcm.ground_truth import SimulationPause
 from hub.gcm.standard import Time
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -81,6 +82,9 @@ class Driver:
             stopped=self._stopped,
             changed=self._control_changed,
         )
+        self._paused = False
+        if robot.simulated:
+            client.subscribe(navigation.SIMULATION_PAUSE, self._pause)
         self._vehicle_rate = PublishingRate(vehicle.VEHICLE_STATE.rate_hz)
         self._problems_rate = PublishingRate(diagnostics.DIAGNOSTICS.rate_hz)
         self._joints_rate = PublishingRate(1.0, joints.JOINT_STATES.rate_hz)
@@ -99,6 +103,8 @@ class Driver:
     def _command(self, command: TwistStamped, reception: MessageInfo) -> None:
         twist = command.twist
         now = time.monotonic()
+        if self._paused:
+            return
         obeys = self._navigator.obeys(reception.publisher, now)
         if obeys and self._watchdog.allows(now - reception.age, now, neutral=twist.neutral):
             self._silence.due = self._watchdog.deadline
@@ -109,6 +115,12 @@ class Driver:
             if not twist.neutral:
                 self._loss.watch.moved(now)
                 self._report_by(now + _PERIOD)
+
+    def _pause(self, order: SimulationPause, _: MessageInfo) -> None:
+        """Let the simulated time stand still, or run again."""
+        self._advance(time.monotonic())
+        self._halt()
+        self._paused = bool(order.paused)
 
     def _stopped(self) -> None:
         """A robot without an operator that any client stops begins again to wait for one."""
@@ -150,7 +162,8 @@ class Driver:
     def _advance(self, now: float) -> None:
         seconds = min(now - self._stepped, _LONGEST_STEP)
         self._stepped = now
-        self._body.advance(seconds)
+        if not self._paused:
+            self._body.advance(seconds)
 
     def _publish(self) -> bool:
         """Publish each state that the hardware gives; returns whether it may rest."""

@@ -54,7 +54,7 @@ def test_a_session_killed_at_any_moment_goes_on(tmp_path: Path) -> None:
     for _ in range(repetitions(3, 200)):
         if path.exists():
             path.unlink()
-        before: list[object] = []
+        before: list[tuple[str, dict[str, object]]] = []
         while True:
             ended = _killed_after(lot.randrange(8), lot.random() * 0.004, tmp_path)
             records = read_journal(path) if path.exists() else []

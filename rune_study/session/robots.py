@@ -1,0 +1,195 @@
+"""The robots of a trial: their hubs, their recordings, and what is seen of them meanwhile."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from hub.gcm.ground_truth import GROUND_TRUTH, SIMULATION_PAUSE, GroundTruth, SimulationPause
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoints, PointKind
+from hub.gcm.navigation import STOP, Stop
+from hub.ipc.client import Client
+from hub.ipc.message_info import MessageInfo
+from hub.sim.arena import Arena
+from rune_tui.commands.demo import DemoHub
+
+_START_S = 20.0
+_END_S = 5.0
+_STILL = 0.02
+"""Velocity below which a robot stands [m/s, rad/s]."""
+
+
+@contextlib.contextmanager
+def simulated(robots: Sequence[str], settings: Sequence[str], log: Path) -> Iterator[list[str]]:
+    """Endpoints of the hubs of simulated robots, which end with the context.
+
+    Raises:
+        DemoError: One did not start.
+    """
+    with contextlib.ExitStack() as stack:
+        hubs = [stack.enter_context(DemoHub(robot, log, settings)) for robot in robots]
+        yield [hub.endpoint() for hub in hubs]
+
+
+@contextlib.contextmanager
+def recorded(hubs: Sequence[str], files: Sequence[Path], log: Path) -> Iterator[None]:
+    """Record all that hubs publish, each into a file, until the end of the context."""
+    with contextlib.ExitStack() as stack:
+        output = stack.enter_context(log.open("ab"))
+        for hub, file in zip(hubs, files, strict=True):
+            command = [
+                sys.executable,
+                "-m",
+                "hub",
+                "record",
+                "--hub",
+                hub,
+                "-o",
+                str(file),
+                "--json",
+                "--stop-with-stdin",
+            ]
+            process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=output, stderr=output)
+            stack.callback(_end, process)
+        yield
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    if process.stdin is not None:
+        process.stdin.close()
+    try:
+        process.wait(_END_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+class WatchedRobot:
+    """What is seen of a robot during a trial; one thread uses it.
+
+    Attributes:
+        distance: Length of its way since the start [m]; simulated robots only.
+        collisions: Number of its collisions since the start; simulated robots only.
+        victims: Number of victims near which one is marked.
+        truth: Its newest true state; None: none came.
+    """
+
+    def __init__(
+        self, hub: str, number: int, arena: Arena | None, radius: float, *, real: bool
+    ) -> None:
+        """Connect.
+
+        Args:
+            hub: The endpoint.
+            number: Of the robot, from 0.
+            arena: Where its victims are; None: not known.
+            radius: How near a mark is to its victim [m].
+            real: Whether it is no simulated robot.
+
+        Raises:
+            HubError: No hub answers.
+        """
+        self.distance = 0.0
+        self.collisions = 0
+        self.victims = 0
+        self.truth: GroundTruth | None = None
+        self._first = 0
+        self._still_since = math.inf
+        self._radius = radius
+        self._real = real
+        self._victims = [] if arena is None else victims_in_map(arena)
+        self._client = Client(f"study-{os.getpid()}-{number}", hub)
+        try:
+            self._client.define(STOP, *([] if real else [SIMULATION_PAUSE]))
+            self._client.subscribe(GROUND_TRUTH, self._see)
+            self._client.subscribe(INTEREST_POINTS, self._count, last=True)
+            self._client.wait_connected(_START_S)
+        except BaseException:
+            self._client.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._client.close()
+
+    @property
+    def number_of_victims(self) -> int:
+        """Number of victims in its arena."""
+        return len(self._victims)
+
+    def still_for(self, now: float) -> float:
+        """How long it has been standing [s]."""
+        return max(0.0, now - self._still_since)
+
+    def watch(self, seconds: float) -> None:
+        """Handle what comes within this time."""
+        self._client.listen(seconds)
+
+    def begin(self) -> None:
+        """Count from now on."""
+        self.distance = 0.0
+        self._first = self.truth.contacts if self.truth is not None else 0
+        self.collisions = 0
+
+    def pause(self, *, on: bool) -> None:
+        """Let its simulation stand still, or run again; a real robot stops."""
+        if not self._real:
+            self._client.publish(SIMULATION_PAUSE, SimulationPause(paused=int(on)))
+        elif on:
+            self._client.publish(STOP, Stop(reason="a pause of the study"))
+        self._client.wait_published(_START_S)
+
+    def _see(self, truth: GroundTruth, info: MessageInfo) -> None:
+        if self.truth is not None:
+            self.distance += math.hypot(truth.x - self.truth.x, truth.y - self.truth.y)
+        self.truth = truth
+        self.collisions = max(0, truth.contacts - self._first)
+        moves = max(abs(truth.linear), abs(truth.sway), abs(truth.heave), abs(truth.angular))
+        if moves > _STILL:
+            self._still_since = math.inf
+        else:
+            self._still_since = min(self._still_since, info.measured)
+
+    def _count(self, points: InterestPoints, _: MessageInfo) -> None:
+        marks = [(each.x, each.y) for each in points.points if each.kind == PointKind.VICTIM]
+        self.victims = sum(
+            any(math.dist(mark, victim) <= self._radius for mark in marks)
+            for victim in self._victims
+        )
+
+
+def victims_in_map(arena: Arena) -> list[tuple[float, float]]:
+    """Where victims are, in the frame of a map that began at the arena's start [m]."""
+    start = arena.start
+    turned = math.cos(start.theta), math.sin(start.theta)
+    return [
+        (
+            (victim.x - start.x) * turned[0] + (victim.y - start.y) * turned[1],
+            (victim.y - start.y) * turned[0] - (victim.x - start.x) * turned[1],
+        )
+        for victim in arena.victims
+    ]
+
+
+def state_of(robot: WatchedRobot) -> dict[str, Any]:
+    """What is true of a robot now, as the journal has it."""
+    truth = robot.truth
+    seen: dict[str, Any] = {"collisions": robot.collisions, "victims": robot.victims}
+    seen["distance"] = round(robot.distance, 3)
+    if truth is not None:
+        seen |= {"x": truth.x, "y": truth.y, "theta": truth.theta, "linear": truth.linear}
+    return seen

@@ -1,0 +1,140 @@
+"""A participant's session in this terminal: every step of the plan, from the first not done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rune_study.errors import StudyError
+from rune_study.plan.folder import questionnaire_path, text_path
+from rune_study.plan.steps import BREAK, PRACTICE, TRIAL, Step, plan
+from rune_study.plan.study_spec import StudySpec
+from rune_study.questionnaires.asking import ask
+from rune_study.questionnaires.questionnaire import read as read_questionnaire
+from rune_study.session.interruptions import ANSWERS
+from rune_study.session.journal import Journal
+from rune_study.session.markers import lsl_markers, no_markers
+from rune_study.session.orders import ABORT, BEGIN, OrderBook
+from rune_study.session.progress import LeftError, Result, run_steps
+from rune_study.session.reading import forget_keys, read
+from rune_study.session.stage import practice_of, stage
+from rune_study.session.trial import Trial
+
+PRIVATE = "private.log"
+"""Answers that stay out of the study's data, such as consent."""
+_BREAK = "# A break\n\nPlease rest."
+_PRACTICE = "# Practice\n\nDrive the robot until you know how. Quit the console when you are ready."
+_TRIAL = (
+    "# Trial {number} of {count}\n\nIt takes up to {minutes:.0f} minutes. Press Enter to begin."
+)
+
+
+class Session:
+    """Does the steps of a participant."""
+
+    def __init__(
+        self, study: StudySpec, journal: Journal, participant: int, hubs: Sequence[str]
+    ) -> None:
+        """Prepare.
+
+        Args:
+            study: The study.
+            journal: The participant's.
+            participant: The number.
+            hubs: Endpoints of real robots; empty: they are simulated.
+
+        Raises:
+            StudyError: Markers are wanted and cannot be sent.
+        """
+        self._study = study
+        self._journal = journal
+        self._folder = journal.path.parent
+        self._code = self._folder.name.replace("sub-", "p")
+        self._hubs = hubs
+        self._steps = plan(study, participant, journal.replaces)
+        self._book = OrderBook(self._folder)
+        self._mark: Callable[[str], None] = no_markers
+        if study.markers.lsl:
+            self._mark = lsl_markers(f"{study.digest[:8]}-{self._code}")
+
+    def run(self) -> bool:
+        """Do all steps that are not done; returns whether all are.
+
+        Raises:
+            HubError: A hub or a file cannot be used.
+            ConsoleError: A simulated robot did not start.
+        """
+        return run_steps(self._steps, self._journal, self._do)
+
+    def _do(self, step: Step, attempt: int) -> Result | None:
+        if step.kind in (TRIAL, PRACTICE):
+            return self._try(step, attempt)
+        self._mark(f"step {step.name}")
+        if step.kind == BREAK:
+            text = text_path(self._study, BREAK)
+            read(_BREAK if text is None else _text(text), seconds=step.seconds)
+            return {}
+        return self._page_and_questions(step)
+
+    def _page_and_questions(self, step: Step) -> Result:
+        page = text_path(self._study, step.kind)
+        if page is not None:
+            read(_text(page))
+        path = questionnaire_path(self._study, step.kind)
+        if path is None:
+            if page is None:
+                text = f"there is no step {step.kind!r}; `rune study check` says what is missing"
+                raise StudyError(text)
+            return {}
+        questionnaire = read_questionnaire(path)
+        file = self._folder / (PRIVATE if questionnaire.private else ANSWERS)
+        forget_keys()
+        if not ask(questionnaire, file, step.name, f"{self._study.seed} {self._code} {step.name}"):
+            why = f"{step.name} is not complete"
+            raise LeftError(why)
+        return {"questionnaire": questionnaire.name}
+
+    def _try(self, step: Step, attempt: int) -> Result | None:
+        self._wait_for_begin(step)
+        spec = self._study.conditions[max(step.condition, 0)]
+        if step.kind == PRACTICE:
+            first = next((each for each in self._steps if each.kind == TRIAL), step)
+            spec = practice_of(self._study, self._study.conditions[first.condition])
+        with stage(
+            self._study,
+            spec,
+            step,
+            folder=self._folder,
+            operator=self._code,
+            attempt=attempt,
+            hubs=self._hubs,
+        ) as running:
+            given = (self._study, step, attempt, self._journal, running, self._book, self._mark)
+            return Trial(*given).run()
+
+    def _wait_for_begin(self, step: Step) -> None:
+        count = sum(each.kind == TRIAL for each in self._steps)
+        minutes = step.seconds / 60.0
+        text = _TRIAL.format(number=step.trial, count=count, minutes=minutes)
+        by_experimenter = step.kind == TRIAL and self._study.trial.begins == "experimenter"
+        read(
+            _PRACTICE if step.kind == PRACTICE else text,
+            ended=self._may_begin if by_experimenter else None,
+        )
+
+    def _may_begin(self) -> bool:
+        orders = self._book.fresh()
+        for order in orders:
+            self._journal.put("order", do=order.do, text=order.text, given=order.at)
+        if any(order.do == ABORT for order in orders):
+            why = "the experimenter left the session"
+            raise LeftError(why)
+        return any(order.do == BEGIN for order in orders)
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as fault:
+        text = f"{path} cannot be read: {fault}"
+        raise StudyError(text) from fault

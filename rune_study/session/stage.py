@@ -1,0 +1,114 @@
+"""What a trial happens on: robots with their hubs, links and recordings, and the console."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from hub.shaper.shaped_link import ShapedLink
+from hub.sim.arena import load_arena
+from hub.values import dataclass
+from rune_study.plan.folder import arena_of, hub_settings, layout_of, link_of, robot_of
+from rune_study.plan.steps import Step
+from rune_study.plan.study_spec import ConditionSpec, StudySpec
+from rune_study.session.conducting import ConsoleProcess, console_options
+from rune_study.session.robots import WatchedRobot, recorded, simulated
+
+LOG = "session.log"
+"""What hubs and recorders said, in the participant's folder."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stage:
+    """The running parts of a trial.
+
+    Attributes:
+        console: The console.
+        robots: The robots, in the order of the layout.
+        files: Recordings of the hubs, and last the one of the console, which may not exist yet.
+    """
+
+    console: ConsoleProcess
+    robots: tuple[WatchedRobot, ...]
+    files: tuple[Path, ...]
+
+
+def names_of_files(folder: Path, name: str, attempt: int, robots: int) -> tuple[Path, ...]:
+    """Recordings of a trial's attempt: of each hub, and last of the console."""
+    begin = f"{name}-a{attempt}"
+    hubs = [f"{begin}.mcap"] if robots == 1 else [f"{begin}.r{n + 1}.mcap" for n in range(robots)]
+    return tuple(folder / each for each in (*hubs, f"{begin}.console.mcap"))
+
+
+@contextlib.contextmanager
+def stage(
+    study: StudySpec,
+    spec: ConditionSpec,
+    step: Step,
+    *,
+    folder: Path,
+    operator: str,
+    attempt: int,
+    hubs: Sequence[str] = (),
+) -> Iterator[Stage]:
+    """Start all parts, and end them with the context.
+
+    Args:
+        study: The study.
+        spec: The condition.
+        step: The trial, for its seeds.
+        folder: Of the participant.
+        operator: The participant's code.
+        attempt: Number of the attempt.
+        hubs: Endpoints of real robots; empty: robots are simulated.
+
+    Raises:
+        HubError: A hub, a link or the console cannot be started, or a robot cannot be reached.
+        DemoError: A simulated robot did not start.
+    """
+    log = folder / LOG
+    *recordings, of_console = names_of_files(folder, step.name, attempt, spec.robots)
+    arena = load_arena(arena_of(study, spec)) if spec.arena else None
+    with contextlib.ExitStack() as stack:
+        if hubs:
+            own = list(hubs)
+        else:
+            robots = [robot_of(study, spec)] * spec.robots
+            settings = hub_settings(study, spec, step.seed)
+            own = stack.enter_context(simulated(robots, settings, log))
+        stack.enter_context(recorded(own, recordings, log))
+        seen = own
+        if spec.link:
+            profile, seed = link_of(study, spec), step.link_seed
+            links = [stack.enter_context(ShapedLink(hub, profile, seed)) for hub in own]
+            seen = [link.endpoint for link in links]
+        radius = study.metrics.victim_radius_m
+        watched = tuple(
+            stack.enter_context(WatchedRobot(hub, number, arena, radius, real=bool(hubs)))
+            for number, hub in enumerate(own)
+        )
+        part = of_console.with_suffix(".part")
+        stack.callback(_keep, part, of_console)
+        options = console_options(seen, operator, part, spec.variables)
+        console = stack.enter_context(ConsoleProcess(layout_of(study, spec), options))
+        yield Stage(console=console, robots=watched, files=(*recordings, of_console))
+
+
+def _keep(part: Path, file: Path) -> None:
+    """Give the console's recording its name; a folder with other files stays."""
+    found = sorted(part.glob("*.mcap"))
+    if len(found) == 1 and not file.exists():
+        found[0].rename(file)
+    with contextlib.suppress(OSError):
+        part.rmdir()
+
+
+def practice_of(study: StudySpec, first: ConditionSpec) -> ConditionSpec:
+    """What the practice happens with, given the first trial's condition."""
+    spec = study.practice
+    if spec is None:
+        return first
+    layout, arena = spec.layout or first.layout, spec.arena or first.arena
+    return dataclasses.replace(first, link="", layout=layout, arena=arena)

@@ -1,0 +1,102 @@
+"""How far a study is: who did what, as far as their journals say."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from hub.values import dataclass
+from rune_study.plan.folder import participant_folder
+from rune_study.plan.steps import TRIAL, plan
+from rune_study.plan.study_spec import MOST_PARTICIPANTS, StudySpec
+from rune_study.session.journal import BEGIN, DONE, JOURNAL, SESSION, Record, read_journal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """How far a participant is.
+
+    Attributes:
+        participant: The number.
+        replaces: The participant whose order this one took over; 0: none.
+        done: Steps that are done.
+        steps: Steps in all.
+        trials: Trials that are done.
+        order: Codes of all trials.
+        attempts: Begun steps more than done ones.
+        now: The step that was begun last and is not done; empty: none.
+        other_study: Whether it began with another study than the folder has now.
+    """
+
+    participant: int
+    replaces: int
+    done: int
+    steps: int
+    trials: int
+    order: str
+    attempts: int
+    now: str
+    other_study: bool
+
+
+def participants_of(study: StudySpec) -> list[int]:
+    """Participants who have a journal."""
+    found = (path.name.removeprefix("sub-") for path in study.folder.glob("sub-*"))
+    numbers = (int(each) for each in found if each.isdecimal() and len(each) < 6)
+    inside = (each for each in numbers if 1 <= each <= MOST_PARTICIPANTS)
+    return sorted(each for each in inside if journal_path(study.folder, each).exists())
+
+
+def journal_path(folder: Path, participant: int) -> Path:
+    """The journal of a participant."""
+    return participant_folder(folder, participant) / JOURNAL
+
+
+def progress_of(study: StudySpec, participant: int) -> Progress:
+    """How far a participant is.
+
+    Raises:
+        StudyError: The journal cannot be read.
+    """
+    return progress_in(study, participant, read_journal(journal_path(study.folder, participant)))
+
+
+def progress_in(study: StudySpec, participant: int, records: list[Record]) -> Progress:
+    """The same from the records of a journal."""
+    head = next((each for each in records if each.what == SESSION), None)
+    replaces = int(head.data["replaces"]) if head is not None else 0
+    steps = plan(study, participant, replaces)
+    done = {int(each.data["n"]) for each in records if each.what == DONE}
+    begun = [int(each.data["n"]) for each in records if each.what == BEGIN]
+    last = begun[-1] if begun else -1
+    trials = [step for step in steps if step.kind == TRIAL]
+    open_step = 0 <= last < len(steps) and last not in done
+    return Progress(
+        participant=participant,
+        replaces=replaces,
+        done=len(done),
+        steps=len(steps),
+        trials=sum(step.number in done for step in trials),
+        order="".join(step.code for step in trials),
+        attempts=len(begun) - len(set(begun)),
+        now=steps[last].name if open_step else "",
+        other_study=head is not None and head.data["study"] != study.digest,
+    )
+
+
+def status_lines(study: StudySpec) -> Iterator[str]:
+    """A line for each participant, and what is next."""
+    known = participants_of(study)
+    complete = 0
+    for participant in known:
+        each = progress_of(study, participant)
+        complete += each.done == each.steps
+        notes = [f"replaces {each.replaces}"] if each.replaces else []
+        notes += [f"at {each.now}"] if each.now else []
+        notes += [f"{each.attempts} begun again"] if each.attempts else []
+        notes += ["with another study"] if each.other_study else []
+        what = "complete" if each.done == each.steps else f"{each.done} of {each.steps} steps"
+        yield f"{participant:3}  {each.order}  {', '.join([what, *notes])}"
+    yield f"{complete} of {study.participants} participants are complete"
+    next_one = next((n for n in range(1, MOST_PARTICIPANTS) if n not in known), 0)
+    yield f"next: rune study run {study.folder} --participant {next_one}"

@@ -1,0 +1,166 @@
+"""A session of a study with real hubs and the real console on a terminal."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import psutil
+import pytest
+
+from hub.recording.reader import Recording
+from rune_study.session.journal import JOURNAL, Record, read_journal
+from tests.support.waiting import until
+from tests.system.harness import ConsoleProcess, family, gone
+
+STUDY = """
+title = "t"
+seed = "s"
+participants = 2
+[session]
+steps = ["welcome", "trials"]
+[defaults]
+arena = "empty"
+[factors]
+layout = ["minimal"]
+[trial]
+seconds = {seconds}
+after = ["quick"]
+{more}
+"""
+QUICK = """
+name = "quick"
+title = "Quick"
+[[item]]
+id = "hard"
+kind = "choice"
+text = "How hard was it?"
+options = ["easy", "hard"]
+"""
+INTERRUPTED = """
+[freeze]
+questions = "quick"
+not_before_s = 3
+not_after_s = 3
+[neglect]
+not_before_s = 5
+not_after_s = 5
+still_s = 0.5
+longest_s = 2
+[secondary]
+every_s = [1.0, 1.0]
+longest_s = 20
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("texts", "questionnaires"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "texts" / "welcome.md").write_text("# Hello\n")
+    (tmp_path / "questionnaires" / "quick.toml").write_text(QUICK)
+    return tmp_path
+
+
+def begun(folder: Path, seconds: float, more: str = "") -> ConsoleProcess:
+    (folder / "study.toml").write_text(STUDY.format(seconds=seconds, more=more))
+    return ConsoleProcess(["study", "run", str(folder), "--participant", "1"])
+
+
+def records(folder: Path) -> list[Record]:
+    path = folder / "sub-01" / JOURNAL
+    return read_journal(path) if path.exists() else []
+
+
+def seen(folder: Path, what: str) -> list[Record]:
+    return [each for each in records(folder) if each.what == what]
+
+
+def shows(session: ConsoleProcess, text: str) -> None:
+    session.wait(lambda: text in session.text, 40.0, f"{text} is not on the screen")
+
+
+@pytest.mark.timeout(150)
+def test_a_trial_is_driven_recorded_and_asked_about(folder: Path) -> None:
+    session = begun(folder, 3.0)
+    try:
+        for page in ("Hello", "Trial 1 of 1"):
+            shows(session, page)
+            session.type("\r")
+        session.wait_for_picture()
+        shows(session, "How hard was it?")
+        session.type("\x1b[B\r")
+        assert session.wait_ended() == 0
+    finally:
+        session.close()
+    (end,) = seen(folder, "trial-end")
+    assert end.data["why"] == "time"
+    done = seen(folder, "done")
+    assert [each.data["n"] for each in done] == [0, 1, 2]
+    files = done[1].data["result"]["files"]
+    assert files == ["t1-a1.mcap", "t1-a1.console.mcap"]
+    topics = {}
+    for name in files:
+        with Recording.open(folder / "sub-01" / name) as recording:
+            topics[name] = {channel.name for channel in recording.channels.values()}
+    assert "/magellan/SIM_GroundTruth" in topics[files[0]]
+    assert "/console/RuneFrame" in topics[files[1]]
+
+
+@pytest.mark.timeout(150)
+def test_a_session_that_is_killed_in_a_trial_leaves_nothing_and_goes_on(folder: Path) -> None:
+    session = begun(folder, 60.0)
+    try:
+        for page in ("Hello", "Trial 1 of 1"):
+            shows(session, page)
+            session.type("\r")
+        session.wait(lambda: seen(folder, "trial-begin"), 40.0)
+        parts = [psutil.Process(each.pid) for each in family(session.process.pid)]
+        assert len(parts) > 3
+        session.process.send_signal(signal.SIGKILL)
+        until(lambda: gone(parts), 20.0, "parts of the trial go on")
+    finally:
+        session.close()
+    again = ConsoleProcess(["study", "run", str(folder), "--participant", "1"])
+    try:
+        shows(again, "Trial 1 of 1")
+        again.type("\r")
+        again.wait(lambda: len(seen(folder, "trial-begin")) == 2, 40.0)
+        again.wait_for_picture()
+        begins = [each.data for each in seen(folder, "begin")]
+        assert [(each["n"], each["attempt"]) for each in begins] == [(0, 1), (1, 1), (1, 2)]
+        assert {"t1-a1.mcap", "t1-a2.mcap"} <= {path.name for path in folder.glob("sub-01/*")}
+    finally:
+        again.close()
+
+
+@pytest.mark.timeout(150)
+def test_freezes_withheld_control_and_the_secondary_task_interrupt_a_trial(folder: Path) -> None:
+    session = begun(folder, 9.0, INTERRUPTED)
+    try:
+        for page in ("Hello", "Trial 1 of 1"):
+            shows(session, page)
+            session.type("\r")
+        session.wait_for_picture()
+        shows(session, "EVEN OR ODD")
+        session.type("\x1b[17~")  # F6
+        shows(session, "How hard was it?")
+        assert "STANDING" not in session.text
+        session.type("\x1b[B\r")
+        session.wait(lambda: seen(folder, "unfrozen"), 20.0)
+        session.wait_for_picture()
+        session.wait(lambda: seen(folder, "withheld"), 20.0)
+        session.wait(lambda: seen(folder, "allowed"), 20.0)
+        session.wait(lambda: seen(folder, "trial-end"), 40.0)
+    finally:
+        session.close()
+    (frozen,), (unfrozen,) = seen(folder, "frozen"), seen(folder, "unfrozen")
+    (begin,), (end,) = seen(folder, "trial-begin"), seen(folder, "trial-end")
+    away = unfrozen.moment - frozen.moment
+    assert end.moment - begin.moment >= 9.0 + away - 0.1
+    assert end.data["seconds"] == pytest.approx(9.0, abs=0.5)
+    answered = [each for each in seen(folder, "secondary") if each.data["key"] == "f6"]
+    assert answered
+    assert all(each.data["seconds"] > 0.0 for each in answered)
+    with Recording.open(folder / "sub-01" / "t1-a1.mcap") as recording:
+        assert "/magellan/SIM_Pause" in {each.name for each in recording.channels.values()}
