@@ -51,7 +51,7 @@ class ConductedConsole(Console, inherit_bindings=True):
         self._away = contextlib.ExitStack()
 
     def on_mount(self) -> None:
-        """Begin to listen; the other program hears that the console is ready."""
+        """Begin to listen; the other program gets `ready`."""
         asyncio.get_running_loop().add_reader(self._line.fileno(), self._read)
         self._report("ready")
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, TextIO
 
 from hub.command_line import CommandParser, Commands, ExitCode, number_type
 from hub.errors import EndpointError, HubError
-from hub.inspection.output import stdin_ended
 
 if TYPE_CHECKING:
     from hub.ipc.client import Client
@@ -113,6 +112,7 @@ def _facts(profile: LinkProfile) -> dict[str, object]:
 
 def _relay(options: argparse.Namespace, profile: LinkProfile) -> int:
     from hub.inspection.message_commands import connect
+    from hub.inspection.output import stdin_ended
     from hub.shaper.reporter import Reporter
 
     with contextlib.ExitStack() as stack:

@@ -38,7 +38,7 @@ class Record:
         what: Its kind.
         at: When [s since 1970].
         moment: The same on the monotonic clock of this machine [s].
-        data: All else.
+        data: The rest.
     """
 
     what: str

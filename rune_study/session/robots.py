@@ -18,7 +18,7 @@ from hub.gcm.navigation import STOP, Stop
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.sim.arena import Arena
-from rune_tui.commands.demo import DemoHub
+from rune_tui.commands.demo import DemoHubs
 
 _START_S = 20.0
 _END_S = 5.0
@@ -33,9 +33,9 @@ def simulated(robots: Sequence[str], settings: Sequence[str], log: Path) -> Iter
     Raises:
         DemoError: One did not start.
     """
-    with contextlib.ExitStack() as stack:
-        hubs = [stack.enter_context(DemoHub(robot, log, settings)) for robot in robots]
-        yield [hub.endpoint() for hub in hubs]
+    with DemoHubs(log) as hubs:
+        hubs.start(robots, "", settings)
+        yield hubs.endpoints()
 
 
 @contextlib.contextmanager
@@ -90,7 +90,7 @@ class WatchedRobot:
             hub: The endpoint.
             number: Of the robot, from 0.
             arena: Where its victims are; None: not known.
-            radius: How near a mark is to its victim [m].
+            radius: Largest distance of a mark from its victim [m].
             real: Whether it is no simulated robot.
 
         Raises:
@@ -136,7 +136,7 @@ class WatchedRobot:
         return max(0.0, now - self._still_since)
 
     def watch(self, seconds: float) -> None:
-        """Handle what comes within this time."""
+        """Handle messages for this time [s]."""
         self._client.listen(seconds)
 
     def begin(self) -> None:

@@ -182,17 +182,18 @@ class DemoHubs:
             for hub in self._hubs:
                 stack.callback(hub.close)
 
-    def start(self, robots: Sequence[str], arena: str) -> None:
+    def start(self, robots: Sequence[str], arena: str, settings: Sequence[str] = ()) -> None:
         """Start the hubs of more robots.
 
         Args:
             robots: Names of shipped robots.
             arena: Name or path of the arena; empty: that of each robot.
+            settings: More values that replace those of robot files.
 
         Raises:
             DemoError: A process cannot be started.
         """
-        settings = [f"simulation.arena={arena}"] if arena else []
+        settings = [*([f"simulation.arena={arena}"] if arena else []), *settings]
         for robot in robots:
             self._hubs.append(DemoHub(robot, self._log, settings))
 

@@ -31,6 +31,7 @@ NAMES = (
     "docs/layout-reference",
     "docs/protocol",
     "docs/security",
+    "docs/studies",
     "docs/writing-a-module",
     "docs/writing-a-robot",
     "docs/writing-a-visualizer",

@@ -63,6 +63,8 @@ RECORDING = [
     command for command in EVERY if command.startswith(("rune-hub record ", "rune-hub play "))
 ]
 """These are about one recorder, and come in the order of the page."""
+STUDY = [command for command in EVERY if command.startswith("rune study ")]
+"""These are about one study, and come in the order of the page."""
 ALONE = ("run", "keys", "check", "doctor", "service", "arena", "completion")
 """Commands of `rune-hub` that ask no hub."""
 
@@ -79,9 +81,9 @@ def named(found: Iterable[str]) -> list[Any]:
     return [pytest.param(command, id=f"{EVERY[command]}: {command}") for command in found]
 
 
-_IN_ORDER = [*CHANGING, *MISSION, *RECORDING, *LOG]
+_IN_ORDER = [*CHANGING, *MISSION, *RECORDING, *LOG, *STUDY]
 ON_A_HUB = [each for each in EVERY if each not in _IN_ORDER and asks_a_hub(each)]
-BY_ITSELF = [each for each in EVERY if not asks_a_hub(each)]
+BY_ITSELF = [each for each in EVERY if not (each in STUDY or asks_a_hub(each))]
 
 
 def test_there_are_commands() -> None:
@@ -134,6 +136,20 @@ def test_commands_on_recordings_work(tmp_path: Path, monkeypatch: pytest.MonkeyP
         done = rune_hub(*shlex.split(command)[1:])
         assert done.returncode == 0, f"{command}: {done.stderr}"
     assert (tmp_path / "tables/scout-GCM_Battery.csv").stat().st_size > 0
+
+
+def test_commands_of_studies_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for command in STUDY:
+        words = shlex.split(command)[1:]
+        if words[1] != "run":
+            done = rune(*words)
+            assert done.returncode == 0, f"{command}: {done.stderr}"
+            continue
+        with closing(ConsoleProcess(words, columns=80, rows=24)) as session:
+            session.wait(lambda: "Consent" in session.text, 20.0, "the session does not begin")
+            session.type("\x03")
+            assert session.wait_ended() == 1
 
 
 @pytest.mark.parametrize("command", named(BY_ITSELF))

@@ -58,7 +58,8 @@ COMMANDS: Mapping[str, Right] = {
     "GCM_Pad_Device": _OPERATOR,
     "GCM_Pad_State": _OPERATOR,
     "GCM_Pad_Console": _OPERATOR,
-    # The start and end of the robot's modules.
+    # The start and end of the robot's modules, and the time of simulations.
+    "SIM_Pause": _SUPERVISOR,
     "GCM_Common_Command": _SUPERVISOR,
     "GCM_Module_Command": _SUPERVISOR,
     # Wheel commands. The driver checks the sender again.
