@@ -43,6 +43,8 @@ FRAMES, STATES, PICTURES = 30, 20, 10
 SIZE = (112, 84)
 JUMPS = 100
 PLAYED_S = 60.0
+_WAITING = 5000
+"""Frames that may wait for the disk."""
 SECOND = 1_000_000_000
 
 
@@ -87,6 +89,8 @@ def log_of(path: Path, seconds: int) -> None:
         state = dataclasses.replace(state, now=now, clock="12:00:00", robots={"robot": robot})
         drawn = DrawnFrame(columns=COLUMNS, rows=ROWS, arranged=1, cells=None, slow={})
         log.frame(state, drawn)
+        while recording.state.messages < frame - _WAITING:
+            time.sleep(0.01)  # what is too much for the writer would be lost
     recording.close()
 
 

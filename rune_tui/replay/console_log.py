@@ -146,7 +146,7 @@ class _Moment:
         self._links: dict[tuple[str, int], LinkState] = {}
         self._topics: dict[str, str] = {}
         self._messages: defaultdict[str, dict[int, LoggedMessage]] = defaultdict(dict)
-        self._robots: dict[str, RobotState] = {}
+        self._absent: dict[str, set[int]] = {}
         self._known: dict[tuple[str, int], tuple[str, Received[Any]]] = {}
 
     def begin(self, stamp: int) -> None:
@@ -222,7 +222,7 @@ class _Moment:
     def _robot(self, stamp: int, record: FrameRobot) -> RobotState:
         topic = self._topics.get(record.robot, record.robot)
         messages, wanted = self._messages[topic], _numbers_of(record)
-        missing = wanted - messages.keys()
+        missing = wanted - messages.keys() - self._absent.get(topic, set())
         if missing or (record.robot, record.link) not in self._links:
             self._search(stamp, record, topic, missing)
         newest = max(wanted, default=0)
@@ -293,6 +293,7 @@ class _Moment:
             if not missing and (record.robot, record.link) in self._links:
                 return
         if missing:
+            self._absent.setdefault(topic, set()).update(missing)
             self._note(f"{record.robot}: some messages of frames are not in the recording")
 
     def _note(self, fault: str) -> None:
