@@ -43,7 +43,7 @@ def input_record(
         x=hit.x if hit is not None else math.nan,
         y=hit.y if hit is not None else math.nan,
         in_picture=hit is not None and hit.in_picture is not None,
-        handlers=tuple(dict.fromkeys(type(each.widget).__name__ for each in bound)),
+        handlers=tuple(dict.fromkeys(each.handler for each in bound)),
         robot=robot,
         outcome=_outcome(event, bound, effects, state),
     )

@@ -22,11 +22,13 @@ class Listener:
         widget: The widget.
         spec: The pattern.
         viewport: The viewport that it belongs to; empty: none.
+        handler: The name of the widget in layouts.
     """
 
     widget: Widget
     spec: EventSpec
     viewport: str
+    handler: str
 
 
 class Listeners:
@@ -47,7 +49,12 @@ class Listeners:
                 widget = cast("Widget", kinds[spec.handler].from_spec(spec, robot))
                 self.widgets.append(widget)
                 for event_spec in spec.events:
-                    listener = Listener(widget=widget, spec=event_spec, viewport=spec.viewport)
+                    listener = Listener(
+                        widget=widget,
+                        spec=event_spec,
+                        viewport=spec.viewport,
+                        handler=spec.handler,
+                    )
                     self._by_input[event_spec.name].append(listener)
 
     def __contains__(self, name: object) -> bool:
