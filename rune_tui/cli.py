@@ -272,11 +272,9 @@ def _replay(options: argparse.Namespace) -> int:
     from contextlib import closing
 
     from rune_tui.replay import opening
-    from rune_tui.replay.topic_choice import TopicChoice
 
     layout = _load(options.layout, options.set) if options.layout is not None else None
-    choice, topics = TopicChoice(), options.topics
-    opened = functools.partial(opening.open_source, options.files, layout, choice, topics=topics)
+    opened = opening.opener(options.files, layout, topics=options.topics)
     if options.export is not None:
         from rune_tui.replay.exporting import export
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+import os
 import tempfile
+import time
 from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -13,6 +16,7 @@ from hub.recording.anchor import TimeAnchor
 from hub.recording.recording_set import RecordingSet
 from rune_tui.errors import LogError
 from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.own_records import RUNE_TERMINAL, TerminalRecord
 from rune_tui.replay.bag_source import BagSource
 from rune_tui.replay.console_log import ConsoleLog, has_frames
 from rune_tui.replay.desk import entered
@@ -106,6 +110,42 @@ def _made(
                 return dataclasses.replace(open_layout(path), path="auto", files=())
     reason = f"{recording.path} does not describe its robot; name a layout by --layout"
     raise LogError(reason)
+
+
+def opener(
+    files: Sequence[Path], layout: LayoutSpec | None, *, topics: bool
+) -> Callable[[], ReplaySource]:
+    """The function that opens some files as `open_source` does.
+
+    From then on, this process writes times of day as the first recording's console.
+
+    Raises:
+        RecordingError: The first file cannot be read.
+    """
+    follow_time_zone(files)
+    return functools.partial(open_source, files, layout, TopicChoice(), topics=topics)
+
+
+def follow_time_zone(files: Sequence[Path]) -> None:
+    """Have this process write times of day as the console did that made the first recording.
+
+    Raises:
+        RecordingError: The file cannot be read.
+    """
+    with RecordingSet.open(files[:1]) as recording:
+        decoder = Decoder(recording.channels, TimeAnchor(0, 0.0), [])
+        terminals = {
+            channel
+            for channel, topic in recording.channels.items()
+            if topic.message == RUNE_TERMINAL.name
+        }
+        first = next(recording.messages(channels=terminals), None) if terminals else None
+        terminal = decoder.value(first) if first is not None else None
+    if isinstance(terminal, TerminalRecord) and hasattr(time, "tzset"):
+        minutes = -terminal.utc_offset_s // 60  # POSIX counts to the west
+        sign = "-" if minutes < 0 else ""
+        os.environ["TZ"] = f"LOG{sign}{abs(minutes) // 60}:{abs(minutes) % 60:02d}"
+        time.tzset()
 
 
 def start_of(text: str) -> int:

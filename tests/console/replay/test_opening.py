@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import random
 import shutil
+import time
 from contextlib import closing
 from pathlib import Path
 
@@ -14,8 +15,9 @@ from hub.errors import RecordingError
 from hub.gcm.navigation import ROBOT_STATE
 from rune_tui.errors import LogError
 from rune_tui.files.console_recording import ConsoleRecording
+from rune_tui.model.own_records import RUNE_TERMINAL, TerminalRecord
 from rune_tui.replay.desk import Desk
-from rune_tui.replay.opening import open_source
+from rune_tui.replay.opening import follow_time_zone, open_source
 from rune_tui.replay.player import Player
 from rune_tui.replay.timed_log import PERIOD_NS, paired
 from rune_tui.startup.opening import open_layout
@@ -143,3 +145,20 @@ def test_a_recording_without_its_layout_names_the_remedy(session: Path, tmp_path
     copy.write_bytes(copy.read_bytes().replace(b"layout.xml", b"layout.py\0"))
     with pytest.raises((LogError, RecordingError)), closing(open_source([copy], None)) as source:
         list(source.frames(source.start - 1, source.end))
+
+
+def test_times_of_day_are_those_of_the_console(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for offset, hour in ((7200, 2), (-12600, 20), (0, 0)):
+        path = tmp_path / f"{offset}.mcap"
+        recording = ConsoleRecording(path, {})
+        recording.add("console", RUNE_TERMINAL, TerminalRecord(utc_offset_s=offset), 0.0)
+        recording.close()
+        monkeypatch.setenv("TZ", "UTC")
+        try:
+            follow_time_zone([path])
+            assert time.localtime(0.0).tm_hour == hour
+        finally:
+            monkeypatch.undo()
+            time.tzset()
