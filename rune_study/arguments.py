@@ -52,7 +52,39 @@ def parser() -> CommandParser:
     )
     status = _add(tasks, "status", "show who did what, and who is next")
     status.add_argument("--json", action="store_true", help="each participant a line, for machines")
+    _add_results(tasks)
     return parser
+
+
+def _add_results(tasks: Commands) -> None:
+    report = _add(tasks, "report", "compute all metrics from the recordings, and write a page")
+    report.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="the page; default: DIR/report.html"
+    )
+    report.add_argument(
+        "--unblind", action="store_true", help="name the conditions of a blind study"
+    )
+    export = _add(tasks, "export", "compute all metrics, and write tables with their dictionary")
+    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="default: DIR/derived")
+    replay = _add(tasks, "replay", "show the recordings of a trial")
+    replay.add_argument("participant", type=_participant, metavar="N", help="the participant")
+    trial = number_type(int, 1, 1000, "trial's number, from 1")
+    replay.add_argument("trial", type=trial, metavar="TRIAL", help="the number of the trial")
+    simulate = _add(tasks, "simulate", "do the study with models of operators, and write a page")
+    operators = number_type(int, 2, 1000, "number of models, 2 to 1000")
+    simulate.add_argument(
+        "--operators", type=operators, metavar="N", help="default: as many as participants"
+    )
+    simulate.add_argument(
+        "--effect",
+        action="append",
+        default=[],
+        metavar="FACTOR=LEVEL:NAME=FACTOR",
+        help="link=rubble:interaction=1.25,tolerance=0.8; as often as needed",
+    )
+    simulate.add_argument(
+        "-o", "--output", type=Path, metavar="FOLDER", help="default: DIR/simulated"
+    )
 
 
 def _add(tasks: Commands, name: str, meaning: str) -> CommandParser:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import datetime
+import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
+from hub import files
 from hub.command_line import ExitCode
 from hub.plain_text import plain
 from rune_study.arguments import parser
@@ -31,6 +35,10 @@ def main(arguments: Sequence[str]) -> int:
         "plan": _plan,
         "run": _run,
         "status": _status,
+        "report": _report,
+        "export": _export,
+        "replay": _replay,
+        "simulate": _simulate,
     }
     return tasks[options.task](options)
 
@@ -105,3 +113,84 @@ def _status(options: argparse.Namespace) -> int:
     else:
         sys.stdout.writelines(f"{plain(line)}\n" for line in status_lines(study))
     return ExitCode.OK
+
+
+def _report(options: argparse.Namespace) -> int:
+    from rune_study.data.store import compute
+    from rune_study.plan.study_file import read_study
+    from rune_study.report.making import make_page, unblinded
+
+    study = read_study(options.folder)
+    data = compute(study, _progress("computing metrics"))
+    if options.unblind:
+        unblinded(study)
+    page = make_page(
+        study,
+        data.trials,
+        data.metrics,
+        made=f"{datetime.datetime.now().astimezone():%Y-%m-%d %H:%M}",
+        source=f"rune study report {options.folder} computes all of it from the recordings.",
+        unblind=options.unblind,
+    )
+    return _written(options.output or study.folder / "report.html", page)
+
+
+def _export(options: argparse.Namespace) -> int:
+    from rune_study.data.store import DERIVED, compute, write_tables
+    from rune_study.plan.study_file import read_study
+
+    study = read_study(options.folder)
+    data = compute(study, _progress("computing metrics"))
+    for path in write_tables(options.output or study.folder / DERIVED, data):
+        sys.stdout.write(f"{plain(str(path))}\n")
+    return ExitCode.OK
+
+
+def _replay(options: argparse.Namespace) -> int:
+    from rune_study.data.store import recordings_of
+    from rune_study.plan.study_file import read_study
+
+    files = recordings_of(read_study(options.folder), options.participant, options.trial)
+    command = [sys.executable, "-m", "rune_tui", "replay", *map(str, files)]
+    return subprocess.run(command, check=False).returncode
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    from rune_study.data.store import StudyData, write_tables
+    from rune_study.plan.study_file import read_study
+    from rune_study.report.making import make_page
+    from rune_study.simulate.model_study import effect_of, simulated
+    from rune_study.simulate.operator_model import OperatorModel
+
+    study = read_study(options.folder)
+    effects = [effect_of(each) for each in options.effect]
+    operators = options.operators or study.participants
+    trials, metrics = simulated(study, operators, OperatorModel(check_s=40.0), effects)
+    folder = options.output or study.folder / "simulated"
+    write_tables(folder, StudyData(trials=tuple(trials), metrics=tuple(metrics)))
+    words = "; ".join(options.effect) or "no effect of any condition"
+    page = make_page(
+        study,
+        trials,
+        metrics,
+        made="by models",
+        source=f"Models took the place of people ({words}); nobody drove a robot.",
+        unblind=True,
+    )
+    return _written(folder / "report.html", page)
+
+
+def _written(path: Path, text: str) -> int:
+    files.replace(path, text.encode())
+    sys.stdout.write(f"{plain(str(path))}\n")
+    return ExitCode.OK
+
+
+def _progress(words: str) -> Callable[[float], None]:
+    def show(share: float) -> None:
+        if sys.stderr.isatty():
+            end = "\n" if share >= 1 else ""
+            sys.stderr.write(f"\r{words}: {100 * share:.0f} %{end}")
+            sys.stderr.flush()
+
+    return show

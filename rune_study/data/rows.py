@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from typing import Any
 
 from hub.values import dataclass
+from rune_study.estimate import Estimate
 
 
 def column(meaning: str, unit: str = "", default: Any = dataclasses.MISSING) -> Any:  # noqa: ANN401 - what dataclasses want for a field
@@ -71,3 +73,25 @@ TABLES: dict[str, type[Any]] = {
     "events.tsv": EventRow,
 }
 """Tables by their file."""
+
+
+def metric_rows(own: Mapping[str, Any], found: Mapping[str, Estimate]) -> list[MetricRow]:
+    """The metrics of a trial as rows.
+
+    Args:
+        own: Participant, trial, attempt and code.
+        found: The metrics by name.
+    """
+    return [
+        MetricRow(
+            **own,
+            metric=name,
+            value=float(each.value),
+            low=each.low,
+            high=each.high,
+            n=each.n,
+            why=each.why,
+            note=each.note,
+        )
+        for name, each in found.items()
+    ]

@@ -7,7 +7,9 @@ import itertools
 import json
 from collections.abc import Iterator, Sequence
 
+from hub.nearest import did_you_mean
 from hub.values import dataclass
+from rune_study.metrics.registry import METRICS
 from rune_study.plan.folder import (
     condition_problems,
     questionnaire_path,
@@ -27,6 +29,7 @@ from rune_study.plan.steps import (
     rules,
 )
 from rune_study.plan.study_spec import StudySpec
+from rune_study.trial_data.measured import EFFECTIVENESS
 
 _MINUTES = {TRIAL: 1.0, "consent": 3.0, "demographics": 2.0}
 """What steps take besides their own time; a trial has to be begun [min]."""
@@ -146,7 +149,17 @@ def missing(study: StudySpec) -> list[str]:
     conditions = (
         problem for spec in set(study.conditions) for problem in condition_problems(study, spec)
     )
-    return sorted({*steps, *questionnaire_problems(study, names), *conditions})
+    return sorted({*steps, *questionnaire_problems(study, names), *conditions, *_metrics(study)})
+
+
+def _metrics(study: StudySpec) -> Iterator[str]:
+    chosen = study.metrics
+    for name in (*chosen.primary, *chosen.secondary):
+        if name not in METRICS:
+            yield f"[metrics]: {name!r} is no metric{did_you_mean(name, METRICS)}"
+    if chosen.effectiveness not in EFFECTIVENESS:
+        known = " or ".join(EFFECTIVENESS)
+        yield f"[metrics]: {chosen.effectiveness!r} is no effectiveness; write {known}"
 
 
 def as_json(report: DesignReport) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from hub.errors import MissionFileError
+from hub.errors import MapFileError, MissionFileError
 from hub.missions import journal_file
 from hub.values import dataclass
 from rune_study.errors import AnswersError
@@ -128,3 +129,24 @@ class Answers:
         except TypeError:
             return
         self._given[given.questionnaire, given.occasion, given.item] = given
+
+
+def read_answers(path: Path) -> list[GivenAnswer]:
+    """The answers of a file that another process may be writing; the last of each item counts.
+
+    Raises:
+        AnswersError: It cannot be read.
+    """
+    given: dict[tuple[str, str, str], GivenAnswer] = {}
+
+    def take(record: dict[str, Any]) -> None:
+        with contextlib.suppress(TypeError):
+            each = GivenAnswer(**record)
+            given[each.questionnaire, each.occasion, each.item] = each
+
+    try:
+        journal_file.read(path, take)
+    except (MissionFileError, MapFileError, OSError) as fault:
+        text = f"{path}: {fault}"
+        raise AnswersError(text) from fault
+    return list(given.values())

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
@@ -32,6 +31,7 @@ from rune_study.trial_data.sightings import marks_of, pan_of
 from rune_study.trial_data.track import Track, track_of
 from rune_study.trial_data.trial_log import TrialLog
 from rune_study.trial_data.truth import Truth
+from rune_tui.model.own_records import RUNE_LINK
 
 Place = tuple[float, float]
 NEW_AREA, DRIVEN = "new_area", "driven"
@@ -49,7 +49,6 @@ class Surroundings:
         time: Its begin, end and pauses [s of the log].
         truth: The arena; None: it is not known, as in the real world.
         effectiveness: Which progress is task effectiveness.
-        roles: The name in the layout of each robot of the recordings, where they differ.
         queries: Queries of freezes with their answers; None: there were none.
         secondary: The secondary task; None: there was none.
         answers: Of the questionnaires after it.
@@ -58,23 +57,27 @@ class Surroundings:
     time: TrialTime
     truth: Truth | None = None
     effectiveness: str = NEW_AREA
-    roles: Mapping[str, str] = dataclasses.field(default_factory=dict)
     queries: tuple[Query, ...] | None = None
     secondary: Secondary | None = None
     answers: Questionnaires = Questionnaires()
 
 
-def trial_data(log: TrialLog, around: Surroundings) -> TrialData:
-    """The data of a trial; what was not recorded is left out."""
-    inputs = inputs_of(log)
+def trial_data(logs: Mapping[str, TrialLog], around: Surroundings) -> TrialData:
+    """The data of a trial; what was not recorded is left out.
+
+    Args:
+        logs: The log of each robot, by its name in the layout; each has the console's records too.
+        around: What belongs to the trial besides.
+    """
     truth = around.truth
     seen = np.zeros_like(truth.grid.blocked) if truth is not None else None
     robots: list[RobotData] = []
     marks: list[Mark] = []
-    for robot in _robots(log, around.roles):
+    for role, log in logs.items():
+        robot = _name_in(log, role, logs)
         track = track_of(log, robot)
         progress = _progress(log, robot, track, around, seen)
-        robots.append(_robot(log, robot, track, progress, inputs, around))
+        robots.append(_robot(log, (role, robot), track, progress, inputs_of(log), around.time))
         marks += _marks(log, robot, track, around.time)
     return TrialData(
         length=around.time.length,
@@ -89,21 +92,25 @@ def trial_data(log: TrialLog, around: Surroundings) -> TrialData:
     )
 
 
-def _robots(log: TrialLog, roles: Mapping[str, str]) -> list[str]:
-    """Names of the robots in the recordings; the console's names of the same are left out."""
-    others = set(roles.values()) - set(roles)
-    return [robot for robot in log.robots if robot not in others]
+def roles_of(log: TrialLog) -> list[str]:
+    """Names of the robots in the console's layout, in its order; none without its records."""
+    return list(dict.fromkeys(link.robot for _, link in log.own(RUNE_LINK)))
+
+
+def _name_in(log: TrialLog, role: str, roles: Collection[str]) -> str:
+    """The robot's name at its own hub, which has more of it than the console."""
+    return next((robot for robot in log.robots if robot not in roles), role)
 
 
 def _robot(
     log: TrialLog,
-    robot: str,
+    names: tuple[str, str],
     track: Track,
     progress: Signal | None,
     inputs: OperatorInputs,
-    around: Surroundings,
+    time: TrialTime,
 ) -> RobotData:
-    role, time = around.roles.get(robot, robot), around.time
+    role, robot = names
     pan_times, pans = pan_of(log, robot)
     moments = time.moments(track.times)
     moved = len(track.times) > 0

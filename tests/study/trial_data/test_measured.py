@@ -53,7 +53,7 @@ def test_marks_are_compared_in_the_arenas_frame(tmp_path: Path) -> None:
     ]
     with opened(tmp_path, *entries) as recordings:
         around = Surroundings(time=trial_time(0.0, 10.0), truth=YELLOW)
-        data = trial_data(TrialLog(recordings, BEGIN), around)
+        data = trial_data({"rover": TrialLog(recordings, BEGIN)}, around)
     assert data.marks is not None
     found = measure(data)
     assert found["victims_found"].value == 1
@@ -71,7 +71,7 @@ def test_pauses_are_cut_out_and_progress_is_what_was_driven(tmp_path: Path) -> N
     with opened(tmp_path, *entries) as recordings:
         time = trial_time(0.0, 10.0, [(4.0, 6.0)])
         around = Surroundings(time=time, effectiveness=DRIVEN)
-        data = trial_data(TrialLog(recordings, BEGIN), around)
+        data = trial_data({"rover": TrialLog(recordings, BEGIN)}, around)
     (robot,) = data.robots
     assert data.length == 8.0
     assert robot.inputs == pytest.approx([1.0, 5.0])
@@ -88,8 +88,8 @@ def test_a_robot_has_the_inputs_of_its_role(tmp_path: Path) -> None:
         pressed(1.0, "w", "red"),
     ]
     with opened(tmp_path, *entries) as recordings:
-        around = Surroundings(time=trial_time(0.0, 2.0), roles={"magellan": "red"})
-        data = trial_data(TrialLog(recordings, BEGIN), around)
+        around = Surroundings(time=trial_time(0.0, 2.0))
+        data = trial_data({"red": TrialLog(recordings, BEGIN)}, around)
     assert [(each.name, each.inputs.tolist()) for each in data.robots] == [
         ("red", [pytest.approx(1.0)])
     ]

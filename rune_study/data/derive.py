@@ -1,0 +1,252 @@
+"""From a participant's journal, answers and recordings to the rows of the study's tables."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hub.errors import ArenaError, RecordingError
+from hub.recording.recording_set import RecordingSet
+from hub.values import dataclass
+from rune_study.data.rows import EventRow, MetricRow, TrialRow, metric_rows
+from rune_study.errors import DataError
+from rune_study.metrics.questionnaires import SUS_ITEMS, TLX_SCALES
+from rune_study.metrics.registry import measure
+from rune_study.metrics.trial import MeasureSpec, Questionnaires
+from rune_study.metrics.trial_time import TrialTime, trial_time
+from rune_study.plan.folder import arena_of, participant_folder
+from rune_study.plan.steps import TRIAL, Step, plan
+from rune_study.plan.study_spec import StudySpec
+from rune_study.questionnaires.answers import GivenAnswer, read_answers
+from rune_study.session.interruptions import ANSWERS
+from rune_study.session.journal import BEGIN, DONE, JOURNAL, SESSION, Record, read_journal
+from rune_study.trial_data.measured import Surroundings, roles_of, trial_data
+from rune_study.trial_data.trial_log import TrialLog
+from rune_study.trial_data.truth import truth_of
+
+_NO_WORDS = {"n", "attempt", "moment_s", "trial"}
+SART = (
+    "instability",
+    "complexity",
+    "variability",
+    "arousal",
+    "concentration",
+    "division",
+    "spare",
+    "information-quantity",
+    "information-quality",
+    "familiarity",
+)
+"""Items of SART in the order that its score counts them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParticipantData:
+    """What a participant's files say.
+
+    Attributes:
+        trials: All trials that were begun.
+        metrics: Of the trials that count.
+        events: Of the whole session.
+    """
+
+    trials: tuple[TrialRow, ...]
+    metrics: tuple[MetricRow, ...]
+    events: tuple[EventRow, ...]
+
+
+def participants(study: StudySpec) -> list[int]:
+    """Numbers of those who have begun."""
+    found = range(1, study.participants * 10 + 1)
+    return [each for each in found if (participant_folder(study.folder, each) / JOURNAL).exists()]
+
+
+def derive(study: StudySpec, participant: int) -> ParticipantData:
+    """Compute all data from a participant's files.
+
+    Raises:
+        StudyError: The journal or the answers cannot be read.
+    """
+    folder = participant_folder(study.folder, participant)
+    records = read_journal(folder / JOURNAL)
+    head = next((each for each in records if each.what == SESSION), None)
+    replaces = int(head.data["replaces"]) if head is not None else 0
+    steps = {step.number: step for step in plan(study, participant, replaces)}
+    answers = read_answers(folder / ANSWERS) if (folder / ANSWERS).exists() else []
+    trials: list[TrialRow] = []
+    metrics: list[MetricRow] = []
+    for attempt in _attempts(records, steps):
+        row, measured = _measured(study, participant, replaces, folder, attempt, answers)
+        trials.append(row)
+        metrics += measured
+    return ParticipantData(
+        trials=tuple(trials), metrics=tuple(metrics), events=tuple(_events(records, steps))
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Attempt:
+    """One attempt at a trial, and what the journal has of it."""
+
+    step: Step
+    number: int
+    records: tuple[Record, ...]
+
+    def first(self, what: str) -> Record | None:
+        return next((each for each in self.records if each.what == what), None)
+
+
+def _attempts(records: Sequence[Record], steps: Mapping[int, Step]) -> Iterator[_Attempt]:
+    begins = [at for at, each in enumerate(records) if each.what == BEGIN]
+    for at, end in zip(begins, [*begins[1:], len(records)], strict=True):
+        step = steps.get(int(records[at].data["n"]))
+        if step is not None and step.kind == TRIAL:
+            number = int(records[at].data["attempt"])
+            yield _Attempt(step=step, number=number, records=tuple(records[at:end]))
+
+
+def _measured(
+    study: StudySpec,
+    participant: int,
+    replaces: int,
+    folder: Path,
+    attempt: _Attempt,
+    answers: Sequence[GivenAnswer],
+) -> tuple[TrialRow, list[MetricRow]]:
+    step, done = attempt.step, attempt.first(DONE)
+    begin, result = attempt.first("trial-begin"), done.data["result"] if done is not None else {}
+    own: dict[str, Any] = {"participant": participant, "trial": step.trial, "code": step.code}
+    own["attempt"] = attempt.number
+    row = {
+        **own,
+        "replaces": replaces,
+        "begin": begin.at if begin is not None else math.nan,
+        "seconds": float(result.get("seconds", math.nan)),
+        "ended": str(result.get("ended", "")),
+    }
+    if done is None or begin is None:
+        return TrialRow(**row, excluded="it was not completed"), []
+    files = sorted(folder.glob(f"{step.name}-a{attempt.number}*.mcap"))
+    try:
+        found = _metrics(study, attempt, files, answers)
+    except (RecordingError, ArenaError, DataError) as fault:
+        return TrialRow(**row, excluded=str(fault)), []
+    return TrialRow(**row), metric_rows(own, found)
+
+
+def _metrics(
+    study: StudySpec, attempt: _Attempt, files: Sequence[Path], answers: Sequence[GivenAnswer]
+) -> Mapping[str, Any]:
+    if not files:
+        text = "its recordings are missing"
+        raise DataError(text)
+    spec = study.conditions[attempt.step.condition]
+    arena = arena_of(study, spec)
+    time = _time(attempt)
+    around = Surroundings(
+        time=trial_time(
+            0.0,
+            time.end - time.begin,
+            [(first - time.begin, last - time.begin) for first, last in time.pauses],
+        ),
+        truth=truth_of(arena) if arena else None,
+        effectiveness=study.metrics.effectiveness,
+        secondary=None,
+        answers=questionnaires(attempt.step, answers),
+    )
+    consoles = [file for file in files if file.name.endswith(".console.mcap")]
+    hubs = [file for file in files if file not in consoles]
+    with contextlib.ExitStack() as stack:
+        logs = [
+            _log(stack.enter_context(RecordingSet.open([*consoles, *hub])), time)
+            for hub in ([[each] for each in hubs] or [[]])
+        ]
+        roles = roles_of(logs[0]) if consoles else []
+        roles += [f"robot {number + 1}" for number in range(len(roles), len(logs))]
+        data = trial_data(dict(zip(roles, logs, strict=False)), around)
+    return measure(data, measures(study))
+
+
+def _log(recordings: RecordingSet, time: TrialTime) -> TrialLog:
+    """A trial in recordings that follow the monotonic clock of one machine."""
+    anchor = recordings.anchor
+    if anchor is None:
+        text = f"{recordings.path.name} does not say its clock"
+        raise DataError(text)
+    return TrialLog(recordings, anchor.stamp(time.begin), anchor.stamp(time.end))
+
+
+def measures(study: StudySpec) -> MeasureSpec:
+    """The numbers that a study fixed for its metrics."""
+    chosen = study.metrics
+    return MeasureSpec(
+        gap=chosen.gap_s,
+        fraction=chosen.threshold,
+        hold=chosen.hold_s,
+        radius=chosen.victim_radius_m,
+    )
+
+
+def _time(attempt: _Attempt) -> TrialTime:
+    """Begin, end and pauses on the monotonic clock of the machine [s]."""
+    begin, end = attempt.first("trial-begin"), attempt.first("trial-end")
+    if begin is None or end is None:
+        text = "the journal lacks its begin or end"
+        raise DataError(text)
+    pauses: list[tuple[float, float]] = []
+    since: float | None = None
+    for each in attempt.records:
+        order = each.data.get("do") if each.what == "order" else None
+        if each.what == "frozen" or order == "pause":
+            since = each.moment
+        elif (each.what == "unfrozen" or order == "begin") and since is not None:
+            pauses.append((since, each.moment))
+            since = None
+    return trial_time(float(begin.data["moment_s"]), end.moment, pauses)
+
+
+def questionnaires(step: Step, answers: Sequence[GivenAnswer]) -> Questionnaires:
+    """The answers that were given after a trial, as metrics take them."""
+    given: dict[str, dict[str, Any]] = {}
+    for each in answers:
+        if each.occasion == f"t{step.trial}-{each.questionnaire}":
+            given.setdefault(each.questionnaire, {})[each.item] = each.value
+    load, usability, awareness = (given.get(name) for name in ("nasa-tlx", "sus", "sart"))
+    return Questionnaires(
+        tlx={scale: float(load[scale]) for scale in TLX_SCALES if scale in load}
+        if load is not None
+        else None,
+        tlx_choices=tuple(str(load[name]) for name in load if "-" in name)
+        if load is not None
+        else None,
+        sus=tuple(_marks(usability, [f"q{number}" for number in range(1, SUS_ITEMS + 1)]))
+        if usability is not None
+        else None,
+        sart=tuple(_marks(awareness, SART)) if awareness is not None else None,
+    )
+
+
+def _marks(given: Mapping[str, Any], items: Sequence[str]) -> Iterator[int | None]:
+    return (int(given[item]) if item in given else None for item in items)
+
+
+def _events(records: Sequence[Record], steps: Mapping[int, Step]) -> Iterator[EventRow]:
+    """The journal as events; onsets count from the begin of the trial, or of the session."""
+    origin = records[0].moment if records else 0.0
+    for each in records:
+        step = steps.get(int(each.data["n"])) if "n" in each.data else None
+        if each.what == "trial-begin":
+            origin = float(each.data["moment_s"])
+        words = {name: value for name, value in each.data.items() if name not in _NO_WORDS}
+        seconds = each.data.get("seconds")
+        yield EventRow(
+            onset=round(each.moment - origin, 3),
+            duration=float(seconds) if isinstance(seconds, int | float) else 0.0,
+            trial_type=each.what,
+            trial=step.trial if step is not None else 0,
+            value=json.dumps(words, ensure_ascii=False) if words else "",
+        )

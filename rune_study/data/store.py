@@ -1,0 +1,119 @@
+"""The derived data of a study: computed from journals, answers and recordings, and written."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from hub import files
+from hub.values import dataclass
+from rune_study.data.derive import derive, participants
+from rune_study.data.rows import MetricRow, TrialRow
+from rune_study.data.tables import dictionary, write
+from rune_study.errors import DataError
+from rune_study.metrics.registry import METRICS
+from rune_study.plan.folder import participant_folder
+from rune_study.plan.study_spec import StudySpec
+
+DERIVED = "derived"
+"""Folder of the tables within that of the study."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyData:
+    """All rows of a study.
+
+    Attributes:
+        trials: All trials that were begun.
+        metrics: Of those that count.
+    """
+
+    trials: tuple[TrialRow, ...]
+    metrics: tuple[MetricRow, ...]
+
+
+def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:
+    """Compute all data from the files of the participants, and write them.
+
+    Args:
+        study: The study.
+        progress: Gets the share of participants that is done, 0 to 1.
+
+    Raises:
+        StudyError: No participant has begun, or files cannot be read or written.
+    """
+    begun = participants(study)
+    if not begun:
+        text = f"no participant of {study.folder} has begun; `rune study run` begins a session"
+        raise DataError(text)
+    trials: list[TrialRow] = []
+    metrics: list[MetricRow] = []
+    for count, participant in enumerate(begun, 1):
+        data = derive(study, participant)
+        trials += data.trials
+        metrics += data.metrics
+        write(participant_folder(study.folder, participant), "events.tsv", data.events)
+        progress(count / len(begun))
+    found = StudyData(trials=tuple(trials), metrics=tuple(metrics))
+    write_tables(study.folder / DERIVED, found)
+    return found
+
+
+def write_tables(folder: Path, data: StudyData) -> list[Path]:
+    """Write trials, metrics, and the dictionary of their columns; returns the files.
+
+    Raises:
+        DataError: They cannot be written.
+    """
+    paths = [
+        write(folder, "trials.csv", data.trials),
+        write(folder, "metrics.csv", data.metrics),
+        folder / "wide.csv",
+        folder / "dictionary.json",
+    ]
+    about = {
+        name: {"Description": each.words, "Units": each.unit, "Better": each.better}
+        for name, each in METRICS.items()
+    }
+    try:
+        files.replace(paths[2], wide(data).encode())
+        files.replace(paths[3], dictionary(about).encode())
+    except OSError as fault:
+        text = f"{folder} cannot be written: {fault.strerror or fault}"
+        raise DataError(text) from fault
+    return paths
+
+
+def wide(data: StudyData) -> str:
+    """A line for each trial that counts, and a column for each metric, as spreadsheets want it."""
+    names = [name for name in METRICS if any(row.metric == name for row in data.metrics)]
+    values: dict[tuple[int, int, int], dict[str, str]] = {}
+    for row in data.metrics:
+        key = row.participant, row.trial, row.attempt
+        values.setdefault(key, {})[row.metric] = "" if row.why else repr(row.value)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["participant", "trial", "attempt", "code", *names])
+    for trial in data.trials:
+        if not trial.excluded:
+            found = values.get((trial.participant, trial.trial, trial.attempt), {})
+            cells = [found.get(name, "") for name in names]
+            writer.writerow([trial.participant, trial.trial, trial.attempt, trial.code, *cells])
+    return text.getvalue()
+
+
+def recordings_of(study: StudySpec, participant: int, trial: int) -> Sequence[Path]:
+    """The recordings of the last attempt at a trial.
+
+    Raises:
+        DataError: There are none.
+    """
+    folder = participant_folder(study.folder, participant)
+    found = sorted(folder.glob(f"t{trial}-a*.mcap"))
+    if not found:
+        text = f"{folder} has no recording of trial {trial}"
+        raise DataError(text)
+    last = max(int(path.name.split("-a")[1].split(".")[0]) for path in found)
+    return [path for path in found if path.name.startswith(f"t{trial}-a{last}.")]

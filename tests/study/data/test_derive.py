@@ -1,0 +1,125 @@
+"""The data of a participant follow from the journal, the answers and the recordings alone."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+
+import pytest
+
+from hub.gcm.ground_truth import GROUND_TRUTH
+from hub.recording.anchor import TimeAnchor
+from hub.recording.topics import topic_of
+from hub.recording.writer import RecordingWriter, WriterLimits
+from rune_study.data.rows import MetricRow
+from rune_study.data.store import compute, recordings_of
+from rune_study.data.tables import read
+from rune_study.errors import DataError
+from rune_study.plan.folder import participant_folder
+from rune_study.plan.steps import TRIAL, plan
+from rune_study.plan.study_file import read_study
+from rune_study.plan.study_spec import StudySpec
+from rune_study.questionnaires.answers import Answers
+from rune_study.questionnaires.questionnaire import find
+from rune_study.questionnaires.questionnaire import read as read_questionnaire
+from rune_study.session.interruptions import ANSWERS
+from rune_study.session.journal import BEGIN, DONE, Journal
+from tests.study.trial_data.test_trial_data import truth
+
+STUDY = """
+title = "Layouts"
+seed = "layouts"
+participants = 2
+
+[defaults]
+arena = "yellow"
+
+[factors]
+layout = ["hri-a", "hri-b"]
+
+[trial]
+seconds = 10
+after = ["sus"]
+
+[metrics]
+primary = ["driven"]
+effectiveness = "driven"
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> StudySpec:
+    (tmp_path / "study.toml").write_text(STUDY)
+    return read_study(tmp_path)
+
+
+def play(study: StudySpec, *, lost: int = 0) -> None:
+    """Write what a session of two trials leaves; the recording of one trial may be lost."""
+    folder = participant_folder(study.folder, 1)
+    sus = read_questionnaire(find("sus"))
+    with contextlib.closing(Journal.of(study, 1)) as journal:
+        for step in (each for each in plan(study, 1) if each.kind == TRIAL):
+            journal.put(BEGIN, n=step.number, attempt=1, step=step.name, trial=step.trial)
+            journal.put("trial-begin", n=step.number, moment_s=journal.records[-1].moment)
+            begin = journal.records[-1].moment
+            if step.trial != lost:
+                record(folder / f"t{step.trial}-a1.mcap", begin)
+            journal.put("trial-end", n=step.number, why="time", seconds=10.0)
+            result = {"ended": "time", "seconds": 10.0}
+            journal.put(DONE, n=step.number, attempt=1, result=result)
+            with Answers(folder / ANSWERS) as answers:
+                for item in sus.items:
+                    answers.give(sus, f"t{step.trial}-sus", item, 3.0, 1.0)
+
+
+def record(path: Path, begin: float) -> None:
+    """A robot that drives two metres within the first milliseconds of the trial."""
+    writer = RecordingWriter(path, TimeAnchor.now(), {}, WriterLimits(least_free=0))
+    for number in range(5):
+        moment = begin + number * 1e-6
+        payload = GROUND_TRUTH.encode(truth(0.5 * number))
+        writer.add(topic_of("magellan", GROUND_TRUTH), payload, moment, moment)
+    writer.close()
+
+
+def of_metric(rows: tuple[MetricRow, ...], name: str) -> list[float]:
+    return [row.value for row in rows if row.metric == name]
+
+
+def nothing(share: float) -> None:
+    del share
+
+
+def test_metrics_follow_from_the_files_and_are_written(study: StudySpec) -> None:
+    play(study)
+    data = compute(study, nothing)
+    assert [row.excluded for row in data.trials] == ["", ""]
+    assert of_metric(data.metrics, "driven") == pytest.approx([2.0, 2.0])
+    assert of_metric(data.metrics, "sus") == [50.0, 50.0]
+    written = read(study.folder / "derived" / "metrics.csv", MetricRow)
+    assert repr(tuple(written)) == repr(data.metrics) == repr(compute(study, nothing).metrics)
+    events = (participant_folder(study.folder, 1) / "events.tsv").read_text()
+    assert "trial-begin" in events
+
+
+def test_a_trial_without_its_recording_is_excluded_with_the_reason(study: StudySpec) -> None:
+    play(study, lost=2)
+    data = compute(study, nothing)
+    assert [row.excluded for row in data.trials] == ["", "its recordings are missing"]
+    assert len(of_metric(data.metrics, "driven")) == 1
+
+
+def test_the_last_attempt_is_replayed(study: StudySpec) -> None:
+    folder = participant_folder(study.folder, 1)
+    folder.mkdir(parents=True)
+    for name in ("t1-a1.mcap", "t1-a1.console.mcap", "t1-a10.mcap", "t1-a10.console.mcap"):
+        (folder / name).touch()
+    found = [path.name for path in recordings_of(study, 1, 1)]
+    assert found == ["t1-a10.console.mcap", "t1-a10.mcap"]
+    with pytest.raises(DataError, match="has no recording of trial 3"):
+        recordings_of(study, 1, 3)
+
+
+def test_a_study_without_sessions_says_so(study: StudySpec) -> None:
+    with pytest.raises(DataError, match=r"no participant of .* has begun"):
+        compute(study, nothing)
