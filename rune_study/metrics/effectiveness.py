@@ -76,9 +76,9 @@ def rate_of_progress(
         text = "the window and the rate of TE must be above 0"
         raise DataError(text)
     grid = np.arange(math.floor(until * rate_hz + 1e-9) + 1) / rate_hz
-    known = np.isfinite(progress.values)
-    kept = signal(progress.times[known], progress.values[known])
-    times, values = kept.times, kept.values
+    kept = signal(progress.times, progress.values)
+    known = np.isfinite(kept.values)
+    times, values = kept.times[known], kept.values[known]
     if times.size < 2:
         return Signal(times=grid, values=np.full(grid.shape, np.nan))
     first = np.clip(grid - 0.5 * window, times[0], times[-1])

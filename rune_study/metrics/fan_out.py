@@ -70,7 +70,7 @@ def free_time_of_secondary_task(
         correct_alone: Correct answers without a robot.
         seconds_alone: Time without a robot [s].
     """
-    if not (seconds > 0.0 and seconds_alone > 0.0):
+    if not (0.0 < seconds < math.inf and 0.0 < seconds_alone < math.inf):
         return unknown("the secondary task was not done both with and without the robot")
     if correct_alone <= 0.0:
         return unknown("no answer without the robot was correct")

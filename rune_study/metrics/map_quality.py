@@ -105,5 +105,5 @@ def _near(points: Floats, others: Floats, tolerance: float) -> Flags:
     near = np.zeros(len(points), np.bool_)
     for place in np.flatnonzero(last > first).tolist():
         beside = ordered[first[place] : last[place]] - points[place]
-        near[place] = (beside[:, 0] ** 2 + beside[:, 1] ** 2 <= bound * bound).any()
+        near[place] = (np.hypot(beside[:, 0], beside[:, 1]) <= bound).any()
     return near

@@ -111,6 +111,9 @@ def reversal_rate(angles: npt.ArrayLike, rate_hz: float, way: Reversals) -> floa
     values = floats(angles, "angles")
     if values.size <= _EDGE:
         return math.nan
+    if not np.isfinite(values).all():
+        text = "angles: a value is not finite"
+        raise DataError(text)
     smooth = values if way.cut_hz is None else low_pass(values, way.cut_hz, rate_hz)
     return reversals(smooth, way.gap) / ((values.size - 1) / rate_hz) * 60.0
 

@@ -14,7 +14,7 @@ from rune_study.metrics import driving, fan_out, questionnaires, steering, victi
 from rune_study.metrics.analysis import TrialAnalysis
 from rune_study.metrics.awareness import awareness
 from rune_study.metrics.coverage import coverage
-from rune_study.metrics.effectiveness import Signal
+from rune_study.metrics.effectiveness import Signal, signal
 from rune_study.metrics.map_quality import MapQuality, map_quality
 from rune_study.metrics.trial import Motion, RobotData, Travel
 from rune_study.metrics.victims import VictimsFound
@@ -33,7 +33,8 @@ def mean_effectiveness(it: TrialAnalysis) -> Estimate:
     gained = []
     for robot in it.trial.robots:
         if robot.progress is not None:
-            values = robot.progress.values[np.isfinite(robot.progress.values)]
+            values = signal(robot.progress.times, robot.progress.values).values
+            values = values[np.isfinite(values)]
             if values.size:
                 gained.append(float(values[-1] - values[0]))
     if not gained or it.trial.length <= 0.0:
@@ -265,7 +266,7 @@ def _photon_quantile(share: float) -> Function:
         delays = it.trial.photons
         if delays is None or not delays.size:
             return unknown("motion to photon was not measured")
-        shown = delays[~np.isnan(delays)]
+        shown = delays[np.isfinite(delays)]
         if not shown.size:
             return unknown("no frame showed an input", delays.size)
         return Estimate(value=float(np.quantile(shown, share)), n=shown.size)
@@ -282,7 +283,7 @@ def photons_missing(it: TrialAnalysis) -> Estimate:
     delays = it.trial.photons
     if delays is None or not delays.size:
         return unknown("motion to photon was not measured")
-    return Estimate(value=int(np.isnan(delays).sum()), n=delays.size)
+    return Estimate(value=int((~np.isfinite(delays)).sum()), n=delays.size)
 
 
 def awareness_of(level: int) -> Function:

@@ -262,6 +262,7 @@ def test_free_time_of_a_secondary_task() -> None:
     assert (more.value, "above 1" in more.note) == (1.25, True)
     assert not fo.free_time_of_secondary_task(5, 10, 0, 10).known
     assert not fo.free_time_of_secondary_task(5, 10, 0, 0).known
+    assert not fo.free_time_of_secondary_task(5, 10, 5, math.inf).known
 
 
 def test_fan_out_has_the_interval_of_a_ratio() -> None:

@@ -161,6 +161,8 @@ def test_what_cannot_be_known_says_why(changes, name: str, why: str) -> None:
     ("changes", "names"),
     [
         ({"stick": signal([0, 30], [0, math.nan])}, {"fine", "coarse"}),
+        ({"keys": signal([0, 30], [0, math.inf])}, {"reversals_keys"}),
+        ({"progress": Signal(times=np.zeros(3), values=np.zeros(2))}, {"nt_median", "fo"}),
         ({"inputs": np.array([3.0, math.nan])}, {"ie_mean", "fo", "rad_mission", "nt_seen"}),
         ({"motion": Motion(times=np.zeros(3), linear=np.zeros(2), angular=np.zeros(3),
                            pan=np.zeros(3))}, {"camera_off_centre"}),
