@@ -93,8 +93,7 @@ def report_cost() -> None:
 
         def send() -> None:
             while not ended.is_set():
-                far.sendall(bytes(6250))  # 10 ms of 5 Mbit/s
-                time.sleep(0.01)
+                far.sendall(bytes(6250))  # waits while the link is full
 
         sender = threading.Thread(target=send, daemon=True)
         sender.start()

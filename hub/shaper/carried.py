@@ -15,7 +15,9 @@ WINDOW = 256 * 1024
 
 A profile with a larger queue has a window of that size.
 """
-_SMALL_BUFFER = 8192
+SEGMENT = 1448
+"""Largest segment of TCP, without headers [bytes]."""
+_SMALL_BUFFER = 16_384
 
 
 class Mark(enum.Enum):
@@ -49,22 +51,17 @@ class LinkEnd:
         served: When it was read last [s].
     """
 
-    def __init__(
-        self, own: socket.socket, window: int, *, small: bool, connecting: bool = False
-    ) -> None:
+    def __init__(self, own: socket.socket, window: int, *, connecting: bool = False) -> None:
         """Take over a socket.
 
         Args:
             own: The socket.
             window: Largest content from here in the link [bytes].
             connecting: Whether its connection is begun and not yet made.
-            small: Whether its buffer is small, so that a full link slows its sender soon.
         """
         own.settimeout(0.0)
         with contextlib.suppress(OSError):  # it may have ended already
             own.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            if small:
-                own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SMALL_BUFFER)
         self.socket, self._window = own, window
         self.connecting = connecting
         self.open = self.ended = self.broken = False
@@ -163,11 +160,23 @@ class Carried:
         return (self.near,) if self.far is None else (self.near, self.far)
 
 
-def begin_connection(address: tuple[str, int], source: str) -> socket.socket:
+def make_small(own: socket.socket) -> None:
+    """Give a socket that listens, or will connect, a small buffer: a full link slows senders soon.
+
+    Segments are as on Ethernet. Those of the loopback have 64 KiB. Then a sender would wait for
+    room that a small buffer never has, and go on by a timer only.
+    """
+    own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SMALL_BUFFER)
+    with contextlib.suppress(OSError):  # macOS has no such option before the connection
+        own.setsockopt(socket.IPPROTO_TCP, socket.TCP_MAXSEG, SEGMENT)
+
+
+def begin_connection(address: tuple[str, int], source: str, *, small: bool) -> socket.socket:
     """A socket whose connection to the hub is begun.
 
     Args:
         address: Of the hub.
+        small: Whether its buffer is small.
         source: Address of this machine to connect from; empty: the usual one.
 
     Raises:
@@ -176,6 +185,8 @@ def begin_connection(address: tuple[str, int], source: str) -> socket.socket:
     made = socket.socket(socket.AF_INET6 if ":" in address[0] else socket.AF_INET)
     made.settimeout(0.0)
     try:
+        if small:
+            make_small(made)
         if source:
             made.bind((source, 0))
         code = made.connect_ex(address)

@@ -9,16 +9,19 @@ arrives. That is what loss means over TCP.
 | a later packet of its stream arrives | one mean delay back after that |
 | none does | after the mean round trip and 4 jitters, or 0.2 s; each time after twice that |
 
-Not modelled: acknowledgements as traffic, and how TCP lowers its rate after losses.
+A stream sends as many packets at once as its `CongestionWindow` allows; an answer to each comes
+back after the mean delay. Not modelled: answers as traffic.
 """
 
 from __future__ import annotations
 
 import collections
 import heapq
+from dataclasses import field
 from typing import Generic, TypeVar
 
 from hub.shaper.conditions import DirectionConditions
+from hub.shaper.congestion import CongestionWindow
 from hub.shaper.profile import LinkProfile
 from hub.values import dataclass
 
@@ -43,6 +46,7 @@ class _Packet(Generic[P]):
         longest: Longest pause before it is sent again [s].
         tries: How often it was lost.
         lost: Whether it waits to be sent again.
+        shown: Whether a later packet showed that it is lost.
         arrived: Whether it waits only for those before it.
     """
 
@@ -54,7 +58,25 @@ class _Packet(Generic[P]):
     due: float = 0.0
     tries: int = 0
     lost: bool = False
+    shown: bool = False
     arrived: bool = False
+
+
+@dataclass(slots=True)
+class _Stream(Generic[P]):
+    """A stream.
+
+    Attributes:
+        packets: All that were not delivered, in their order.
+        unsent: Those of them that wait for the window.
+        window: How many may be on their way.
+        unanswered: How many are.
+    """
+
+    packets: collections.deque[_Packet[P]] = field(default_factory=collections.deque)
+    unsent: collections.deque[_Packet[P]] = field(default_factory=collections.deque)
+    window: CongestionWindow = field(default_factory=CongestionWindow)
+    unanswered: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,17 +128,18 @@ class LinkDirection(Generic[P]):
         self._back = whole - conditions.spec.delay
         self._retry = whole + max(_LEAST_MARGIN_S, _JITTERS * profile.jitter)
         self._free = 0.0
-        self._streams: dict[int, collections.deque[_Packet[P]]] = {}
+        self._streams: dict[int, _Stream[P]] = {}
         self._waiting: collections.deque[tuple[float, int]] = collections.deque()
         self._waiting_bytes = 0
-        self._events: list[tuple[float, int, int, _Packet[P]]] = []
+        self._events: list[tuple[float, int, int, _Packet[P] | None]] = []
+        """Time, number, stream; the packet, or None for an answer."""
         self._number = 0
         self._packets = self._bytes = self._lost = self._delivered = 0
         self._delay = 0.0
 
     @property
     def due(self) -> float:
-        """Time of the next possible delivery; infinite while the link is empty [s]."""
+        """Time of the next event; infinite while the link is empty [s]."""
         return self._events[0][0] if self._events else float("inf")
 
     @property
@@ -146,6 +169,11 @@ class LinkDirection(Generic[P]):
             time, over = sent, over - size
         return time
 
+    def takes(self, stream: int) -> bool:
+        """Whether a packet of this stream would be sent at once."""
+        known = self._streams.get(stream)
+        return known is None or (not known.unsent and known.unanswered < known.window.size)
+
     def send(
         self, stream: int, content: P, size: int, now: float, longest: float = _LONGEST_RETRY_S
     ) -> None:
@@ -158,24 +186,37 @@ class LinkDirection(Generic[P]):
             now: [s]
             longest: Longest pause before it is sent again, if it is lost [s].
         """
+        known = self._streams.setdefault(stream, _Stream())
         packet = _Packet(content, size, now, longest)
-        self._streams.setdefault(stream, collections.deque()).append(packet)
+        known.packets.append(packet)
+        known.unsent.append(packet)
         self._packets += 1
         self._bytes += size
-        self._transmit(stream, packet, now)
+        self._send_unsent(stream, now)
 
     def take(self, now: float) -> list[Delivery[P]]:
         """The packets that arrived until `now`, in the order of time."""
         out: list[Delivery[P]] = []
         while self._events and self._events[0][0] <= now:
             time, _, stream, packet = heapq.heappop(self._events)
-            if stream not in self._streams or packet.arrived or packet.due != time:
-                continue  # the stream ended, or this event was moved
-            if packet.lost:
+            known = self._streams.get(stream)
+            if known is None:  # it was forgotten
+                continue
+            if packet is None:
+                known.window.answered(known.unanswered)
+                known.unanswered -= 1
+                self._send_unsent(stream, time)
+            elif packet.arrived or packet.due != time:  # the event was moved
+                continue
+            elif packet.lost:
+                if not packet.shown:
+                    known.window.timed_out()
+                packet.shown = False
                 self._transmit(stream, packet, time)
             else:
                 packet.arrived = True
-                self._hurry(stream, packet, time)
+                self._push(time + self._back, stream, None)
+                self._show_losses(stream, packet, time)
                 out += self._deliver(stream, time)
         return out
 
@@ -197,26 +238,38 @@ class LinkDirection(Generic[P]):
         else:
             self._at(packet.sent + self.conditions.delay(packet.sent), stream, packet)
 
-    def _hurry(self, stream: int, later: _Packet[P], time: float) -> None:
+    def _send_unsent(self, stream: int, time: float) -> None:
+        """Send what the window allows."""
+        known = self._streams[stream]
+        while known.unsent and known.unanswered < known.window.size:
+            known.window.use(time, self._retry)
+            known.unanswered += 1
+            self._transmit(stream, known.unsent.popleft(), time)
+
+    def _show_losses(self, stream: int, later: _Packet[P], time: float) -> None:
         """Have packets sent again that were lost before one that arrived."""
-        for packet in self._streams[stream]:
-            if packet.lost and packet.sent < later.sent and time + self._back < packet.due:
-                self._at(time + self._back, stream, packet)
+        known, again = self._streams[stream], time + self._back
+        for packet in known.packets:
+            if packet.lost and packet.sent < later.sent and again < packet.due:
+                packet.shown = True
+                known.window.showed_loss(packet.sent, again)
+                self._at(again, stream, packet)
 
     def _deliver(self, stream: int, time: float) -> list[Delivery[P]]:
-        packets, out = self._streams[stream], []
+        packets, out = self._streams[stream].packets, []
         while packets and packets[0].arrived:
             packet = packets.popleft()
             out.append(Delivery(time, stream, packet.content, packet.size))
             self._delivered += 1
             self._delay += time - packet.began
-        if not packets:
-            del self._streams[stream]
         return out
 
     def _at(self, time: float, stream: int, packet: _Packet[P]) -> None:
-        self._number += 1
         packet.due = time
+        self._push(time, stream, packet)
+
+    def _push(self, time: float, stream: int, packet: _Packet[P] | None) -> None:
+        self._number += 1
         heapq.heappush(self._events, (time, self._number, stream, packet))
 
 

@@ -21,13 +21,22 @@ import time
 from collections.abc import Callable, Sequence
 
 from hub.errors import EndpointError
-from hub.shaper.carried import WINDOW, Carried, Content, LinkEnd, Mark, begin_connection
+from hub.shaper.carried import (
+    SEGMENT,
+    WINDOW,
+    Carried,
+    Content,
+    LinkEnd,
+    Mark,
+    begin_connection,
+    make_small,
+)
 from hub.shaper.model import Delivery, LinkDirection, LinkModel
 from hub.shaper.profile import LinkProfile
 
 MOST_CONNECTIONS = 200
 """Most connections at once; `select` takes 1024 descriptors."""
-_SEGMENT, _LARGEST_PIECE = 1448, 65_536
+_LARGEST_PIECE = 65_536
 _PIECE_S = 0.001
 _FAST = 20e6
 """From this rate on, small buffers would only make TCP pause [bit/s]."""
@@ -87,6 +96,8 @@ class Relay:
             for place, (_, port) in enumerate(hub):
                 self._listening.append(socket.create_server((address, port)))
                 self._listening[-1].settimeout(0.0)
+                if self._small:
+                    make_small(self._listening[-1])
                 self._selector.register(
                     self._listening[-1], selectors.EVENT_READ, (_LISTENING, place)
                 )
@@ -143,10 +154,10 @@ class Relay:
     def _watch_all(self, now: float) -> float:
         """Watch all sockets; returns when something is due without any of them [s]."""
         up, down = self.model.up.room_at(now), self.model.down.room_at(now)
-        for carried in self._carried.values():
-            self._watch(carried.near, room=up <= now)
+        for number, carried in self._carried.items():
+            self._watch(carried.near, room=up <= now and self.model.up.takes(number))
             if carried.far is not None:
-                self._watch(carried.far, room=down <= now)
+                self._watch(carried.far, room=down <= now and self.model.down.takes(number))
         rooms = (room for room in (up, down) if room > now)
         return min(self.model.up.due, self.model.down.due, *rooms)
 
@@ -181,7 +192,7 @@ class Relay:
     def _end_of(self, own: socket.socket, *, connecting: bool = False) -> LinkEnd:
         direction = self.model.down if connecting else self.model.up
         window = max(WINDOW, direction.conditions.spec.queue)
-        return LinkEnd(own, window, small=self._small, connecting=connecting)
+        return LinkEnd(own, window, connecting=connecting)
 
     def _serve(self, end: LinkEnd, events: int, now: float) -> None:
         number = self._numbers.get(end)
@@ -227,9 +238,9 @@ class Relay:
         """Largest packet: a segment of TCP, more on fast links without losses [bytes]."""
         spec = direction.conditions.spec
         return (
-            _SEGMENT
+            SEGMENT
             if spec.loss
-            else min(_LARGEST_PIECE, max(_SEGMENT, int(spec.rate * _PIECE_S / 8.0)))
+            else min(_LARGEST_PIECE, max(SEGMENT, int(spec.rate * _PIECE_S / 8.0)))
         )
 
     def _broke(
@@ -273,7 +284,7 @@ class Relay:
             return
         address = self._hub[carried.place]
         source = self.address if address[0].startswith("127.") else ""
-        made = begin_connection(address, source)
+        made = begin_connection(address, source, small=self._small)
         carried.far = self._end_of(made, connecting=True)
         self._numbers[carried.far] = number
 

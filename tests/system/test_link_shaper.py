@@ -160,11 +160,15 @@ def test_in_a_blackout_the_robot_stops_and_afterwards_waits_for_neutral(
     assert driver.commanded == 0.0
 
 
-def test_a_stop_reaches_the_robot_under_rubble(hub: HubProcess, stack: ExitStack) -> None:
+def test_a_stop_reaches_the_robot_over_half_a_second(
+    hub: HubProcess, stack: ExitStack, tmp_path: Path
+) -> None:
+    profile = tmp_path / "far.toml"
+    profile.write_text("delay_ms = 250\njitter_ms = 50\nrate_kbit = 256\n")
     lan = stack.enter_context(ShapedLink(hub.endpoint, "lan", 1))
-    rubble = stack.enter_context(ShapedLink(hub.endpoint, "rubble", 4))
+    far = stack.enter_context(ShapedLink(hub.endpoint, str(profile), 4))
     driver = Driver(hub, stack, lan)
-    command = [sys.executable, "-m", "hub", "halt", "--hub", rubble.endpoint]
+    command = [sys.executable, "-m", "hub", "halt", "--hub", far.endpoint]
     halting = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     driver.drive_until(lambda: halting.poll() is not None)
     said, _ = halting.communicate()

@@ -135,6 +135,24 @@ def test_all_connections_share_the_rate(link: Make) -> None:
         each.join()
 
 
+def test_a_sender_that_never_pauses_fills_the_link(link: Make) -> None:
+    """Buffers smaller than the segments of the loopback once left 0.7 of 5 Mbit/s."""
+    near, far = link(profile(rate=5e6, delay=0.01)).pair()
+    sender = threading.Thread(target=near.sendall, args=(bytes(1_250_000),))  # for 2 s
+    sender.start()
+    far.settimeout(0.2)
+    got = 0
+
+    def reading() -> bool:
+        nonlocal got
+        with contextlib.suppress(TimeoutError):
+            got += len(far.recv(65_536))
+        return got == 1_250_000
+
+    until(reading, 8.0, lambda: f"{got} bytes came")
+    sender.join()
+
+
 def test_a_full_link_holds_little_and_slows_the_sender(link: Make) -> None:
     made = link(profile(rate=64e3, queue=8000))
     near, far = made.pair()
