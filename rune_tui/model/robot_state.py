@@ -74,6 +74,12 @@ class Picture:
     camera: CameraState
     interval_s: float = 0.0
 
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width [pixels]."""
+        height, width = self.pixels.shape[:2]
+        return height, width
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PictureFlow:

@@ -57,6 +57,11 @@ class LoggedPicture(Picture):
             object.__setattr__(self, name, value)
 
     @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width [pixels], as the message says."""
+        return self._image.height_px, self._image.width_px
+
+    @property
     def pixels(self) -> npt.NDArray[np.uint8]:
         """Red, green, blue; a grey one in place of a damaged picture."""
         if self._pixels is not None:

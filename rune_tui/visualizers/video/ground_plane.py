@@ -64,8 +64,8 @@ class _Ground:
     @classmethod
     def of(cls, robot: RobotState) -> Self | None:
         """The ground of the newest picture; without one, of the camera's state."""
-        if robot.picture is not None and robot.picture.value.pixels.size:
-            height, width = robot.picture.value.pixels.shape[:2]
+        if robot.picture is not None and all(robot.picture.value.shape):
+            height, width = robot.picture.value.shape
             return cls._seen(robot.picture, robot.picture.value.camera, (width, height))
         if robot.camera is not None:
             return cls._seen(robot.camera, robot.camera.value, _CAMERA_SHAPE)
