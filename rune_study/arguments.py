@@ -50,6 +50,10 @@ def parser() -> CommandParser:
         metavar="HUB",
         help="HOST or HOST:PORT of a real robot, once for each; default: simulated robots",
     )
+    watch = _add(tasks, "watch", "show a session to the experimenter, who can begin and end trials")
+    watch.add_argument(
+        "--participant", type=_participant, metavar="N", required=True, help="the number"
+    )
     status = _add(tasks, "status", "show who did what, and who is next")
     status.add_argument("--json", action="store_true", help="each participant a line, for machines")
     _add_results(tasks)

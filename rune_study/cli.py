@@ -34,6 +34,7 @@ def main(arguments: Sequence[str]) -> int:
         "check": _check,
         "plan": _plan,
         "run": _run,
+        "watch": _watch,
         "status": _status,
         "report": _report,
         "export": _export,
@@ -83,19 +84,35 @@ def _plan(options: argparse.Namespace) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     from hub.ipc.endpoints import endpoint_of
+    from rune_study.plan.blinding import write_key
     from rune_study.plan.study_file import read_study
     from rune_study.session.journal import Journal
     from rune_study.session.session import Session
 
     study = read_study(options.folder)
-    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout)):
-        text = "a session needs a terminal; open one of at least 80x24"
-        raise StudyError(text)
+    _need_terminal()
+    write_key(study)
     hubs = [endpoint_of(hub) for hub in options.hub]
     with Journal.of(study, options.participant, options.replaces) as journal:
         complete = Session(study, journal, options.participant, hubs).run()
     sys.stdout.write("the session is complete\n" if complete else _LEFT)
     return ExitCode.OK if complete else ExitCode.FAULT
+
+
+def _watch(options: argparse.Namespace) -> int:
+    from rune_study.plan.study_file import read_study
+    from rune_study.session.watching import WatchScreen
+
+    study = read_study(options.folder)
+    _need_terminal()
+    WatchScreen(study, options.participant).run()
+    return ExitCode.OK
+
+
+def _need_terminal() -> None:
+    if not all(stream.isatty() for stream in (sys.stdin, sys.stdout)):
+        text = "this needs a terminal; open one of at least 80x24"
+        raise StudyError(text)
 
 
 def _status(options: argparse.Namespace) -> int:

@@ -142,14 +142,11 @@ def test_commands_of_studies_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(tmp_path)
     for command in STUDY:
         words = shlex.split(command)[1:]
-        if words[1] != "run":
+        if words[1] not in ("run", "watch"):
             done = rune(*words)
             assert done.returncode == 0, f"{command}: {done.stderr}"
             continue
-        with closing(ConsoleProcess(words, columns=80, rows=24)) as session:
-            session.wait(lambda: "Consent" in session.text, 20.0, "the session does not begin")
-            session.type("\x03")
-            assert session.wait_ended() == 1
+        _takes_a_session(words)
 
 
 @pytest.mark.parametrize("command", named(BY_ITSELF))
@@ -241,6 +238,15 @@ def _shows_a_picture(words: list[str]) -> None:
     with closing(ConsoleProcess(arguments, within=["env"])) as console:
         console.wait_for_picture()
         assert console.quit() == 0
+
+
+def _takes_a_session(words: list[str]) -> None:
+    """It begins, or is watched, until it is left."""
+    shown, key, code = ("Consent", "\x03", 1) if words[1] == "run" else ("b begin", "q", 0)
+    with closing(ConsoleProcess(words, columns=80, rows=24)) as session:
+        session.wait(lambda: shown in session.text, 20.0, "the session does not begin")
+        session.type(key)
+        assert session.wait_ended() == code
 
 
 def _replays(words: list[str]) -> None:
