@@ -6,6 +6,7 @@ import contextlib
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -140,6 +141,7 @@ def test_commands_on_recordings_work(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 def test_commands_of_studies_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    shutil.copytree(ROOT / "studies", tmp_path / "studies")
     for command in STUDY:
         words = shlex.split(command)[1:]
         if words[1] not in ("run", "watch"):
