@@ -36,7 +36,7 @@ class TimeAnchor:
             OverflowError: It is infinite.
         """
         stamp = self.wall_ns + round((moment - self.monotonic) * 1e9)
-        return min(max(0, stamp), LATEST)
+        return stamp if 0 <= stamp <= LATEST else min(max(0, stamp), LATEST)
 
     def moment(self, stamp: int) -> float:
         """The moment [s, monotonic clock] of a stamp [ns since 1970]."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 import zlib
 from array import array
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
@@ -66,11 +67,12 @@ class McapEncoder:
 
     Attributes:
         length: Number of bytes that were made.
+        messages: Number of messages in the chunks that are complete.
     """
 
     def __init__(self, compression: str = "lz4") -> None:
         """Begin; `compression` is one of `COMPRESSIONS`."""
-        self.length = 0
+        self.length = self.messages = 0
         self._compression = "" if compression == "none" else compression
         self._records = bytearray()
         self._entries: dict[int, array[int]] = {}  # of each channel: stamp, place, stamp, ...
@@ -136,19 +138,13 @@ class McapEncoder:
             struct.error: A number does not fit.
             TypeError: The payload has no bytes.
         """
+        data = payload if isinstance(payload, WHOLE) else b"".join(payload)
+        length = data.nbytes if isinstance(data, memoryview) else len(data)
+        head = _MESSAGE.pack(MESSAGE, _MESSAGE_BYTES + length, channel, number, stamp, published)
         records = self._records
         place = len(records)
-        records += _MESSAGE.pack(MESSAGE, 0, channel, number, stamp, published)
-        try:
-            if isinstance(payload, WHOLE):
-                records += payload
-            else:
-                for part in payload:
-                    records += part
-        except (TypeError, ValueError):
-            del records[place:]
-            raise
-        RECORD.pack_into(records, place, MESSAGE, len(records) - place - RECORD.size)
+        records += head
+        records += data
         entries = self._entries.get(channel)
         if entries is None:
             entries = self._entries[channel] = array("Q")
@@ -180,6 +176,7 @@ class McapEncoder:
             _Undo(self.length, len(self._chunk_indexes), counts, self._first, self._last)
         )
         self._chunks += 1
+        self.messages += sum(counts.values())
         for channel, count in counts.items():
             self._counts[channel] = self._counts.get(channel, 0) + count
         if stamps:
@@ -217,19 +214,26 @@ class McapEncoder:
         """The file has all that was made: nothing of it is taken back."""
         self._undo.clear()
 
-    def forget(self, length: int) -> None:
-        """Take back what was made since `keep` and lies behind this place in the file."""
+    def forget(self, length: int) -> Counter[int]:
+        """Take back what was made since `keep` and lies behind this place in the file.
+
+        Returns the number of messages of each channel that are taken back.
+        """
+        gone = Counter({channel: len(each) // 2 for channel, each in self._entries.items()})
         while self._undo and self._undo[-1].place >= length:
             undo = self._undo.pop()
             del self._chunk_indexes[undo.index_place :]
             self._first, self._last = undo.first, undo.last
             self._chunks -= 1
+            self.messages -= sum(undo.counts.values())
             for channel, count in undo.counts.items():
                 self._counts[channel] -= count
+                gone[channel] += count
         for indexes in (self._attachment_indexes, self._metadata_indexes):
             indexes[:] = [each for each in indexes if _place_of(each) < length]
         self._records, self._entries = bytearray(), {}
         self.length = length
+        return gone
 
     def end(self) -> bytes:
         """The last bytes of the file: the open chunk and the index."""
