@@ -51,6 +51,7 @@ class MetricRow:
     low: float = column("lower end of its interval", default=math.nan)
     high: float = column("upper end of its interval", default=math.nan)
     n: int = column("observations that it stands on", default=0)
+    censored: int = column("1: the value is only a lower bound, the trial ended first", default=0)
     why: str = column("why there is no value", default="")
     note: str = column("what to know beside the value", default="")
 
@@ -90,6 +91,7 @@ def metric_rows(own: Mapping[str, Any], found: Mapping[str, Estimate]) -> list[M
             low=each.low,
             high=each.high,
             n=each.n,
+            censored=int(each.censored),
             why=each.why,
             note=each.note,
         )

@@ -24,7 +24,8 @@ from rune_study.metrics.trial import (
     TrialData,
 )
 from rune_study.metrics.victims import Mark
-from rune_study.simulate.operator_model import ModelTrial, OperatorModel, run
+from rune_study.simulate.operator_model import OperatorModel
+from rune_study.simulate.recovery import measured
 from tests.support.cases import for_each
 
 
@@ -214,28 +215,8 @@ def test_the_table_is_whole() -> None:
         assert each.better in ("higher", "lower", "")
 
 
-def trial_of(model: OperatorModel, played: ModelTrial) -> TrialData:
-    """What a trial of the model leaves; progress is the time at work."""
-    robots = []
-    for number, each in enumerate(played.robots):
-        ends = each.working[each.working[:, 0] < model.seconds]
-        times = np.unique(np.concatenate(([0.0, model.seconds], ends.ravel())))
-        times = times[times <= model.seconds]
-        done = np.sum([np.clip(times - begin, 0, end - begin) for begin, end in ends], axis=0)
-        robots.append(
-            RobotData(
-                name=str(number),
-                inputs=each.inputs[each.inputs <= model.seconds],
-                selections=each.selections,
-                progress=signal(times, done),
-            )
-        )
-    return TrialData(length=model.seconds, robots=tuple(robots))
-
-
-def measured(model: OperatorModel, trials: int) -> list[dict[str, Estimate]]:
-    spec = MeasureSpec(tau=60.0, silence=math.inf)
-    return [measure(trial_of(model, run(model, seed)), spec) for seed in range(trials)]
+def played(model: OperatorModel, trials: int) -> list[dict[str, Estimate]]:
+    return list(measured(model, range(trials), MeasureSpec(tau=60.0)))
 
 
 def inside(found: list[dict[str, Estimate]], name: str, truth: float) -> float:
@@ -246,7 +227,7 @@ def inside(found: list[dict[str, Estimate]], name: str, truth: float) -> float:
 @pytest.mark.parametrize("check_s", [0.0, 60.0])
 def test_intervals_hold_the_truth_where_it_is_identifiable(check_s: float) -> None:
     model = OperatorModel(check_s=check_s)
-    found = measured(model, 100)
+    found = played(model, 100)
     assert inside(found, "nt_median", model.tolerance_median) >= 0.93
     assert inside(found, "ie_mean", model.interaction_mean) >= 0.88
     at = np.linspace(0.0, 60.0, 6001)
@@ -257,7 +238,7 @@ def test_intervals_hold_the_truth_where_it_is_identifiable(check_s: float) -> No
 
 
 def test_an_operator_who_returns_at_the_drop_leaves_nothing_to_identify() -> None:
-    for each in measured(OperatorModel(notice_s=0.0), 20):
+    for each in played(OperatorModel(notice_s=0.0), 20):
         assert "not identifiable" in each["nt_median"].why
         assert "not identifiable" in each["fo"].why
         assert each["ie_mean"].known
@@ -265,7 +246,7 @@ def test_an_operator_who_returns_at_the_drop_leaves_nothing_to_identify() -> Non
 
 def test_measured_fan_out_is_a_plateau_over_the_team() -> None:
     active = [
-        np.mean([each["fo_measured"].value for each in measured(OperatorModel(robots=n), 10)])
+        np.mean([each["fo_measured"].value for each in played(OperatorModel(robots=n), 10)])
         for n in (1, 4, 10)
     ]
     assert active == pytest.approx([0.94, 3.47, 5.13], rel=0.05)
