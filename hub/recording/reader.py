@@ -52,6 +52,8 @@ class Recording:
         about: Metadata by name.
         attachments: Files within it.
         counts: Number of messages by channel, where the file says it.
+        start: Stamp of the first message [ns]; 0 without messages.
+        end: Stamp of the last message [ns]; 0 without messages.
         finished: The file has its index.
         faults: What is wrong with the file, in sentences.
         unreadable: Length of what was found to be damaged, between the parts and in them [bytes].
@@ -72,7 +74,8 @@ class Recording:
             (place for place in summary.chunks if place.start <= place.end),
             key=lambda place: (place.start, place.offset),
         )
-        self._starts = [place.start for place in self._places]
+        self.start = self._places[0].start if self._places else 0
+        self.end = max((place.end for place in self._places), default=0)
         self._loaded: OrderedDict[int, LoadedChunk] = OrderedDict()
         self._loaded_bytes = 0
         self._damaged: set[int] = set()
@@ -115,16 +118,6 @@ class Recording:
     def close(self) -> None:
         """Close the file; once."""
         os.close(self._handle)
-
-    @property
-    def start(self) -> int:
-        """Stamp of the first message [ns]; 0 without messages."""
-        return self._starts[0] if self._starts else 0
-
-    @property
-    def end(self) -> int:
-        """Stamp of the last message [ns]; 0 without messages."""
-        return max((place.end for place in self._places), default=0)
 
     @property
     def anchor(self) -> TimeAnchor | None:
@@ -199,6 +192,10 @@ class Recording:
             for number, place in enumerate(self._places)
             if place.end >= first and place.start <= last
         ]
+        if wanted is not None and len(places) > 1:
+            known = self._chunks_of_channels()
+            having = {n for each in wanted & known.keys() for n in known[each].numbers.tolist()}
+            places = [number for number in places if number in having]
         if reverse:
             places.sort(key=lambda number: (-self._places[number].end, -number))
         for number in places:

@@ -53,6 +53,8 @@ class Bag:
 
     Attributes:
         path: The file or folder.
+        start: Stamp of the first message [ns]; 0 without messages.
+        end: Stamp of the last message [ns]; 0 without messages.
         channels: Topics by number.
         counts: Number of messages by channel, where the files say it.
         faults: What cannot be read, in sentences.
@@ -65,6 +67,8 @@ class Bag:
         self.path = path
         self._faults = faults
         self._splits = sorted(splits, key=lambda split: (split.start, str(split.path)))
+        self.start = min((split.start for split in splits if split.end), default=0)
+        self.end = max(split.end for split in splits)
         numbers: dict[tuple[str, str, str, str, bytes], int] = {}
         self.channels: dict[int, RecordedTopic] = {}
         counts: Counter[int] = Counter()
@@ -138,16 +142,6 @@ class Bag:
             split.close()
         if self._folder is not None:
             self._folder.cleanup()
-
-    @property
-    def start(self) -> int:
-        """Stamp of the first message [ns]; 0 without messages."""
-        return min((split.start for split in self._splits if split.end), default=0)
-
-    @property
-    def end(self) -> int:
-        """Stamp of the last message [ns]; 0 without messages."""
-        return max(split.end for split in self._splits)
 
     @property
     def faults(self) -> list[str]:

@@ -218,3 +218,20 @@ def test_a_packed_bomb_is_not_unpacked(tmp_path: Path, monkeypatch: pytest.Monke
     path.write_bytes(zstandard.compress(bytes(1 << 26)))
     with pytest.raises(RecordingError, match="has no room for it"):
         Bag.open(path)
+
+
+def test_parts_without_the_wanted_topics_are_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    odometry = [each for each in CONTENT if each[0] == "/odom"]
+    pictures = [each for each in CONTENT if each[0] == "/camera/image_raw"]
+    ros_bags.write_mcap(path, [*odometry, *pictures], chunk_size=40_000)
+    data = bytearray(path.read_bytes())
+    place = data.rindex(pictures[-1][3][200:300])
+    data[place : place + 50] = bytes(50)  # the checksum of its part is wrong now
+    path.write_bytes(data)
+    with Bag.open(path) as bag:
+        by_name = {topic.name: number for number, topic in bag.channels.items()}
+        assert len([*bag.messages(channels={by_name["/odom"]})]) == len(odometry)
+        assert bag.faults == []
+        assert len([*bag.messages()]) < len(odometry) + len(pictures)
+        assert bag.faults != []
