@@ -64,7 +64,7 @@ class BusRecorder:
         self._ros = RosTopics(robot) if settings.ros_names else None
         self.series: list[RecordingSeries] = []
         self.latched: dict[str, LatchedMessage] = {}
-        self._topics: dict[MessageDefinition[Any], RecordedTopic] = {}
+        self._topics: dict[MessageDefinition[Any], tuple[RecordedTopic, bool]] = {}
         self._tap = BusTap(client, self._take, self._wants, wake=settings.wake)
         PictureQuestions(client, cameras, settings.pictures, self._keep_answer)
         ask_for_maps(client, settings.maps, self._keep_answer)
@@ -109,28 +109,29 @@ class BusRecorder:
 
     def _take(self, definition: MessageDefinition[Any], payload: Buffer, info: MessageInfo) -> None:
         now = self._clock()
-        topic = self._topic(definition)
+        topic, latched = self._topics.get(definition) or self._topic(definition)
         if self._ros is not None:
             for other, part in self._ros.translated(definition, payload):
                 self._add(LatchedMessage(other, part, info.measured, info.sequence), definition)
             topic = self._ros.named(definition, topic)
         for each in self.series:
             each.add(topic, payload, now, info.measured, info.sequence)
-        if _is_latched(definition) and len(payload) <= _LARGEST_LATCHED:
+        if latched and len(payload) <= _LARGEST_LATCHED:
             first = LatchedMessage(topic, bytes(payload), info.measured, info.sequence)
             self.latched[topic.name] = first
 
-    def _topic(self, definition: MessageDefinition[Any]) -> RecordedTopic:
-        """The topic of a message; one that has no ROS 2 type has no schema."""
-        topic = self._topics.get(definition)
-        if topic is None:
-            try:
-                topic = topic_of(self._robot, definition)
-            except MessageFormatError:
-                topic = RecordedTopic(f"/{self._robot}/{definition.name}")
-            topic = dataclasses.replace(topic, metadata=described(definition))
-            self._topics[definition] = topic
-        return topic
+    def _topic(self, definition: MessageDefinition[Any]) -> tuple[RecordedTopic, bool]:
+        """The topic of a message, and whether each file begins with its newest one.
+
+        A message that has no ROS 2 type has no schema.
+        """
+        try:
+            topic = topic_of(self._robot, definition)
+        except MessageFormatError:
+            topic = RecordedTopic(f"/{self._robot}/{definition.name}")
+        topic = dataclasses.replace(topic, metadata=described(definition))
+        self._topics[definition] = topic, _is_latched(definition)
+        return self._topics[definition]
 
     def _add(self, message: LatchedMessage, definition: MessageDefinition[Any]) -> None:
         now = self._clock()

@@ -14,10 +14,13 @@ import re
 from collections.abc import Iterator
 from typing import Annotated, Any
 
+import numpy as np
+import numpy.typing as npt
+
 from hub.errors import CodecError
 from hub.gcm import battery, diagnostics, edges, flight, imu, joints, navigation
 from hub.gcm.camera_info import CAMERA_INFO, CameraInfo
-from hub.gcm.fields import Name, Octets
+from hub.gcm.fields import Name
 from hub.gcm.odometry import Odometry
 from hub.gcm.ranges import RANGES, LaserScan
 from hub.gcm.standard import Header, Time
@@ -25,6 +28,7 @@ from hub.gcm.transforms import STATIC_TRANSFORMS, TRANSFORMS
 from hub.gcm.vision import IMAGE, Image, ImageCoding
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.codegen import Buffer
+from hub.ipc.formats.ranges import Most
 from hub.ipc.formats.wire_types import Sequence
 from hub.recording.topics import RecordedTopic, topic_of
 from hub.values import dataclass
@@ -47,7 +51,7 @@ class CompressedImage:
 
     header: Header = Header()
     format: Name = ""
-    data: Annotated[Octets, Sequence()]
+    data: Annotated[npt.NDArray[np.uint8], Sequence(), Most(1 << 26)]
 
 
 _NAMES = {

@@ -1,0 +1,107 @@
+"""With names of ROS 2, its own tools read what is recorded: `rosbags` is the oracle."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.rosbag2.metadata import parse_qos
+from rosbags.typesys import Stores, get_typestore
+
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import DRIVE_STATE, VELOCITY_COMMAND, DriveState
+from hub.gcm.odometry import Odometry
+from hub.gcm.ranges import RANGES, LaserScan, RangeReadings
+from hub.gcm.standard import Header
+from hub.gcm.transforms import STATIC_TRANSFORMS, TRANSFORMS, Transforms
+from hub.gcm.vision import IMAGE, CameraState, Image, ImageCoding
+from hub.ipc.definition import MessageDefinition
+from hub.recording.anchor import TimeAnchor
+from hub.recording.live.ros_names import QOS, RosTopics
+from hub.recording.reader import Recording
+from hub.recording.topics import topic_of
+from hub.recording.writer import RecordingWriter, WriterLimits
+
+CAMERA = CameraState(
+    stamp=5.5, pan=0.0, tilt=0.0, zoom=0.0, horizontal_fov=1.0, vertical_fov=0.8, name="front",
+    mount_forward=0.0, mount_height=0.3, pan_limit=0.0, tilt_limit=0.0, slewing=0,
+)  # fmt: skip
+SCAN = LaserScan(
+    header=Header(frame_id="sonar 1"), range_max=5.0,
+    ranges=np.array([1.0, 2.0], np.float32), intensities=np.empty(0, np.float32),
+)  # fmt: skip
+PICTURE = Image(
+    camera=CAMERA, coding=ImageCoding.JPEG, width_px=4, height_px=3, channels=3,
+    data=np.arange(9, dtype=np.uint8),
+)  # fmt: skip
+MESSAGES: list[tuple[MessageDefinition[Any], Any]] = [
+    (DRIVE_STATE, DriveState(odometry=Odometry())),
+    (RANGES, RangeReadings(scans=(SCAN,))),
+    (IMAGE, PICTURE),
+    (TRANSFORMS, Transforms(transforms=())),
+    (STATIC_TRANSFORMS, Transforms(transforms=())),
+    (VELOCITY_COMMAND, TwistStamped.planar(0.5, 0.1)),
+]
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "a.mcap"
+    names = RosTopics("rover")
+    writer = RecordingWriter(path, TimeAnchor(10**18, 0.0), {}, WriterLimits(least_free=0))
+    for definition, value in MESSAGES:
+        payload = b"".join(definition.encode(value))
+        writer.add(names.named(definition, topic_of("rover", definition)), payload, 1.0, 1.0)
+        for topic, part in names.translated(definition, payload):
+            writer.add(topic, part, 1.0, 1.0)
+    writer.close()
+    return path
+
+
+def test_topics_have_the_names_and_types_of_ros(file: Path) -> None:
+    with Recording.open(file) as recording:
+        types = {topic.name: topic.schema_name for topic in recording.channels.values()}
+    own = {name: kind for name, kind in types.items() if not name.startswith("/rover/")}
+    assert own == {
+        "/odom": "nav_msgs/msg/Odometry",
+        "/scan/sonar_1": "sensor_msgs/msg/LaserScan",
+        "/camera/front/image/compressed": "sensor_msgs/msg/CompressedImage",
+        "/tf": "tf2_msgs/msg/TFMessage",
+        "/tf_static": "tf2_msgs/msg/TFMessage",
+        "/cmd_vel": "geometry_msgs/msg/TwistStamped",
+    }
+    assert {"/rover/GCM_DriveState", "/rover/GCM_Ranges", "/rover/GCM_Common_Image"} <= types.keys()
+
+
+def test_tools_of_ros_read_the_messages(file: Path) -> None:
+    types = get_typestore(Stores.ROS2_JAZZY)
+    with Recording.open(file) as recording:
+        read: dict[str, Any] = {
+            recording.channels[each.channel].name: types.deserialize_cdr(
+                each.payload, recording.channels[each.channel].schema_name
+            )
+            for each in recording.messages()
+            if not recording.channels[each.channel].name.startswith("/rover/")
+        }
+    assert read["/scan/sonar_1"].ranges.tolist() == [1.0, 2.0]
+    picture = read["/camera/front/image/compressed"]
+    assert (picture.format, picture.header.frame_id) == ("jpeg", "front_optical")
+    assert picture.header.stamp.nanosec == 500_000_000
+    assert picture.data.tolist() == list(range(9))
+    assert read["/cmd_vel"].twist.linear.x == 0.5
+
+
+def test_only_latched_topics_are_latched_for_ros(file: Path) -> None:
+    with Recording.open(file) as recording:
+        found = {topic.name: topic.metadata[QOS] for topic in recording.channels.values()}
+    latched = {name for name, quality in found.items() if "transient_local" in quality}
+    assert latched == {"/tf_static"}
+
+
+def test_tools_of_ros_read_the_qualities(file: Path) -> None:
+    with Recording.open(file) as recording:
+        found = {topic.name: topic.metadata[QOS] for topic in recording.channels.values()}
+    (quality,) = parse_qos(found["/tf_static"])
+    assert quality.durability.name == "TRANSIENT_LOCAL"
