@@ -28,12 +28,14 @@ from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 
-RETRY_S = 5.0
+_LEAST_FILES = 8
+"""Number of files for which a ring has room: deleting one deletes a small part of it."""
+RETRY_S, _RING_RETRY_S = 5.0, 0.5
 """Time between two attempts to go on after a fault [s]."""
 _STEP_S = 1.0
 """Smallest change of the date that counts as a step [s]."""
-_MARGIN = 64 * 2**20
-"""Room that a ring leaves beside the least free room [bytes]."""
+_MARGIN, _MARGIN_SHARE = 64 * 2**20, 0.02
+"""Room that a ring leaves beside the least free room: at most [bytes], and of the whole disk."""
 
 
 class LatchedMessage(NamedTuple):
@@ -150,7 +152,9 @@ class RecordingSeries:
         self._clock, self._read_date = clock, anchor
         self._anchor = anchor()
         self._began = self._split_at = clock()
-        self._files = 0
+        self._files = self._split_bytes = 0
+        # A ring makes room by itself.
+        self._retry_s = _RING_RETRY_S if limits.keep_s else RETRY_S
         self._messages = 0
         self._lost: Counter[str] = Counter()
         self._fault = ""
@@ -232,11 +236,11 @@ class RecordingSeries:
         state = self._writer.state
         if state.fault:
             self._end_file(now)
-            self._fault, self._retry_at = state.fault, now + RETRY_S
+            self._fault, self._retry_at = state.fault, now + self._retry_s
             _logger.warning("nothing is recorded: %s", state.fault)
             return
         old = 0.0 < self._limits.split_s <= now - self._split_at
-        if old or 0 < self._limits.split_bytes <= state.bytes:
+        if old or 0 < self._split_bytes <= state.bytes:
             self.split()
 
     def split(self) -> None:
@@ -287,6 +291,12 @@ class RecordingSeries:
             raise OSError(text)
         self._writer = RecordingWriter(path, self._anchor, self._about, self._limits.writer)
         self._path, self._split_at, self._fault = path, now, ""
+        self._split_bytes = self._limits.split_bytes
+        if self._limits.keep_s:
+            kept = sum(each.bytes for each in self._kept)
+            usable = min(self._limits.keep_bytes, free + kept - self._limits.writer.least_free)
+            largest = max(1, usable // _LEAST_FILES)
+            self._split_bytes = min(self._split_bytes or largest, largest)
         self._files += 1
         for attached in self._attached:
             self._writer.attach(*attached, now)
@@ -300,7 +310,7 @@ class RecordingSeries:
             fault = error.strerror or str(error)
             if fault != self._fault:
                 _logger.warning("nothing is recorded: %s", fault)
-            self._fault, self._retry_at = fault, now + RETRY_S
+            self._fault, self._retry_at = fault, now + self._retry_s
 
     def _end_file(self, now: float) -> None:
         """Complete the present file beside other work."""
@@ -334,7 +344,7 @@ class RecordingSeries:
         size = sum(each.bytes for each in self._kept)
         while self._kept:
             oldest = self._kept[0]
-            room = free_room(oldest.path.parent) >= self._limits.writer.least_free + _MARGIN
+            room = _has_room(oldest.path.parent, self._limits.writer.least_free)
             young = now - oldest.ended <= self._limits.keep_s
             if young and room and size <= self._limits.keep_bytes:
                 return
@@ -351,3 +361,13 @@ def free_room(folder: Path) -> int:
     except OSError:
         return 2**62
     return disk.f_bavail * disk.f_frsize
+
+
+def _has_room(folder: Path, least: int) -> bool:
+    """Whether the disk of a folder has the least free room [bytes] and a ring's margin."""
+    try:
+        disk = os.statvfs(folder)
+    except OSError:
+        return True
+    margin = min(_MARGIN, disk.f_blocks * disk.f_frsize * _MARGIN_SHARE)
+    return disk.f_bavail * disk.f_frsize >= least + margin
