@@ -44,7 +44,7 @@ SIZE = (112, 84)
 JUMPS = 100
 PLAYED_S = 60.0
 _WAITING = 5000
-"""Frames that may wait for the disk."""
+"""Messages that may wait for the disk."""
 SECOND = 1_000_000_000
 
 
@@ -89,8 +89,8 @@ def log_of(path: Path, seconds: int) -> None:
         state = dataclasses.replace(state, now=now, clock="12:00:00", robots={"robot": robot})
         drawn = DrawnFrame(columns=COLUMNS, rows=ROWS, arranged=1, cells=None, slow={})
         log.frame(state, drawn)
-        while recording.state.messages < frame - _WAITING:
-            time.sleep(0.01)  # what is too much for the writer would be lost
+        while recording.state.messages < 2 * frame - _WAITING:  # a frame has two on average
+            time.sleep(0.01)  # else the writer would lose some
     recording.close()
 
 
