@@ -194,6 +194,7 @@ class _Moment:
 
     def _frame(self, stamp: int, record: FrameRecord) -> ReplayFrame | None:
         if self._layout is None:
+            self._note("the recorded layout cannot be read; name a layout by --layout")
             return None
         robots = {each.robot: self._robot(stamp, each) for each in record.robots}
         if self._started is None or self._started[0] is not self._layout:

@@ -66,7 +66,8 @@ def export_picture(
     with closing(Player(opened)) as player:
         cells = player.seek(player.source.start + start, whole=True)
         if cells is None:
-            reason = f"{player.source.title} has no frame there"
+            why = f": {faults[-1]}" if (faults := player.source.faults) else ""
+            reason = f"{player.source.title} has no frame there{why}"
             raise LogError(reason)
         if not as_seen:
             columns, rows = cells.columns + 2 * screen.SIDES, cells.rows

@@ -109,6 +109,7 @@ def _made(
                 path.write_text(layout_text(body, capabilities, "127.0.0.1"), "utf-8")
                 return dataclasses.replace(open_layout(path), path="auto", files=())
     reason = f"{recording.path} does not describe its robot; name a layout by --layout"
+    reason += ", or show its topics by --topics"
     raise LogError(reason)
 
 
