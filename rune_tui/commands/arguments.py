@@ -149,7 +149,8 @@ def _add_replay(commands: Commands) -> CommandParser:
         "--export",
         type=Path,
         metavar="FILE",
-        help="write the picture at --start: .png, .svg, .txt; or a video from there: .mp4, .gif",
+        help="write the picture at --start (.png, .svg, .txt), a video from there (.mp4, .gif), "
+        "or a report of all (.html)",
     )
     replay.add_argument("--end", metavar="TIME", help="end of a video; default: the recording's")
     fps = number_type(float, 0.1, 60.0, "number of frames from 0.1 to 60")

@@ -54,7 +54,7 @@ def html_page(
 <body>
 <h1>{heading}</h1>
 <p>{counted}. Made {escape(made)}.</p>
-{_drawing(shown, grid)}
+{drawing(shown, grid)}
 <p>Circles with a number are victims, squares are landmarks. Coordinates are metres in the
 robot's map, x to the right and y up; ± is their error, where it is known.</p>
 <table>
@@ -81,9 +81,19 @@ def _row(point: InterestPoint) -> str:
     )
 
 
-def _drawing(points: Sequence[InterestPoint], grid: OccupancyMap | None) -> str:
-    """The map and the marks as SVG, in metres; y is negated, as SVG's y points down."""
-    left, bottom, right, top = _extent(points, grid)
+def drawing(
+    points: Sequence[InterestPoint],
+    grid: OccupancyMap | None,
+    trail: Sequence[tuple[float, float]] = (),
+) -> str:
+    """The map, the robot's way and its marks as SVG, in metres; y is negated, as SVG points down.
+
+    Args:
+        points: The marks; each has a finite place.
+        grid: The map; None if there is none.
+        trail: Places in `map` that the robot was at [m], in their order.
+    """
+    left, bottom, right, top = _extent([*((p.x, p.y) for p in points), *trail], grid)
     size = _MARK * max(right - left, top - bottom) / 10.0
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" '
@@ -96,6 +106,12 @@ def _drawing(points: Sequence[InterestPoint], grid: OccupancyMap | None) -> str:
             f'<image x="{grid.origin_x:.3f}" y="{-(grid.origin_y + height):.3f}" '
             f'width="{width:.3f}" height="{height:.3f}" style="image-rendering: pixelated" '
             f'href="data:image/png;base64,{_grid_text(grid)}"/>'
+        )
+    if len(trail) > 1:
+        places = " ".join(f"{x:.2f},{-y:.2f}" for x, y in trail)
+        parts.append(
+            f'<polyline points="{places}" fill="none" stroke="#1464aa" '
+            f'stroke-width="{size / 4:.3f}"/>'
         )
     parts += [_mark(point, size) for point in points]
     return "\n".join([*parts, "</svg>"])
@@ -113,10 +129,10 @@ def _mark(point: InterestPoint, size: float) -> str:
 
 
 def _extent(
-    points: Sequence[InterestPoint], grid: OccupancyMap | None
+    places: Sequence[tuple[float, float]], grid: OccupancyMap | None
 ) -> tuple[float, float, float, float]:
     """Least x, least y, greatest x, greatest y of the drawing, with its margin [m]."""
-    corners = [*((point.x, point.y) for point in points), *_known_corners(grid)] or [(0.0, 0.0)]
+    corners = [*places, *_known_corners(grid)] or [(0.0, 0.0)]
     xs, ys = zip(*corners, strict=True)
     return min(xs) - _ROOM, min(ys) - _ROOM, max(xs) + _ROOM, max(ys) + _ROOM
 

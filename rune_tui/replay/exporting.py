@@ -8,12 +8,14 @@ from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
+from hub import files
 from hub.plain_text import plain
 from rune_tui.compositor.picture import PictureFile
-from rune_tui.errors import LogError
+from rune_tui.errors import LogError, PictureFileError
 from rune_tui.replay import screen
 from rune_tui.replay.clip import SUFFIXES, ClipOptions, write_clip
 from rune_tui.replay.desk import Desk
+from rune_tui.replay.mission_page import mission_page
 from rune_tui.replay.opening import start_of
 from rune_tui.replay.player import Player
 from rune_tui.replay.source import ReplaySource
@@ -31,6 +33,11 @@ def export(options: Namespace, opened: Callable[[], ReplaySource]) -> None:
         PictureFileError: The file cannot be written, or PyAV is missing.
     """
     start, path = start_of(options.start), options.export
+    if path.suffix.lower() == ".html":
+        with closing(Player(opened)) as player:
+            page = mission_page(player, _progress(f"writing {path.name}"))
+        _write(path, page)
+        return
     if path.suffix.lower() not in SUFFIXES:
         export_picture(opened, start, path, as_seen=options.as_seen)
         return
@@ -45,6 +52,14 @@ def export(options: Namespace, opened: Callable[[], ReplaySource]) -> None:
     )
     with closing(Player(opened)) as player:
         write_clip(player, path, clip, _progress(f"writing {path.name}"))
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        files.replace(path, text.encode())
+    except OSError as error:
+        reason = f"{path} cannot be written: {error.strerror or error}; choose another place"
+        raise PictureFileError(reason) from error
 
 
 def export_picture(

@@ -1,0 +1,165 @@
+"""A report of what a recording shows: one HTML page that stands alone."""
+
+from __future__ import annotations
+
+import base64
+import datetime
+import io
+import math
+from collections.abc import Callable, Iterator, Sequence
+from html import escape
+from typing import Final
+
+from hub.gcm.mapping import INTEREST_POINTS
+from hub.values import dataclass
+from rune_tui.compositor.picture import image
+from rune_tui.export.report import drawing
+from rune_tui.model.robot_state import RobotState
+from rune_tui.replay import timeline
+from rune_tui.replay.desk import SECOND
+from rune_tui.replay.player import Player
+from rune_tui.replay.source import EventKind, Overview, ReplayEvent
+
+_MOST_PICTURES: Final = 12
+_STEP_NS: Final = SECOND
+"""The robots' ways have a place for each such time [ns]."""
+_COLUMNS: Final = 110
+_SCALE: Final = 5
+_WRONG: Final = (EventKind.ALARM, EventKind.BUMP)
+_NAMES: Final = {kind: kind.name.lower() for kind in EventKind}
+_STYLE = """
+body { font: 15px/1.45 system-ui, sans-serif; margin: 2em auto; max-width: 70em; color: #181c22 }
+table { border-collapse: collapse }
+th, td { text-align: left; padding: .2em .7em; border-bottom: 1px solid #c4c8cc }
+pre { background: #f2f3f5; padding: .6em; overflow-x: auto; line-height: 1.1 }
+svg { width: 100%; max-height: 80vh; background: #b0b4b8 }
+img { width: 100% }
+.pictures { display: grid; grid-template-columns: 1fr 1fr; gap: 1em }
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """What is kept of a robot: its places, and its state at the end."""
+
+    places: list[tuple[float, float]]
+    last: RobotState
+
+
+def mission_page(player: Player, progress: Callable[[float], None]) -> str:
+    """The page: what went wrong, all events, each robot's map with its way, and pictures.
+
+    Args:
+        player: Plays the recording.
+        progress: Gets the share that is done, 0 to 1.
+    """
+    source, overview = player.source, player.survey()
+    ways = _ways(player, lambda share: progress(0.7 * share))
+    moments = _moments(player, overview)
+    pictures = []
+    for number, (stamp, words) in enumerate(moments, 1):
+        pictures.append(_picture(player, stamp, words))
+        progress(0.7 + 0.3 * number / len(moments))
+    progress(1.0)
+    start, end = source.start, source.end
+    row = timeline.marks_row(_COLUMNS, start, end, end, overview)
+    wrong = [event for event in overview.events if event.kind in _WRONG]
+    heading = escape(f"What happened: {source.title}")
+    parts = [
+        f"<h1>{heading}</h1>",
+        f"<p>{_clock(start, date=True)} to {_clock(end)}, {_length(end - start)}. "
+        f"{len(overview.episodes)} episodes of interaction, {len(overview.events)} events.</p>",
+        f"<pre>{escape(row)}</pre>",
+        "<p>F freeze, ! alarm, V victim, B bump, | trial, · note, ▂ interaction, ╱ nothing.</p>",
+        "<h2>What went wrong</h2>",
+        _events(wrong, start) if wrong else "<p>No alarm and no bump.</p>",
+        *(f"<p>{escape(fault)}</p>" for fault in source.faults),
+        "<h2>Robots</h2>",
+        *(_robot(name, way) for name, way in ways.items()),
+        "<h2>Pictures</h2>",
+        f'<div class="pictures">{"".join(pictures)}</div>',
+        "<h2>All events</h2>",
+        _events(overview.events, start) if overview.events else "<p>There are none.</p>",
+    ]
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">'
+        f"<title>{heading}</title><style>{_STYLE}</style></head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body>\n</html>\n"
+    )
+
+
+def _ways(player: Player, progress: Callable[[float], None]) -> dict[str, _Way]:
+    source = player.source
+    ways: dict[str, _Way] = {}
+    due = source.start
+    for frame in source.frames(source.start - 1, source.end):
+        if frame.stamp < due and frame.stamp < source.end:
+            continue
+        due = frame.stamp + _STEP_NS
+        for name, robot in frame.state.robots.items():
+            known = ways.get(name)
+            places = known.places if known is not None else []
+            at = robot.navigation
+            if at is not None and math.isfinite(at.value.x) and math.isfinite(at.value.y):
+                places.append((at.value.x, at.value.y))
+            ways[name] = _Way(places, robot)
+        progress((frame.stamp - source.start) / max(1, source.end - source.start))
+    return ways
+
+
+def _moments(player: Player, overview: Overview) -> list[tuple[int, str]]:
+    """Times of pictures with their words: the begin, the events that matter most, the end."""
+    source = player.source
+    order = list(EventKind)
+    chosen = sorted(overview.events, key=lambda each: (order.index(each.kind), each.stamp))
+    found = [(each.stamp, each.text or _NAMES[each.kind]) for each in chosen[: _MOST_PICTURES - 2]]
+    return sorted([(source.start, "The begin"), *found, (source.end, "The end")])
+
+
+def _picture(player: Player, stamp: int, words: str) -> str:
+    player.seek(stamp)
+    cells = player.drawer.cells
+    if cells is None:
+        return ""
+    file = io.BytesIO()
+    image(cells, scale=_SCALE).quantize(64).save(file, "PNG", optimize=True)
+    code = base64.b64encode(file.getvalue()).decode()
+    when = escape(f"{_length(stamp - player.source.start)}: {words}")
+    return f'<div><p>{when}</p><img alt="" src="data:image/png;base64,{code}"></div>'
+
+
+def _robot(name: str, way: _Way) -> str:
+    reported = way.last.newest(INTEREST_POINTS)
+    points = [
+        point
+        for point in (reported.value.points if reported is not None else ())
+        if math.isfinite(point.x) and math.isfinite(point.y)
+    ]
+    grid = way.last.map.value if way.last.map is not None else None
+    steps = zip(way.places, way.places[1:], strict=False)
+    driven = sum(math.dist(first, second) for first, second in steps)
+    words = f"{way.last.title}: about {driven:.1f} m driven, {len(points)} marks at the end."
+    picture = drawing(points, grid, way.places) if way.places or points else ""
+    return f"<h3>{escape(name)}</h3><p>{escape(words)}</p>{picture}"
+
+
+def _events(events: Sequence[ReplayEvent], start: int) -> str:
+    head = "<tr><th>at</th><th>what</th><th>robot</th><th></th></tr>"
+    return f"<table>{head}{''.join(_rows(events, start))}</table>"
+
+
+def _rows(events: Sequence[ReplayEvent], start: int) -> Iterator[str]:
+    for event in events:
+        cells = (_length(event.stamp - start), _NAMES[event.kind], event.robot, event.text)
+        yield "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+
+
+def _clock(stamp: int, *, date: bool = False) -> str:
+    moment = datetime.datetime.fromtimestamp(stamp / SECOND).astimezone()
+    return f"{moment:%Y-%m-%d %H:%M:%S}" if date else f"{moment:%H:%M:%S}"
+
+
+def _length(nanoseconds: int) -> str:
+    seconds = max(0, nanoseconds) // SECOND
+    return f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"

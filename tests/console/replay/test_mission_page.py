@@ -1,0 +1,37 @@
+"""The report of a recording stands alone and names what happened."""
+
+from __future__ import annotations
+
+import base64
+import io
+import re
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+
+from PIL import Image
+
+from rune_tui.replay.console_log import ConsoleLog
+from rune_tui.replay.mission_page import mission_page
+from rune_tui.replay.player import Player
+from tests.console.replay.logged_session import logged_session
+
+
+def test_a_report_has_the_robots_way_and_pictures_of_begin_and_end(tmp_path: Path) -> None:
+    session = logged_session(tmp_path, 5)
+    shares: list[float] = []
+    with closing(Player(partial(ConsoleLog, session))) as player:
+        page = mission_page(player, shares.append)
+        robots = list(player.frame.state.robots) if player.frame is not None else []
+    assert shares[-1] == 1.0
+    for name in robots:
+        assert f"<h3>{name}</h3>" in page
+    assert re.search(r"about \d+\.\d m driven", page)
+    assert "0:00:00: The begin" in page
+    assert "The end" in page
+    codes = re.findall(r'<img alt="" src="data:image/png;base64,([^"]+)">', page)
+    assert len(codes) >= 2
+    sizes = {Image.open(io.BytesIO(base64.b64decode(code))).size for code in codes}
+    assert len(sizes) == 1
+    assert "http://" not in page.replace("http://www.w3.org/2000/svg", "")
+    assert "<script" not in page
