@@ -13,6 +13,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
+import lz4.frame
+import zstandard
+
 from hub.errors import RecordingError
 from hub.recording.records import (
     ATTACHMENT,
@@ -275,13 +278,9 @@ class McapEncoder:
 
 def _packed(records: bytes, compression: str) -> bytes:
     if compression == "lz4":
-        import lz4.frame
-
         packed: bytes = lz4.frame.compress(records)
         return packed
     if compression == "zstd":
-        import zstandard
-
         return zstandard.ZstdCompressor(level=_ZSTD_LEVEL).compress(records)
     return records
 

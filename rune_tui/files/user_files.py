@@ -149,7 +149,7 @@ def begin_recording(
     try:
         from rune_tui.files.console_recording import ConsoleRecording
     except ModuleNotFoundError:
-        text = "recording needs mcap; install it with pip install 'robot-user-nexus[record]'"
+        text = "recording needs lz4; install it with pip install 'robot-user-nexus[record]'"
         return None, Outcome(text=text, alarm=True)
     folder = folder or platformdirs.user_documents_path() / _FOLDER
     name = f"run{layout.run_number}-{now:%Y%m%d-%H%M%S}"
