@@ -52,14 +52,16 @@ def mount(values: TopicValues, frames: FrameTree, value: RosValue) -> FramePlace
 
 
 def robot_state(values: TopicValues, frames: FrameTree, fixed: str) -> ShownMessage | None:
-    """Where the robot is in the fixed frame, and how fast it moves; None: no topic says it."""
+    """Where the robot is in the fixed frame, how fast it moves, its charge; None: not known."""
     odometry = values.first(whole, RosRole.ODOMETRY)
     place, stamp = _place(values, frames, odometry, fixed)
     (forward_wanted, turn_wanted), commanded = _command(values)
     forward = left = up = turning = 0.0
     if odometry is not None:
         forward, left, up, turning = messages.planar(odometry.value.get("twist.twist"))
-    stamp = max(stamp, commanded, odometry.stamp if odometry is not None else -1)
+    battery = values.first(messages.battery, RosRole.BATTERY)
+    others = (each.stamp for each in (odometry, battery) if each is not None)
+    stamp = max(stamp, commanded, *others)
     if stamp < 0:
         return None
     x, y = (float(each) for each in np.clip(place.origin[:2], -1e6, 1e6))
@@ -74,8 +76,8 @@ def robot_state(values: TopicValues, frames: FrameTree, fixed: str) -> ShownMess
         commanded_linear=forward_wanted,
         commanded_angular=turn_wanted,
         bumpers=0,
-        battery_voltage=math.nan,
-        battery_fraction=math.nan,
+        battery_voltage=battery.value.voltage if battery is not None else math.nan,
+        battery_fraction=battery.value.percentage if battery is not None else math.nan,
         sway=left,
         heave=up,
         motion=MotionState.MOVING if moves else MotionState.STANDING,
