@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import collections
 import heapq
+import math
 from dataclasses import field
 from typing import Generic, TypeVar
 
@@ -131,16 +132,22 @@ class LinkDirection(Generic[P]):
         self._streams: dict[int, _Stream[P]] = {}
         self._waiting: collections.deque[tuple[float, int]] = collections.deque()
         self._waiting_bytes = 0
-        self._events: list[tuple[float, int, int, _Packet[P] | None]] = []
-        """Time, number, stream; the packet, or None for an answer."""
+        self._events: list[tuple[float, int, int, _Packet[P]]] = []
+        self._answers: list[tuple[float, int, int]] = []
+        """Time, number, stream; they come in the order of time."""
         self._number = 0
         self._packets = self._bytes = self._lost = self._delivered = 0
         self._delay = 0.0
 
     @property
     def due(self) -> float:
-        """Time of the next event; infinite while the link is empty [s]."""
-        return self._events[0][0] if self._events else float("inf")
+        """Time of the next event; infinite while the link is empty [s].
+
+        Answers count while a window is full only: a relay should not wake up for others.
+        """
+        due = self._events[0][0] if self._events else math.inf
+        full = any(each.unanswered >= each.window.size for each in self._streams.values())
+        return min(due, self._answers[0][0]) if full and self._answers else due
 
     @property
     def counts(self) -> DirectionCounts:
@@ -197,25 +204,25 @@ class LinkDirection(Generic[P]):
     def take(self, now: float) -> list[Delivery[P]]:
         """The packets that arrived until `now`, in the order of time."""
         out: list[Delivery[P]] = []
-        while self._events and self._events[0][0] <= now:
-            time, _, stream, packet = heapq.heappop(self._events)
+        while (time := self._next()) <= now:
+            if self._answers and self._answers[0][0] == time:
+                self._answer(heapq.heappop(self._answers)[2], time)
+                continue
+            _, _, stream, packet = heapq.heappop(self._events)
             known = self._streams.get(stream)
             if known is None:  # it was forgotten
                 continue
-            if packet is None:
-                known.window.answered(known.unanswered)
-                known.unanswered -= 1
-                self._send_unsent(stream, time)
-            elif packet.arrived or packet.due != time:  # the event was moved
+            if packet.arrived or packet.due != time:  # the event was moved
                 continue
-            elif packet.lost:
+            if packet.lost:
                 if not packet.shown:
                     known.window.timed_out()
                 packet.shown = False
                 self._transmit(stream, packet, time)
             else:
                 packet.arrived = True
-                self._push(time + self._back, stream, None)
+                self._number += 1
+                heapq.heappush(self._answers, (time + self._back, self._number, stream))
                 self._show_losses(stream, packet, time)
                 out += self._deliver(stream, time)
         return out
@@ -237,6 +244,17 @@ class LinkDirection(Generic[P]):
             self._at(packet.sent + pause, stream, packet)
         else:
             self._at(packet.sent + self.conditions.delay(packet.sent), stream, packet)
+
+    def _next(self) -> float:
+        """Time of the next arrival, retransmission or answer [s]."""
+        return min(each[0][0] if each else math.inf for each in (self._events, self._answers))
+
+    def _answer(self, stream: int, time: float) -> None:
+        known = self._streams.get(stream)
+        if known is not None:
+            known.window.answered(known.unanswered)
+            known.unanswered -= 1
+            self._send_unsent(stream, time)
 
     def _send_unsent(self, stream: int, time: float) -> None:
         """Send what the window allows."""
@@ -266,9 +284,6 @@ class LinkDirection(Generic[P]):
 
     def _at(self, time: float, stream: int, packet: _Packet[P]) -> None:
         packet.due = time
-        self._push(time, stream, packet)
-
-    def _push(self, time: float, stream: int, packet: _Packet[P] | None) -> None:
         self._number += 1
         heapq.heappush(self._events, (time, self._number, stream, packet))
 
