@@ -16,7 +16,7 @@ from hub.values import dataclass
 from rune_study.errors import DataError
 from rune_study.estimate import LEVEL, Estimate, unknown
 from rune_study.statistics.arrays import Flags, Floats, floats
-from rune_study.statistics.distributions import normal_quantile
+from rune_study.statistics.distributions import normal_quantile, t_quantile
 
 MEDIAN_RULE = "first time of an event at which S <= 0.5 (+ 1e-12)"
 """Which time is the median; where S is 0.5 exactly, R takes the middle up to the next event."""
@@ -33,8 +33,10 @@ class RestrictedMean:
         value: The mean of min(time, tau).
         tau: The bound.
         standard_error: By Greenwood's formula, as R's `survfit` has it.
-        low: Lower end of its normal interval, at least 0.
-        high: Upper end, at most tau.
+        low: Lower end of its interval, at least 0; NaN with fewer than two events before the bound.
+            The interval is Student's, with the variance times m / (m - 1) for m events
+            (J. P. Klein, M. L. Moeschberger, Survival Analysis, 2nd edition, 4.5).
+        high: Upper end, at most tau; the same.
     """
 
     value: float
@@ -130,13 +132,17 @@ class Survival:
         alive = at_risk > events  # where all had their event, the area beyond is 0
         terms = later[alive] ** 2 * events[alive] / (at_risk[alive] * (at_risk - events)[alive])
         error = math.sqrt(float(terms.sum()))
-        half = normal_quantile(0.5 + 0.5 * self.level) * error
+        count = float(events.sum())
+        half = math.nan
+        if error > 0.0 and count > 1.0:
+            wider = math.sqrt(count / (count - 1.0))
+            half = t_quantile(0.5 + 0.5 * self.level, count - 1.0) * wider * error
         return RestrictedMean(
             value=value,
             tau=tau,
             standard_error=error,
-            low=max(0.0, value - half),
-            high=min(tau, value + half),
+            low=half if math.isnan(half) else max(0.0, value - half),
+            high=half if math.isnan(half) else min(tau, value + half),
         )
 
 

@@ -73,6 +73,16 @@ def test_restricted_means_are_those_of_r(data, median: float, mean: float, error
     assert found.standard_error == pytest.approx(error, abs=0.005)
 
 
+def test_the_interval_of_a_restricted_mean_is_wider_with_few_events() -> None:
+    found = kaplan_meier(*OTHERS).restricted_mean(161)  # 11 events
+    half = 2.2281388519649385 * math.sqrt(11 / 10) * found.standard_error
+    assert (found.low, found.high) == pytest.approx((found.value - half, found.value + half))
+    for few in (kaplan_meier([3, 4], [0, 0]), kaplan_meier([7], [1]), kaplan_meier([5, 9], [1, 0])):
+        alone = few.restricted_mean(9)
+        assert math.isnan(alone.low)
+        assert math.isnan(alone.high)
+
+
 def test_the_median_is_the_first_time_with_half_left() -> None:
     assert kaplan_meier([1, 2, 3, 4], [1, 1, 1, 1]).median.value == 2
     many = kaplan_meier(range(1, 25), [1] * 24)
