@@ -13,6 +13,8 @@ written, so its step begins again as a further attempt; the files of earlier att
 
 from __future__ import annotations
 
+import fcntl
+import os
 import time
 from pathlib import Path
 from types import TracebackType
@@ -65,9 +67,15 @@ class Journal:
         self.records: list[Record] = []
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
+            self._lock = _locked(path.parent)
+        except OSError as fault:
+            text = f"{path}: {fault}"
+            raise StudyError(text) from fault
+        try:
             reading = journal_file.read(path, self._take) if path.exists() else None
             self._file = journal_file.JournalFile(path, reading)
         except (MissionFileError, OSError) as fault:
+            os.close(self._lock)
             text = f"{path}: {fault}"
             raise StudyError(text) from fault
 
@@ -133,13 +141,30 @@ class Journal:
         self._take(line)
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file, so that another process may go on."""
         self._file.close()
+        os.close(self._lock)
 
     def _take(self, line: dict[str, Any]) -> None:
         record = record_of(line)
         if record is not None:
             self.records.append(record)
+
+
+def _locked(folder: Path) -> int:
+    """A handle that locks a folder until it is closed, or this process ends.
+
+    Raises:
+        StudyError: Another process has it.
+    """
+    handle = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as fault:
+        os.close(handle)
+        text = f"the session in {folder} runs in another terminal; go on there, or end it first"
+        raise StudyError(text) from fault
+    return handle
 
 
 def read_journal(path: Path) -> list[Record]:

@@ -24,9 +24,7 @@ PRIVATE = "private.log"
 """Answers that stay out of the study's data, such as consent."""
 _BREAK = "# A break\n\nPlease rest."
 _PRACTICE = "# Practice\n\nDrive the robot until you know how. Quit the console when you are ready."
-_TRIAL = (
-    "# Trial {number} of {count}\n\nIt takes up to {minutes:.0f} minutes. Press Enter to begin."
-)
+_TRIAL = "# Trial {number} of {count}\n\nIt takes up to {time}."
 
 
 class Session:
@@ -44,8 +42,13 @@ class Session:
             hubs: Endpoints of real robots; empty: they are simulated.
 
         Raises:
-            StudyError: Markers are wanted and cannot be sent.
+            StudyError: Markers are wanted and cannot be sent, or hubs are too few or too many.
         """
+        robots = {spec.robots for spec in study.conditions}
+        if hubs and robots != {len(hubs)}:
+            those = " and ".join(map(str, sorted(robots)))
+            text = f"--hub names {len(hubs)} robots, and conditions have {those}"
+            raise StudyError(text)
         self._study = study
         self._journal = journal
         self._folder = journal.path.parent
@@ -114,8 +117,9 @@ class Session:
 
     def _wait_for_begin(self, step: Step) -> None:
         count = sum(each.kind == TRIAL for each in self._steps)
-        minutes = step.seconds / 60.0
-        text = _TRIAL.format(number=step.trial, count=count, minutes=minutes)
+        minutes = round(step.seconds / 60.0)
+        time = f"{minutes} minutes" if minutes > 1 else f"{step.seconds:.0f} seconds"
+        text = _TRIAL.format(number=step.trial, count=count, time=time)
         by_experimenter = step.kind == TRIAL and self._study.trial.begins == "experimenter"
         read(
             _PRACTICE if step.kind == PRACTICE else text,

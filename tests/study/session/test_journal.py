@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from rune_study.errors import ChangedStudyError
+from rune_study.errors import ChangedStudyError, StudyError
 from rune_study.plan.steps import plan
 from rune_study.session.journal import JOURNAL, Journal, read_journal
 from rune_study.session.progress import LeftError, run_steps
@@ -160,3 +160,10 @@ def test_other_lines_are_left_out(tmp_path: Path) -> None:
         journal.put("note", text="hello")
         journal.put("done", n="three")
     assert [each.what for each in read_journal(path)] == ["note"]
+
+
+def test_a_session_runs_once(tmp_path: Path) -> None:
+    study = study_of(tmp_path, FOUR)
+    with Journal.of(study, 1), pytest.raises(StudyError, match="runs in another terminal"):
+        Journal.of(study, 1)
+    Journal.of(study, 1).close()
