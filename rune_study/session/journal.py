@@ -136,7 +136,7 @@ class Journal:
         try:
             self._file.append([line])
         except (MissionFileError, ValueError) as fault:
-            text = f"{self.path}: {fault}; free some space, then run the session again"
+            text = f"{fault}; free some space, then run the session again"
             raise StudyError(text) from fault
         self._take(line)
 
