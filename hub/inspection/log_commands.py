@@ -65,6 +65,10 @@ def run(options: argparse.Namespace) -> int:
         if options.task == "csv":
             return _tables(options, progress)
         return _report(_copied(options, progress), options, progress)
+    except KeyboardInterrupt:
+        progress.end()
+        print_error("interrupted: no new file is written")
+        return 1
     finally:
         progress.end()
 

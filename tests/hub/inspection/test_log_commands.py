@@ -13,6 +13,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from hub.recording.reader import Recording
+from hub.recording.recording_set import RecordingSet
 from hub.recording.topics import RecordedTopic
 from hub.recording.writer import RecordingWriter
 from tests.support.command_line import rune_hub
@@ -212,3 +213,15 @@ def test_what_cannot_be_done_is_one_sentence(drive: Path, line: str, said: str) 
 def test_force_replaces_a_file(drive: Path) -> None:
     log(f"cut {drive} -o {drive} --to +10s --force")
     assert max(seconds("drive.mcap")["/rover/GCM_DriveState"]) == 10.5
+
+
+@pytest.mark.parametrize("line", ["cut drive.mcap -o x.mcap", "csv drive.mcap -o tables"])
+def test_an_interrupted_copy_leaves_nothing(
+    drive: Path, line: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(RecordingSet, "messages", interrupted)
+    assert "interrupted: no new file is written" in log(line, 1)
+    assert [each for each in Path().rglob("*") if each.is_file()] == [drive]
