@@ -94,6 +94,15 @@ class LoggedRobot:
             self._state = self._state.with_(map=received)
         else:
             self._state = with_message(self._state, name, received, _source_of(received))
+            if isinstance(received.value, RobotBody):
+                self._find_main_picture()
+
+    def _find_main_picture(self) -> None:
+        """Pictures that came before the description did not say that they are the main one's."""
+        pictures = dict(self._state.pictures)
+        early = pictures.pop(self._main_camera, None)
+        if early is not None:
+            self._state = self._state.with_(pictures=pictures, picture=self._state.picture or early)
 
     @property
     def _main_camera(self) -> str:

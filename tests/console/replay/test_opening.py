@@ -9,10 +9,13 @@ import time
 from contextlib import closing
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from hub.errors import RecordingError
+from hub.gcm.body import ROBOT_DESCRIPTION, CameraBody, RobotBody
 from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.vision import IMAGE, Image, ImageCoding
 from rune_tui.errors import LogError
 from rune_tui.files.console_recording import ConsoleRecording
 from rune_tui.model.own_records import RUNE_TERMINAL, TerminalRecord
@@ -22,7 +25,7 @@ from rune_tui.replay.player import Player
 from rune_tui.replay.timed_log import PERIOD_NS, paired
 from rune_tui.startup.opening import open_layout
 from tests.console.replay.logged_session import COLUMNS, ROWS, logged_session
-from tests.support.messages import robot_state
+from tests.support.messages import camera_state, robot_state
 
 SECOND = 1_000_000_000
 
@@ -162,3 +165,33 @@ def test_times_of_day_are_those_of_the_console(
         finally:
             monkeypatch.undo()
             time.tzset()
+
+
+def test_a_picture_before_the_description_becomes_the_main_one(tmp_path: Path) -> None:
+    """Else it would stay as a second camera's, and its age would be an alarm for ever."""
+    path, now = tmp_path / "hub.mcap", 1000.0
+    body = RobotBody(
+        name="rover", kind="a", radius=0.2, cameras=(CameraBody(name="front", horizontal_fov=1.0),)
+    )
+    image = Image(
+        camera=camera_state(name="front"),
+        coding=ImageCoding.RAW,
+        width_px=2,
+        height_px=2,
+        channels=3,
+        data=np.zeros(12, np.uint8),
+    )
+    recording = ConsoleRecording(path, {}, clock=lambda: now)
+    for tick in range(30):
+        now = 1000.0 + tick / 10
+        recording.add("rover", IMAGE, image, now)
+        recording.add("rover", ROBOT_STATE, robot_state(x=float(tick)), now)
+        if tick == 3:
+            recording.add("rover", ROBOT_DESCRIPTION, body, now)
+    recording.close()
+    with closing(open_source([path], open_layout("search"))) as source:
+        for frame in source.frames(source.start + SECOND, source.end):
+            (robot,) = frame.state.robots.values()
+            assert robot.picture is not None
+            assert robot.picture.age(frame.state.now) < 0.3
+            assert robot.pictures == {}
