@@ -12,11 +12,13 @@ import numpy.typing as npt
 
 from hub.values import dataclass
 from rune_study.data.rows import MetricRow
-from rune_study.estimate import Estimate
+from rune_study.estimate import Estimate, unknown
 from rune_study.statistics.holm import holm
+from rune_study.statistics.log_rank import LogRankTest, log_rank
 from rune_study.statistics.means import mean
 from rune_study.statistics.paired import PairedEffect, paired_effect
 from rune_study.statistics.repeated_measures import WithinAnalysis, rm_anova
+from rune_study.statistics.survival import Survival, kaplan_meier, restricted_mean_estimate
 
 CONDITION = "condition"
 """Name of the only factor of a study whose factors are not crossed."""
@@ -42,6 +44,21 @@ class Contrast:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CensoredResult:
+    """A metric that is a time, some of whose values are lower bounds only.
+
+    Attributes:
+        curves: The Kaplan-Meier curve of each condition with data, by its code.
+        tau: Bound of the restricted means, the same in all conditions [s].
+        test: Log-rank test of the conditions within participants; None: it needs two conditions.
+    """
+
+    curves: Mapping[str, Survival]
+    tau: float
+    test: LogRankTest | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MetricResult:
     """A metric over all conditions.
 
@@ -52,6 +69,8 @@ class MetricResult:
         contrasts: Effects of each factor's levels, first of all results.
         tests: Analysis of variance; None: it needs two participants and two conditions.
         reasons: Why trials have no value, with how many.
+        censored: For times that are partly lower bounds; then means and effects are none. None:
+            all values are exact.
     """
 
     metric: str
@@ -60,6 +79,7 @@ class MetricResult:
     contrasts: tuple[Contrast, ...]
     tests: WithinAnalysis | None
     reasons: Mapping[str, int]
+    censored: CensoredResult | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,6 +164,8 @@ def corrected(results: Sequence[MetricResult], primary: Sequence[str]) -> dict[s
 def _result(
     name: str, rows: Sequence[MetricRow], conditions: Conditions, people: Sequence[int]
 ) -> MetricResult:
+    if any(row.censored for row in rows):
+        return _censored(name, rows, conditions, people)
     gathered: dict[tuple[int, str], list[float]] = {}
     reasons: dict[str, int] = {}
     for row in rows:
@@ -165,6 +187,39 @@ def _result(
         contrasts=tuple(_contrasts(values, conditions)),
         tests=_tests(values, conditions),
         reasons=reasons,
+    )
+
+
+def _censored(
+    name: str, rows: Sequence[MetricRow], conditions: Conditions, people: Sequence[int]
+) -> MetricResult:
+    known = [row for row in rows if math.isfinite(row.value)]
+    durations = np.array([row.value for row in known])
+    observed = np.array([not row.censored for row in known])
+    codes = np.array([row.code for row in known])
+    curves = {
+        code: kaplan_meier(durations[codes == code], observed[codes == code])
+        for code in conditions.codes
+        if (codes == code).any()
+    }
+    strata = np.array([row.participant for row in known])
+    test = log_rank(durations, observed, codes, strata) if len(curves) > 1 else None
+    # Every condition has data up to here.
+    tau = min(float(durations[codes == code].max()) for code in curves)
+    nothing = np.full((len(people), len(conditions.codes)), math.nan)
+    return MetricResult(
+        metric=name,
+        values=nothing,
+        means=tuple(
+            restricted_mean_estimate(curves[code], tau)
+            if code in curves
+            else unknown("there is no trial")
+            for code in conditions.codes
+        ),
+        contrasts=(),
+        tests=None,
+        reasons={},
+        censored=CensoredResult(curves=curves, tau=tau, test=test),
     )
 
 

@@ -10,7 +10,13 @@ from hub.values import dataclass
 from rune_study.data.rows import TrialRow
 from rune_study.estimate import Estimate
 from rune_study.plan.checking import DesignReport, design_lines
-from rune_study.report.comparison import Conditions, Contrast, MetricResult, corrected
+from rune_study.report.comparison import (
+    CensoredResult,
+    Conditions,
+    Contrast,
+    MetricResult,
+    corrected,
+)
 from rune_study.report.svg import COLOURS, Axis, Chart
 
 _STYLE = """
@@ -177,7 +183,9 @@ def _metric(report: StudyReport, result: MetricResult) -> Iterator[str]:
     better = f" {words.better.capitalize()} is better." if words.better else ""
     yield f"<p>{escape(words.meaning)}{better}</p>"
     known = [each for each in result.means if each.known and math.isfinite(each.value)]
-    if known:
+    if result.censored is not None:
+        yield from _times(report, result, result.censored, words.label)
+    elif known:
         effects = _effects_chart(result.contrasts, words.label)
         yield f'<div class="pictures">{_people_chart(report, result, words.label)}{effects}</div>'
         yield _table(
@@ -194,6 +202,42 @@ def _metric(report: StudyReport, result: MetricResult) -> Iterator[str]:
         yield f"<p>Trials without a value: {escape(reasons)}.</p>"
     elif not known:
         yield "<p>No trial has a value.</p>"
+
+
+def _times(
+    report: StudyReport, result: MetricResult, found: CensoredResult, label: str
+) -> Iterator[str]:
+    """Curves of times that are partly censored, with their medians and restricted means."""
+    codes = report.conditions.codes
+    chart = Chart(Axis(label, 0.0, 1.05 * found.tau or 1.0), Axis("share without it", 0.0, 1.02))
+    for code, curve in found.curves.items():
+        colour = COLOURS[codes.index(code) % len(COLOURS)]
+        steps = [(0.0, 1.0), *zip(curve.times.tolist(), curve.survival.tolist(), strict=True)]
+        kept = [(time, share) for time, share in steps if time <= found.tau]
+        chart.steps([*kept, (found.tau, kept[-1][1])], colour)
+        chart.text(found.tau, kept[-1][1], code, anchor="end")
+    yield f'<div class="pictures">{chart.svg(f"share without {label} over time")}</div>'
+    yield _table(
+        ["condition", "median", f"mean up to {_number(found.tau)} s", "95 % interval", "seen", "n"],
+        [
+            [
+                code,
+                _number(found.curves[code].median.value),
+                _number(mean.value),
+                _interval(mean),
+                str(int(found.curves[code].events.sum())),
+                str(found.curves[code].n),
+            ]
+            for code, mean in zip(codes, result.means, strict=True)
+            if code in found.curves
+        ],
+    )
+    if found.test is not None:
+        words = found.test.why or (
+            f"Log-rank test within participants: chi-square {_number(found.test.square)} "
+            f"with {found.test.df} degrees of freedom, p {_p(found.test.p)}"
+        )
+        yield f"<p>{escape(words)}.</p>"
 
 
 def _people_chart(report: StudyReport, result: MetricResult, label: str) -> str:

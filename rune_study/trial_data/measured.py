@@ -7,13 +7,17 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 
-from hub.gcm.mapping import PointKind
+from hub.errors import CodecError
+from hub.gcm.mapping import MAP, PointKind
 from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.vision import CAMERA_STATE
 from hub.values import dataclass
 from rune_study.metrics.awareness import Query
 from rune_study.metrics.coverage import seen_cells
-from rune_study.metrics.effectiveness import Signal, driven
+from rune_study.metrics.effectiveness import Signal, driven, signal
+from rune_study.metrics.latency import motion_to_photon
+from rune_study.metrics.map_quality import middles
 from rune_study.metrics.trial import (
     Contacts,
     Motion,
@@ -26,17 +30,23 @@ from rune_study.metrics.trial import (
 from rune_study.metrics.trial_time import TrialTime
 from rune_study.metrics.victims import Mark
 from rune_study.statistics.arrays import Flags, Floats
-from rune_study.trial_data.operator import OperatorInputs, inputs_of
+from rune_study.trial_data.operator import OperatorInputs, frames_shown, inputs_of
 from rune_study.trial_data.sightings import marks_of, pan_of
 from rune_study.trial_data.track import Track, track_of
 from rune_study.trial_data.trial_log import TrialLog
 from rune_study.trial_data.truth import Truth
-from rune_tui.model.own_records import RUNE_LINK
+from rune_tui.model.own_records import RUNE_LINK, InputOutcome
 
 Place = tuple[float, float]
 NEW_AREA, DRIVEN = "new_area", "driven"
 EFFECTIVENESS = (NEW_AREA, DRIVEN)
 """Names of the progress that is task effectiveness."""
+_ANSWER_S = 1.0
+"""An input that changes the motion of the robot does so within this time [s]."""
+_CHANGE = 0.02
+"""Change of velocity that is seen [m/s, rad/s]."""
+_OCCUPIED = 65
+"""Share from which on a cell of a map is occupied [%], as in ROS 2."""
 _LOOK_S = 0.5
 """The camera's view counts as often as this [s]."""
 
@@ -73,12 +83,17 @@ def trial_data(logs: Mapping[str, TrialLog], around: Surroundings) -> TrialData:
     seen = np.zeros_like(truth.grid.blocked) if truth is not None else None
     robots: list[RobotData] = []
     marks: list[Mark] = []
+    marked: list[Floats] = []
+    photons: list[Floats] = []
     for role, log in logs.items():
         robot = _name_in(log, role, logs)
         track = track_of(log, robot)
         progress = _progress(log, robot, track, around, seen)
-        robots.append(_robot(log, (role, robot), track, progress, inputs_of(log), around.time))
+        inputs = inputs_of(log)
+        robots.append(_robot(log, (role, robot), track, progress, inputs, around.time))
         marks += _marks(log, robot, track, around.time)
+        marked += _marked(log, robot, track)
+        photons.append(_photons(log, role, track, inputs))
     return TrialData(
         length=around.time.length,
         robots=tuple(robots),
@@ -86,6 +101,9 @@ def trial_data(logs: Mapping[str, TrialLog], around: Surroundings) -> TrialData:
         victims=truth.victims if truth is not None else None,
         seen=seen,
         reachable=truth.reachable if truth is not None else None,
+        marked=np.concatenate(marked) if marked and truth is not None else None,
+        surface=truth.surface if truth is not None else None,
+        photons=np.concatenate(photons) if any(map(len, photons)) else None,
         queries=around.queries,
         secondary=around.secondary,
         questionnaires=around.answers,
@@ -124,6 +142,7 @@ def _robot(
         motion=Motion(times=moments, linear=track.linear, angular=track.angular, pan=pan)
         if moved
         else None,
+        keys=_steering(inputs, role, time),
         contacts=Contacts(
             times=moments,
             counts=track.contacts.astype(float),
@@ -133,6 +152,56 @@ def _robot(
         if track.true
         else None,
     )
+
+
+def _steering(inputs: OperatorInputs, role: str, time: TrialTime) -> Signal | None:
+    times, values = inputs.steering(role)
+    return signal(time.moments(times), values) if len(times) else None
+
+
+def _photons(log: TrialLog, role: str, track: Track, inputs: OperatorInputs) -> Floats:
+    """Motion to photon of each input that set the robot in another motion [s] (n,)."""
+    begins = np.array(
+        [
+            time
+            for time, record in inputs.inputs
+            if record.robot == role
+            and record.pressed
+            and not record.repeat
+            and record.outcome is InputOutcome.SENT
+        ]
+    )
+    if not track.true or not len(begins):
+        return np.zeros(0)
+    answered = np.array([_answered(track, begin) for begin in begins])
+    moved = np.isfinite(answered)
+    taken, shown = frames_shown(log, role)
+    return motion_to_photon(begins[moved], answered[moved], taken, shown)
+
+
+def _answered(track: Track, begin: float) -> float:
+    """When a robot's motion changed after an input [s]; NaN: within `_ANSWER_S` it did not."""
+    first, last = np.searchsorted(track.times, (begin, begin + _ANSWER_S))
+    if first >= last:
+        return math.nan
+    here = slice(first, last)
+    changed = np.abs(track.linear[here] - track.linear[first]) > _CHANGE
+    changed |= np.abs(track.angular[here] - track.angular[first]) > _CHANGE
+    return float(track.times[here][np.argmax(changed)]) if changed.any() else math.nan
+
+
+def _marked(log: TrialLog, robot: str, track: Track) -> list[Floats]:
+    """Middles of the occupied cells of the robot's last map, in the arena's frame [m]."""
+    message = log.last(robot, MAP)
+    if message is None:
+        return []
+    try:
+        grid = OccupancyMap.of(message)
+    except CodecError:
+        return []
+    found = middles(grid.cells >= _OCCUPIED, grid.resolution, grid.origin_x, grid.origin_y)
+    place = _map_in_arena(log, robot, track)
+    return [np.array([place(x, y) for x, y in found.tolist()], float).reshape(-1, 2)]
 
 
 def _within(times: Floats | None, time: TrialTime) -> Floats:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.vision import IMAGE
 from hub.values import dataclass
 from rune_study.trial_data.trial_log import TrialLog
 from rune_tui.model.own_records import (
+    RUNE_FRAME,
     RUNE_INPUT,
     RUNE_SELECT,
     RUNE_SHOWN,
@@ -16,6 +20,8 @@ from rune_tui.model.own_records import (
     Selection,
 )
 
+_TURNS = {"a": 1, "left": 1, "d": -1, "right": -1}
+"""Keys that turn robots in the layouts of Rune, and their direction."""
 _Floats = npt.NDArray[np.float64]
 
 
@@ -34,6 +40,17 @@ class OperatorInputs:
     selections: dict[str, _Floats]
     inputs: tuple[tuple[float, InputRecord], ...]
     refused: int
+
+    def steering(self, robot: str) -> tuple[_Floats, _Floats]:
+        """Times [s of the trial] and directions of the keys that turn a robot: left is 1."""
+        held: set[str] = set()
+        found = []
+        for time, record in self.inputs:
+            if record.robot == robot and record.input in _TURNS:
+                (held.add if record.pressed else held.discard)(record.input)
+                found.append((time, float(np.sign(sum(_TURNS[each] for each in held)))))
+        times, values = np.array(found, float).reshape(-1, 2).T
+        return times, values
 
     def axis(self, name: str) -> tuple[_Floats, _Floats]:
         """Times [s of the trial] and positions (-1 to 1) of an axis, by its name in layouts."""
@@ -61,12 +78,27 @@ def inputs_of(log: TrialLog) -> OperatorInputs:
     )
 
 
-def frames_shown(log: TrialLog) -> _Floats:
-    """When frames were handed to the terminal, and when it said that it shows them (n, 2) [s].
+def frames_shown(log: TrialLog, role: str) -> tuple[_Floats, _Floats]:
+    """When the picture of each frame was taken, and when the frame was shown (frames,) [s].
 
-    A frame that the terminal says nothing of has NaN.
+    Frames without a new picture of the robot's main camera are left out. A terminal that says
+    nothing shows a frame when it is handed over.
+
+    Args:
+        log: The trial.
+        role: The robot's name in the layout.
     """
-    shown = [
-        (time, time + (record.answered - record.handed)) for time, record in log.own(RUNE_SHOWN)
-    ]
-    return np.array(shown, float).reshape(-1, 2)
+    taken_at = log.numbers(role, IMAGE)
+    pictures: dict[int, float] = {}
+    for _, frame in log.own(RUNE_FRAME):
+        for robot in frame.robots:
+            for each in robot.pictures:
+                if robot.robot == role and not each.camera and each.number in taken_at:
+                    pictures[frame.number] = taken_at[each.number]
+    taken, shown = [], []
+    for time, record in log.own(RUNE_SHOWN):
+        if record.number in pictures:
+            waited = record.answered - record.handed
+            taken.append(pictures[record.number])
+            shown.append(time + (waited if math.isfinite(waited) else 0.0))
+    return np.array(taken), np.array(shown)

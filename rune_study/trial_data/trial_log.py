@@ -8,6 +8,7 @@ from typing import TypeVar
 from hub.errors import CodecError
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.definition import MessageDefinition
+from hub.recording.chunks import LoggedMessage
 from hub.recording.recording_set import RecordingSet
 
 T = TypeVar("T")
@@ -58,16 +59,7 @@ class TrialLog:
         Hub and console both may have recorded them; the fuller recording counts. Messages that
         cannot be read are counted in `damaged`.
         """
-        channels = [
-            number
-            for number, topic in self._recordings.channels.items()
-            if topic.name == f"/{robot}/{definition.name}"
-        ]
-        if not channels:
-            return
-        counts = self._recordings.counts
-        channel = max(channels, key=lambda number: (counts.get(number, 0), -number))
-        for message in self._recordings.messages(self.begin, self.end, {channel}):
+        for message in self._messages(robot, definition):
             try:
                 value = definition.decode(message.payload)
             except CodecError:
@@ -78,3 +70,33 @@ class TrialLog:
     def own(self, definition: MessageDefinition[T]) -> Iterator[tuple[float, T]]:
         """A console's records of itself of one kind, as `values`."""
         return self.values(CONSOLE, definition)
+
+    def numbers(self, robot: str, definition: MessageDefinition[T]) -> dict[int, float]:
+        """When each message was measured [s of the trial], by its received number."""
+        return {
+            message.number: (message.published - self.begin) / _SECOND
+            for message in self._messages(robot, definition)
+        }
+
+    def last(self, robot: str, definition: MessageDefinition[T]) -> T | None:
+        """The last message of one kind; None: there is none that can be read."""
+        for message in self._messages(robot, definition, reverse=True):
+            try:
+                return definition.decode(message.payload)
+            except CodecError:
+                self.damaged += 1
+        return None
+
+    def _messages(
+        self, robot: str, definition: MessageDefinition[T], *, reverse: bool = False
+    ) -> Iterator[LoggedMessage]:
+        channels = [
+            number
+            for number, topic in self._recordings.channels.items()
+            if topic.name == f"/{robot}/{definition.name}"
+        ]
+        if channels:
+            counts = self._recordings.counts
+            channel = max(channels, key=lambda number: (counts.get(number, 0), -number))
+            begin, end = self.begin, self.end
+            yield from self._recordings.messages(begin, end, {channel}, reverse=reverse)

@@ -89,3 +89,28 @@ def test_tests_of_primary_metrics_are_corrected_together() -> None:
     one = corrected(results, ["IE"])["IE: condition"]
     assert corrected(results, ["IE", "NT"])["IE: condition"] == pytest.approx(2 * one)
     assert corrected(results, []) == {}
+
+
+def test_times_that_are_lower_bounds_are_compared_by_their_curves() -> None:
+    times = {"A": [(10.0, 0), (20.0, 0), (30.0, 0)], "B": [(60.0, 1), (50.0, 0), (60.0, 1)]}
+    found = [
+        MetricRow(
+            participant=person,
+            trial=trial,
+            code=code,
+            metric="first_victim",
+            value=seconds,
+            censored=censored,
+        )
+        for trial, code in enumerate("AB", 1)
+        for person, (seconds, censored) in enumerate(times[code], 1)
+    ]
+    two = Conditions(codes=("A", "B"), levels=({}, {}))
+    (result,) = compare(found, two, ["first_victim"])
+    assert result.censored is not None
+    assert result.censored.tau == 30.0
+    assert result.means[0].value == pytest.approx(20.0)
+    assert result.means[1].value == pytest.approx(30.0)
+    assert result.censored.test is not None
+    assert result.censored.test.p < 0.2
+    assert result.contrasts == ()

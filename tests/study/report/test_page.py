@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from html.parser import HTMLParser
@@ -120,3 +121,26 @@ def test_a_metric_without_values_says_so() -> None:
 def test_a_blind_page_names_no_condition() -> None:
     assert "robobot" not in html_page(report(CONDITIONS.blinded()))
     assert "robobot" in html_page(report())
+
+
+def test_times_with_lower_bounds_are_drawn_as_curves() -> None:
+    rows = [
+        MetricRow(
+            participant=person,
+            trial=trial,
+            code=code,
+            metric="first_victim",
+            value=100.0 * person * trial,
+            censored=int(code == "B"),
+        )
+        for person in range(1, 4)
+        for trial, code in enumerate("AB", 1)
+    ]
+    results = compare(rows, CONDITIONS, ["first_victim"])
+    page = html_page(dataclasses.replace(report(), results=results))
+    words = words_of(page)
+    assert "mean up to 300 s" in words
+    assert "Log-rank test within participants" in words
+    balance = Balance()
+    balance.feed(page)
+    assert balance.open == []

@@ -12,11 +12,21 @@ import pytest
 from hub.gcm.ground_truth import GROUND_TRUTH
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
 from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.vision import IMAGE, Image, ImageCoding
 from rune_study.metrics.registry import measure
 from rune_study.metrics.trial_time import trial_time
 from rune_study.trial_data.measured import DRIVEN, Surroundings, trial_data
 from rune_study.trial_data.trial_log import TrialLog
 from rune_study.trial_data.truth import RESOLUTION, truth_of
+from rune_tui.model.display_state import DisplayState
+from rune_tui.model.own_records import (
+    RUNE_FRAME,
+    RUNE_SHOWN,
+    FramePicture,
+    FrameRecord,
+    FrameRobot,
+    ShownRecord,
+)
 from tests.study.trial_data.test_trial_data import (
     BEGIN,
     NO_PICTURE,
@@ -26,6 +36,7 @@ from tests.study.trial_data.test_trial_data import (
     state,
     truth,
 )
+from tests.support.messages import camera_state
 
 YELLOW = truth_of("yellow")
 
@@ -93,3 +104,67 @@ def test_a_robot_has_the_inputs_of_its_role(tmp_path: Path) -> None:
     assert [(each.name, each.inputs.tolist()) for each in data.robots] == [
         ("red", [pytest.approx(1.0)])
     ]
+
+
+def test_steering_keys_and_the_answer_of_the_robot_are_found(tmp_path: Path) -> None:
+    entries: list[Entry] = [
+        *(
+            (0.1 * t, "rover", GROUND_TRUTH, dataclasses.replace(truth(0.0), linear=0.5 * (t > 12)))
+            for t in range(30)
+        ),
+        pressed(1.0, "w", "rover"),
+        pressed(1.5, "a", "rover"),
+        (0.9, "rover", IMAGE, picture()),
+        (1.4, "rover", IMAGE, picture()),
+        frame(1, 1.0, 1),
+        frame(2, 1.5, 2),
+        (1.1, "console", RUNE_SHOWN, ShownRecord(number=1, handed=1.1, answered=1.2)),
+        (1.6, "console", RUNE_SHOWN, ShownRecord(number=2, handed=1.6, answered=1.7)),
+    ]
+    with opened(tmp_path, *entries) as recordings:
+        around = Surroundings(time=trial_time(0.0, 3.0))
+        data = trial_data({"rover": TrialLog(recordings, BEGIN)}, around)
+    (robot,) = data.robots
+    assert robot.keys is not None
+    assert robot.keys.values.tolist() == [1.0]
+    assert data.photons is not None
+    assert data.photons.tolist() == [pytest.approx(0.7)]
+
+
+def frame(number: int, seconds: float, picture_number: int) -> Entry:
+    """A frame with one picture of the rover's main camera."""
+    seen = FramePicture(camera="", number=picture_number, interval_s=0.1)
+    none = np.zeros(0, np.uint32)
+    robot = FrameRobot(
+        robot="rover",
+        link=1,
+        map=0,
+        messages=none,
+        diagnostics=none,
+        publishers=none,
+        pictures=(seen,),
+    )
+    record = FrameRecord(
+        number=number,
+        now=100.0 + seconds,
+        clock="12:00:00",
+        columns=80,
+        rows=24,
+        arranged=1,
+        drawn=True,
+        crc32=1,
+        display=DisplayState(latency=0.0, frames_per_s=0.0, bytes_per_s=0.0, coarseness=0),
+        robots=(robot,),
+    )
+    return (seconds, "console", RUNE_FRAME, record)
+
+
+def picture() -> Image:
+    return Image(
+        camera=camera_state(),
+        coding=ImageCoding.RAW,
+        width_px=1,
+        height_px=1,
+        channels=3,
+        data=np.zeros(3, np.uint8),
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +37,18 @@ Entry = tuple[float, str, MessageDefinition[Any], object]
 
 
 def opened(folder: Path, *entries: Entry) -> RecordingSet:
-    """A recording of messages, measured at these seconds and logged half a second later."""
+    """A recording of messages, measured at these seconds and logged half a second later.
+
+    Messages of one topic are numbered from 1.
+    """
     writer = RecordingWriter(folder / "x.mcap", ANCHOR, {}, WriterLimits(least_free=0))
+    numbers: Counter[str] = Counter()
     for seconds, robot, definition, value in entries:
         measured = 100.0 + seconds
         payload = definition.encode(value)
-        writer.add(topic_of(robot, definition), payload, measured + 0.5, measured)
+        topic = topic_of(robot, definition)
+        numbers[topic.name] += 1
+        writer.add(topic, payload, measured + 0.5, measured, numbers[topic.name])
     writer.close()
     return RecordingSet.open([folder / "x.mcap"])
 
