@@ -162,7 +162,14 @@ class TrialAnalysis:
 
     def _analysed(self, log: RobotData) -> RobotAnalysis:
         spec, until = self.spec, self.trial.length
-        spans = episodes(log.inputs, log.selections, gap=spec.gap, least=spec.least, until=until)
+        spans = episodes(
+            log.inputs,
+            log.selections,
+            held=log.held,
+            gap=spec.gap,
+            least=spec.least,
+            until=until,
+        )
         if log.progress is None:
             return RobotAnalysis(log=log, episodes=spans, rate=None, below=math.nan, neglects=())
         rate = rate_of_progress(

@@ -1,7 +1,8 @@
 """Episodes of interaction: when the operator works with a robot.
 
 Times are seconds of the trial. Inputs are what the hands do: edges of keys, moves of a stick,
-clicks. Commands that are repeated and goals of autonomy are none.
+clicks. Commands that are repeated and goals of autonomy are none. While a key is held the hands do
+nothing new, and still work with the robot: that is no pause.
 """
 
 from __future__ import annotations
@@ -48,6 +49,7 @@ def episodes(
     inputs: npt.ArrayLike,
     selections: npt.ArrayLike = (),
     *,
+    held: npt.ArrayLike = (),
     gap: float = GAP_S,
     least: float = LEAST_S,
     until: float = math.inf,
@@ -58,6 +60,8 @@ def episodes(
         inputs: Times of inputs [s], in any order.
         selections: When the robot was chosen [s]. An episode begins at the latest one that is at
             most `gap` before its first input, and after the episode before.
+        held: Begin and end of each time in which a key was down or a stick out of neutral (k, 2)
+            [s]; both ends are inputs.
         gap: A pause longer than this ends an episode [s].
         least: Shortest time from the first input to the end [s].
         until: End of the trial [s]; no episode lasts longer.
@@ -69,8 +73,14 @@ def episodes(
     chosen = np.sort(_finite(selections, "selections"))
     if not times.size:
         return ()
+    spans = _finite(np.ravel(held), "held").reshape(-1, 2)
+    pauses = [
+        place
+        for place in np.flatnonzero(np.diff(times) > gap + _EQUAL).tolist()
+        if not ((spans[:, 0] <= times[place]) & (spans[:, 1] >= times[place + 1])).any()
+    ]
     made: list[Episode] = []
-    for part in np.split(times, np.flatnonzero(np.diff(times) > gap + _EQUAL) + 1):
+    for part in np.split(times, np.array(pauses, int) + 1):
         first = float(part[0])
         near = chosen[(chosen <= first) & (chosen >= first - gap - _EQUAL)]
         begin = float(near[-1]) if near.size else first

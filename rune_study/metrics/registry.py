@@ -48,7 +48,8 @@ _ROWS = (
     _row("completion", "share", "higher", of.completion,
          "Share of robots that reached their goal."),
     _row("episodes", "", "", of.episode_count,
-         "Episodes of interaction: inputs of one robot, split at pauses longer than 2 s."),
+         "Episodes of interaction: inputs of one robot, split at pauses longer than 2 s; "
+         "while a key is held there is none."),
     _row("ie_mean", "s", "lower", lambda it: it.effort,
          "Interaction effort IE: mean length of an episode. It begins when the robot is "
          "chosen, at most 2 s before the first input, and lasts at least 0.5 s."),

@@ -24,6 +24,10 @@ def _none() -> Floats:
     return np.empty(0)
 
 
+def _no_spans() -> Floats:
+    return np.empty((0, 2))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
     """How a robot moved; all of shape (n,).
@@ -86,6 +90,8 @@ class RobotData:
         inputs: When the hands did something for it [s]: edges of keys, clicks, and moves of a stick
             as `driving.stick_moves` finds them.
         selections: When the operator chose it [s].
+        held: Begin and end of each time in which a key was down or a stick out of neutral [s],
+            shape (k, 2); both ends are inputs.
         progress: Progress of its task so far, in the unit that the study chose.
         travel: Where it drove.
         motion: How it moved, and where its camera looked.
@@ -98,6 +104,7 @@ class RobotData:
     name: str
     inputs: Floats = dataclasses.field(default_factory=_none)
     selections: Floats = dataclasses.field(default_factory=_none)
+    held: Floats = dataclasses.field(default_factory=_no_spans)
     progress: Signal | None = None
     travel: Travel | None = None
     motion: Motion | None = None

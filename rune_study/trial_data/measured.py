@@ -137,6 +137,7 @@ def _robot(
         name=role,
         inputs=_within(inputs.by_robot.get(role), time),
         selections=_within(inputs.selections.get(role), time),
+        held=_spans_within(inputs.held.get(role), time),
         progress=progress,
         travel=Travel(x=track.x, y=track.y) if moved else None,
         motion=Motion(times=moments, linear=track.linear, angular=track.angular, pan=pan)
@@ -209,6 +210,14 @@ def _within(times: Floats | None, time: TrialTime) -> Floats:
     if times is None:
         return np.zeros(0)
     return time.moments(times[time.during(times)])
+
+
+def _spans_within(spans: Floats | None, time: TrialTime) -> Floats:
+    """Those parts of some spans that are in the trial, in its own time."""
+    if spans is None:
+        return np.zeros((0, 2))
+    moments = time.moments(spans)
+    return moments[moments[:, 1] > moments[:, 0]]
 
 
 def _progress(

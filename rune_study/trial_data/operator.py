@@ -31,12 +31,14 @@ class OperatorInputs:
 
     Attributes:
         by_robot: When an input commanded a robot [s of the trial] (n,), by the robot's name.
+        held: Begin and end of each time with a key down or a stick moved [s of the trial] (k, 2).
         selections: When a robot was chosen [s of the trial] (n,), by its name.
         inputs: All inputs with their times [s of the trial], in their order.
         refused: Number of inputs that were refused with a reason.
     """
 
     by_robot: dict[str, _Floats]
+    held: dict[str, _Floats]
     selections: dict[str, _Floats]
     inputs: tuple[tuple[float, InputRecord], ...]
     refused: int
@@ -66,12 +68,21 @@ def inputs_of(log: TrialLog) -> OperatorInputs:
     for time, record in inputs:
         if record.robot and record.handlers and not (record.repeat and record.value == 1):
             by_robot.setdefault(record.robot, []).append(time)
+    held: dict[str, list[tuple[float, float]]] = {}
+    down: dict[str, float] = {}
+    for time, record in inputs:
+        if record.pressed:
+            # A release can be lost, with the focus for example: a new press begins again.
+            down[record.input] = down.get(record.input, time) if record.repeat else time
+        elif (since := down.pop(record.input, None)) is not None and record.robot:
+            held.setdefault(record.robot, []).append((since, time))
     selections: dict[str, list[float]] = {}
     for time, selected in log.own(RUNE_SELECT):
         if selected.what is Selection.CHOSEN and selected.robot:
             selections.setdefault(selected.robot, []).append(time)
     return OperatorInputs(
         by_robot={robot: np.array(times) for robot, times in by_robot.items()},
+        held={robot: np.array(spans) for robot, spans in held.items()},
         selections={robot: np.array(times) for robot, times in selections.items()},
         inputs=inputs,
         refused=sum(record.outcome is InputOutcome.REFUSED for _, record in inputs),

@@ -76,6 +76,15 @@ def test_ends_of_episodes(inputs, chosen, wanted) -> None:
     assert [(each.begin, pytest.approx(each.end)) for each in made] == wanted
 
 
+def test_a_held_key_is_no_pause() -> None:
+    inputs = [1.0, 1.3, 9.0, 14.0, 14.2]
+    made = episodes(inputs, held=[(1.0, 9.0)])
+    assert [(each.begin, each.end, each.inputs) for each in made] == [(1, 9, 3), (14, 14.5, 2)]
+    # Two keys that are held one after the other leave the pause between them.
+    made = episodes([1.0, 4.0, 9.0, 12.0], held=[(1.0, 4.0), (9.0, 12.0)])
+    assert [(each.begin, each.end) for each in made] == [(1, 4), (9, 12)]
+
+
 def test_times_are_finite() -> None:
     with pytest.raises(DataError, match="inputs: a time is not finite"):
         episodes([1, math.nan])

@@ -86,11 +86,13 @@ def truth(x: float, contacts: int = 0) -> GroundTruth:
     )
 
 
-def pressed(seconds: float, name: str, robot: str, *, repeat: bool = False) -> Entry:
+def pressed(
+    seconds: float, name: str, robot: str, *, repeat: bool = False, down: bool = True
+) -> Entry:
     record = InputRecord(
         t_read=100.0 + seconds,
         input=name,
-        pressed=True,
+        pressed=down,
         repeat=repeat,
         value=1.0,
         viewport="",
@@ -143,6 +145,25 @@ def test_inputs_count_once_while_a_key_is_held_and_belong_to_their_robot(tmp_pat
         assert len(inputs.inputs) == 5
         times, values = inputs.axis("joystick pad lefty")
         assert (len(times), len(values)) == (0, 0)
+
+
+def test_a_key_is_held_up_to_its_release_and_a_press_after_a_lost_one_begins_anew(
+    tmp_path: Path,
+) -> None:
+    entries: list[Entry] = [
+        pressed(1.0, "w", "rover"),
+        pressed(1.5, "d", "rover"),
+        pressed(2.0, "w", "rover", repeat=True),
+        pressed(9.0, "w", "rover", down=False),
+        pressed(20.0, "d", "rover"),
+        pressed(21.0, "d", "rover", down=False),
+    ]
+    with opened(tmp_path, *entries) as recordings:
+        inputs = inputs_of(TrialLog(recordings, BEGIN))
+    assert inputs.held["rover"].tolist() == [
+        pytest.approx([1.0, 9.0]),
+        pytest.approx([20.0, 21.0]),
+    ]
 
 
 def test_removed_marks_do_not_count_and_moved_ones_keep_their_first_time(tmp_path: Path) -> None:
