@@ -74,10 +74,17 @@ def _add_results(tasks: Commands) -> None:
     replay.add_argument("participant", type=_participant, metavar="N", help="the participant")
     trial = number_type(int, 1, 1000, "trial's number, from 1")
     replay.add_argument("trial", type=trial, metavar="TRIAL", help="the number of the trial")
-    simulate = _add(tasks, "simulate", "do the study with models of operators, and write a page")
-    operators = number_type(int, 2, 1000, "number of models, 2 to 1000")
+    simulate = _add(tasks, "simulate", "do the study with simulated operators, and write a page")
+    operators = number_type(int, 1, 1000, "number of operators, 1 to 1000")
     simulate.add_argument(
         "--operators", type=operators, metavar="N", help="default: as many as participants"
+    )
+    simulate.add_argument(
+        "--on",
+        choices=["models", "hubs", "console"],
+        default="models",
+        help="what they work on: models of robots, which take no time; simulated robots; or the "
+        "whole session with pages, questionnaires and console. The last two take as long as people",
     )
     simulate.add_argument(
         "--effect",

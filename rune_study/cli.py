@@ -14,6 +14,7 @@ from hub.command_line import ExitCode
 from hub.plain_text import plain
 from rune_study.arguments import parser
 from rune_study.errors import StudyError
+from rune_study.plan.study_spec import StudySpec
 
 _LEFT = "the session is not complete; the same command goes on with it\n"
 
@@ -180,6 +181,8 @@ def _simulate(options: argparse.Namespace) -> int:
     from rune_study.simulate.operator_model import OperatorModel
 
     study = read_study(options.folder)
+    if options.on != "models":
+        return _simulate_in_real_time(study, options)
     effects = [effect_of(each) for each in options.effect]
     operators = options.operators or study.participants
     trials, metrics = simulated(study, operators, OperatorModel(check_s=40.0), effects)
@@ -195,6 +198,41 @@ def _simulate(options: argparse.Namespace) -> int:
         unblind=True,
     )
     return _written(folder / "report.html", page)
+
+
+def _simulate_in_real_time(study: StudySpec, options: argparse.Namespace) -> int:
+    from rune_study.data.store import DERIVED, write_tables
+    from rune_study.report.making import make_page
+    from rune_study.simulate.agreement import agreement_lines, counts_agree
+    from rune_study.simulate.console_study import play_on_consoles
+    from rune_study.simulate.hub_study import play_on_hubs
+    from rune_study.simulate.script import IN_REAL_TIME
+
+    if options.effect:
+        text = f"--effect is for models, and not for --on {options.on}"
+        raise StudyError(text)
+    play = play_on_hubs if options.on == "hubs" else play_on_consoles
+    folder = options.output or study.folder / f"simulated-on-{options.on}"
+    operators = options.operators or study.participants
+
+    def tell(line: str) -> None:
+        sys.stderr.write(f"{line}\n")
+
+    played = play(study, folder, operators, IN_REAL_TIME, tell)
+    write_tables(folder / DERIVED, played.data)
+    page = make_page(
+        played.study,
+        played.data.trials,
+        played.data.metrics,
+        made=f"by a script on {options.on}",
+        source=f"A script took the place of people, on {options.on}.",
+        unblind=True,
+    )
+    sys.stdout.writelines(f"{line}\n" for line in agreement_lines(played.found))
+    sys.stderr.writelines(f"rune: {plain(each)}\n" for each in played.wrong)
+    _written(folder / "report.html", page)
+    fits = counts_agree(played.found) and not played.wrong
+    return ExitCode.OK if fits else ExitCode.FAULT
 
 
 def _written(path: Path, text: str) -> int:

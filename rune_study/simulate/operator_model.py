@@ -77,6 +77,16 @@ class OperatorModel:
         """Number of robots that one operator can keep at work."""
         return 1.0 / self.attention_demand
 
+    def interaction(self, random: np.random.Generator) -> float:
+        """A log-normal interaction time [s]."""
+        variance = math.log(1.0 + (self.interaction_deviation / self.interaction_mean) ** 2)
+        mean = math.log(self.interaction_mean) - variance / 2.0
+        return float(np.exp(random.normal(mean, math.sqrt(variance))))
+
+    def tolerance(self, random: np.random.Generator) -> float:
+        """A neglect tolerance of the Weibull distribution [s]."""
+        return float(self.tolerance_scale * random.weibull(self.tolerance_shape))
+
 
 @dataclass(frozen=True, slots=True)
 class ServedRobot:
@@ -180,7 +190,7 @@ class _Play:
     def _serve(self, robot: int, begin: float) -> float:
         """Serve a robot; returns the end of the service."""
         model = self._model
-        took = max(self._interaction(), model.look_s + _LEAST_KEYS_S)
+        took = max(model.interaction(self._random), model.look_s + _LEAST_KEYS_S)
         end = begin + took
         self._selections[robot].append(begin)
         working = self._working[robot]
@@ -191,17 +201,10 @@ class _Play:
             self._inputs[robot].append(key)
             key += self._random.uniform(*_KEY_PERIOD_S)
         self._inputs[robot].append(end)
-        tolerance = float(model.tolerance_scale * self._random.weibull(model.tolerance_shape))
+        tolerance = model.tolerance(self._random)
         working.append((begin, end + tolerance))
         self._works_until[robot] = end + tolerance
         self._tolerances.append(tolerance)
         self._interactions.append(took)
         self._away = self._random.random() < model.probe_share
         return end
-
-    def _interaction(self) -> float:
-        """A log-normal interaction time of the model's mean and deviation [s]."""
-        model = self._model
-        variance = math.log(1.0 + (model.interaction_deviation / model.interaction_mean) ** 2)
-        mean = math.log(model.interaction_mean) - variance / 2.0
-        return float(np.exp(self._random.normal(mean, math.sqrt(variance))))

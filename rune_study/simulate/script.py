@@ -1,0 +1,111 @@
+"""What a scripted operator does in real time: episodes and pauses of known length; pure.
+
+The operator holds keys during an episode and leaves the robot alone during a pause. Each pause is
+longer than the one that ends an episode, so that the number of episodes is known.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from hub.values import dataclass
+from rune_study.errors import StudyError
+from rune_study.plan.steps import Step
+from rune_study.plan.study_spec import StudySpec
+from rune_study.simulate.operator_model import OperatorModel
+
+IN_REAL_TIME: Final = OperatorModel(
+    interaction_mean=3.0, interaction_deviation=1.0, tolerance_mean=2.0
+)
+"""A model whose episodes and pauses are short, because they take real time."""
+_SHORTEST_S: Final = 1.0
+_APART_S: Final = 1.5
+"""Pauses are longer by this than the one that ends an episode [s]."""
+_LAST_S: Final = 1.0
+"""No episode lasts into the last part of a trial [s]."""
+_MOST_ENDS: Final = {"time", "operator", "experimenter"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrueEpisode:
+    """An episode as the operator knows it.
+
+    Attributes:
+        participant: Number of the participant.
+        trial: Number of the trial, from 1.
+        attempt: Which attempt at it, from 1.
+        begin: First input, from the trial's begin [s].
+        end: Last input [s].
+    """
+
+    participant: int
+    trial: int
+    attempt: int
+    begin: float
+    end: float
+
+
+def script(model: OperatorModel, step: Step, gap: float) -> tuple[tuple[float, float], ...]:
+    """Begin and end of each episode of a trial [s]; the trial's seed gives the same again.
+
+    Args:
+        model: Draws the lengths of episodes and pauses.
+        step: The trial.
+        gap: Pause between inputs that ends an episode [s].
+    """
+    random = np.random.default_rng(step.seed)
+    found: list[tuple[float, float]] = []
+    begin = gap + _APART_S
+    while True:
+        end = begin + max(_SHORTEST_S, model.interaction(random))
+        if end > step.seconds - _LAST_S:
+            return tuple(found)
+        found.append((begin, end))
+        begin = end + gap + _APART_S + model.tolerance(random)
+
+
+def check_playable(study: StudySpec) -> None:
+    """Refuse a study that a script cannot play.
+
+    Raises:
+        StudyError: It has what a script does not know the truth of; the error lists all of it.
+    """
+    unknown = {
+        "[freeze]": study.freeze is not None,
+        "[withhold]": study.withhold is not None,
+        'begins = "experimenter"': study.trial.begins == "experimenter",
+        "ends other than time and operator": not set(study.trial.ends) <= _MOST_ENDS,
+        "several robots": any(each.robots > 1 for each in study.conditions),
+    }
+    found = [name for name, there in unknown.items() if there]
+    if found:
+        text = f"a script cannot play {', '.join(found)}; simulate a copy of the study without"
+        raise StudyError(text)
+
+
+def write_truth(path: Path, episodes: list[TrueEpisode]) -> None:
+    """Write what the operator did, an episode a line.
+
+    Raises:
+        StudyError: The file cannot be written.
+    """
+    names = list(TrueEpisode.__dataclass_fields__)
+    try:
+        with path.open("w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(names)
+            writer.writerows([getattr(each, name) for name in names] for each in episodes)
+    except OSError as fault:
+        text = f"{path} cannot be written: {fault.strerror or fault}"
+        raise StudyError(text) from fault
+
+
+def mean_length(episodes: list[TrueEpisode]) -> float:
+    """Mean length of episodes [s]; NaN without any."""
+    lengths = [each.end - each.begin for each in episodes]
+    return sum(lengths) / len(lengths) if lengths else math.nan

@@ -1,0 +1,71 @@
+"""What a scripted operator does in a trial is known, and typed answers are those that are meant."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rune_study.errors import StudyError
+from rune_study.plan.steps import Step
+from rune_study.questionnaires.entries import entry_of
+from rune_study.questionnaires.items import Answer, Bearing, Item, Pair
+from rune_study.questionnaires.questionnaire import SHIPPED, read
+from rune_study.simulate.script import IN_REAL_TIME, check_playable, script
+from rune_study.simulate.typed_answers import ENTER, typed_answer
+from tests.study.studies import study_of
+
+KEYS = {
+    "\x1b[A": "up",
+    "\x1b[B": "down",
+    "\x1b[C": "right",
+    "\x1b[D": "left",
+    "\x1b[H": "home",
+    "\x7f": "backspace",
+    "\r": "enter",
+}
+ITEMS = [item for path in sorted(SHIPPED.glob("*.toml")) for item in read(path).items]
+
+
+@given(st.integers(0, 1 << 31), st.floats(1.0, 600.0), st.floats(0.1, 10.0))
+def test_pauses_end_episodes_and_all_end_within_the_trial(
+    seed: int, seconds: float, gap: float
+) -> None:
+    step = Step(kind="trial", seconds=seconds, seed=seed)
+    spans = script(IN_REAL_TIME, step, gap)
+    assert spans == script(IN_REAL_TIME, step, gap)
+    assert all(last - first >= 1.0 for first, last in spans)
+    assert all(after[0] - before[1] > gap + 1.0 for before, after in pairwise(spans))
+    assert all(gap < first and last < seconds for first, last in spans)
+
+
+@pytest.mark.parametrize("item", ITEMS, ids=lambda item: str(item.id))
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_the_keys_of_an_answer_give_it_also_after_others(item: Item, seed: int) -> None:
+    answer, typed = typed_answer(item, np.random.default_rng(seed))
+    assert item.accepts(answer)
+    entry = entry_of(item)
+    pressed(entry, typed.removesuffix(ENTER))
+    assert pressed(entry_of(item), typed) == answer
+    assert isinstance(item, Bearing | Pair) or pressed(entry, typed) == answer
+
+
+def pressed(entry: object, typed: str) -> Answer | None:
+    """What an entry makes of typed keys."""
+    while typed:
+        size = 3 if typed[:3] in KEYS else 1
+        key, typed = typed[:size], typed[size:]
+        found: Answer | None = entry.press(KEYS.get(key, key), key if len(key) == 1 else None)  # type: ignore[attr-defined]
+        if found is not None:
+            return found
+    return None
+
+
+def test_what_a_script_cannot_play_is_refused_in_one_sentence(tmp_path: Path) -> None:
+    study = study_of(tmp_path, "[freeze]\n[trial]\nends = ['victims']\nseconds = 600\n")
+    with pytest.raises(StudyError, match=r"cannot play \[freeze\], ends other than .*; simulate"):
+        check_playable(study)
