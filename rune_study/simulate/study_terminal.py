@@ -9,6 +9,7 @@ import re
 import select
 import struct
 import subprocess
+import sys
 import termios
 import threading
 from collections.abc import Sequence
@@ -17,6 +18,11 @@ from typing import Final, Self
 
 from rune_study.errors import StudyError
 
+_AS_ITS_TERMINAL: Final = (
+    "import fcntl, os, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0); "
+    "os.execvp(sys.argv[1], sys.argv[1:])"
+)
+"""Makes its input the terminal of its session, so that a hang-up ends the command."""
 _COLUMNS: Final = 120
 _ROWS: Final = 36
 _RELEASES: Final = b"\x1b[?27u"
@@ -59,7 +65,7 @@ class StudyTerminal:
         environment = {**os.environ, "TERM": "xterm-256color", "COLORTERM": "truecolor"}
         try:
             self._process = subprocess.Popen(
-                command,
+                [sys.executable, "-c", _AS_ITS_TERMINAL, *command],
                 stdin=theirs,
                 stdout=theirs,
                 stderr=theirs,
