@@ -334,3 +334,12 @@ def test_a_key_of_the_console_has_the_robot_record(
     (file,) = folder.glob("*.mcap")
     marks = [payload for topic, _, payload in contents(file) if topic.endswith("Record_Mark")]
     assert [RECORD_MARK.decode(each).text for each in marks] == ["bump"]
+
+
+def test_a_recorder_without_a_folder_says_so(start_hub: Start, look: Look) -> None:
+    keys = recorder('always = true\nfolder = "/dev/null"')
+    keys["tables"] = keys["tables"].replace('folder = "recordings"\n', "")
+    hub = start_hub(**keys)
+    observer = look(hub, RECORD_STATE)
+    fault = "nothing is recorded: /dev/null/magellan cannot be made: Not a directory; "
+    observer.wait(lambda: state_of(observer).fault.startswith(fault), 10.0)

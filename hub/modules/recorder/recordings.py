@@ -15,8 +15,14 @@ from hub.errors import RecordingError
 from hub.gcm.recording import RecordState
 from hub.ipc.client import Client
 from hub.recording.live.bus_recorder import BusRecorder, reported
-from hub.recording.live.places import RecordingFolder, numbered
-from hub.recording.live.series import Attached, RecordingSeries, SeriesLimits, free_room
+from hub.recording.live.places import RecordingFolder, demand_folder, numbered
+from hub.recording.live.series import (
+    RETRY_S,
+    Attached,
+    RecordingSeries,
+    SeriesLimits,
+    free_room,
+)
 from hub.recording.live.settings import RING_SPLIT_S
 from hub.recording.live.snapshots import MOST, Snapshot
 from hub.recording.writer import WriterLimits
@@ -58,9 +64,8 @@ class Recordings:
         self._fault = ""
         self._lost: Counter[str] = Counter()
         self._rate = _GrowthRate()
-        if self._settings.rings:
-            self._begin_ring()
-        self._resume()
+        self._begin_at = math.inf
+        self._begin_first()
 
     @property
     def runs(self) -> bool:
@@ -79,7 +84,7 @@ class Recordings:
             raise RecordingError(text)
         first = self._folder.recording(name)
         self._begin(first, by, time.time())
-        self._note_running(first, by)
+        _note_running(self._folder.running, first, by)
         return f"records to {first}"
 
     def stop(self) -> str:
@@ -93,7 +98,7 @@ class Recordings:
         self._detach(running.series)
         state = running.series.close()
         self._lost.update(state.lost)
-        self._note_running(None, "")
+        _note_running(self._folder.running, None, "")
         size = f"{state.bytes / 1e6:.1f} MB"
         text = f"{state.messages} messages ({size}) are in {state.path}"
         return f"{text} and {state.files - 1} files before it" if state.files > 1 else text
@@ -143,6 +148,8 @@ class Recordings:
     def look(self) -> None:
         """Do what is due; call it some times a second."""
         now = time.monotonic()
+        if now >= self._begin_at:
+            self._begin_first()
         if self._bus is not None:
             self._bus.look()
             self._rate.see(now, self._bytes())
@@ -175,7 +182,7 @@ class Recordings:
             reach = min(ring.reaches, 1e9)
             facts |= {"ring": 1, "ring_s": reach, "ring_mb": ring.bytes / 1e6}
         path = str(series[-1].path) if series else ""
-        free = free_room(self._existing_folder())
+        free = free_room(_existing(self._folder.path))
         return RecordState(
             path=path[:1000],
             free_mb=free / 1e6,
@@ -192,7 +199,7 @@ class Recordings:
         """Complete all files."""
         bus, self._bus = self._bus, None
         if self._running is not None:
-            self._note_running(None, "")
+            _note_running(self._folder.running, None, "")
         if bus is not None:
             bus.close()
         for each in self._all():
@@ -210,6 +217,23 @@ class Recordings:
             raise RecordingError(text)
         return self._running
 
+    def _begin_first(self) -> None:
+        """Begin what runs always, and resume; without a folder, try it again later."""
+        file = "" if self._settings.rings else self._settings.file
+        try:
+            if self._settings.always:
+                demand_folder(Path(file).parent if file else self._folder.path)
+        except RecordingError as error:
+            if str(error) != self._fault:
+                _logger.error("%s", error)
+            self._fault, self._begin_at = str(error), time.monotonic() + RETRY_S
+            return
+        self._fault, self._begin_at = "", math.inf
+        if self._settings.rings:
+            self._begin_ring()
+        if self._running is None:
+            self._resume()
+
     def _begin_ring(self) -> None:
         split_s, split_bytes = self._settings.split
         limits = SeriesLimits(
@@ -225,7 +249,7 @@ class Recordings:
             self._about,
             limits,
             latched=bus.latched,
-            attached=self._attachments(),
+            attached=_attachments(self._robot),
         )
         self._ring.adopt(self._folder.ring)
         bus.series.append(self._ring)
@@ -248,7 +272,7 @@ class Recordings:
             self._about,
             limits,
             latched=bus.latched,
-            attached=self._attachments(),
+            attached=_attachments(self._robot),
         )
         if series.state.fault:
             self._detach(series)
@@ -281,14 +305,6 @@ class Recordings:
     def _about(self) -> dict[str, str]:
         return {"robot": self._robot.name, "kind": self._robot.kind, "recorder": "hub"}
 
-    def _attachments(self) -> list[Attached]:
-        """The robot file."""
-        try:
-            data = self._robot.path.read_bytes()
-        except OSError:
-            return []
-        return [Attached(self._robot.path.name, "application/toml", data)]
-
     def _resume(self) -> None:
         """Go on with a recording that ran when the recorder ended; else begin the usual one."""
         note = self._folder.running
@@ -296,7 +312,7 @@ class Recordings:
             kept = json.loads(note.read_text())
             first, by = Path(str(kept["path"])), str(kept["by"])
             begun = float(kept["begun"])
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             if self._settings.always and self._ring is None:
                 named = Path(self._settings.file) if self._settings.file else None
                 self._try_to_begin(named or self._folder.recording(""), "", time.time())
@@ -311,25 +327,7 @@ class Recordings:
             self._begin(first, by, begun)
         except RecordingError as error:
             self._fault = str(error)
-            _logger.warning("%s", error)
-
-    def _note_running(self, first: Path | None, by: str) -> None:
-        """Note which recording an order began; None: none runs."""
-        note = self._folder.running
-        try:
-            if first is None:
-                note.unlink(missing_ok=True)
-                return
-            kept = {"path": str(first), "by": by, "begun": time.time()}
-            files.replace(note, json.dumps(kept).encode())
-        except OSError as error:
-            _logger.warning("a crash would end the recording: %s", error)
-
-    def _existing_folder(self) -> Path:
-        return next(
-            (each for each in (self._folder.path, *self._folder.path.parents) if each.exists()),
-            Path("/"),
-        )
+            _logger.error("%s", error)
 
     def _bytes(self) -> int:
         return sum(each.state.bytes for each in self._all())
@@ -340,6 +338,32 @@ class Recordings:
         if self._running is None or not self._rate.bytes_per_s:
             return math.nan
         return min(max(0.0, room / self._rate.bytes_per_s), 1e9)
+
+
+def _existing(folder: Path) -> Path:
+    """A folder, or the nearest above it that is there."""
+    return next((each for each in (folder, *folder.parents) if each.exists()), Path("/"))
+
+
+def _note_running(note: Path, first: Path | None, by: str) -> None:
+    """Note which recording an order began; None: none runs."""
+    try:
+        if first is None:
+            note.unlink(missing_ok=True)
+            return
+        kept = {"path": str(first), "by": by, "begun": time.time()}
+        files.replace(note, json.dumps(kept).encode())
+    except OSError as error:
+        _logger.warning("a crash would end the recording: %s", error)
+
+
+def _attachments(robot: RobotDescription) -> list[Attached]:
+    """The robot file."""
+    try:
+        data = robot.path.read_bytes()
+    except OSError:
+        return []
+    return [Attached(robot.path.name, "application/toml", data)]
 
 
 class _GrowthRate:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import datetime
 import itertools
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
 
+from hub.errors import RecordingError
 from hub.paths import as_file_name, for_recordings
 
 SUFFIX = ".mcap"
@@ -41,6 +43,24 @@ class RecordingFolder:
     def snapshot(self, name: str) -> Path:
         """The file of a snapshot of this name."""
         return free_path(self.snapshots / (_safe(name) + SUFFIX))
+
+
+def demand_folder(folder: Path) -> None:
+    """Make a folder for recordings.
+
+    Raises:
+        RecordingError: It cannot be made, or files in it cannot.
+    """
+    change = "name another folder in [recording] of the robot file"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        text = f"nothing is recorded: {folder} cannot be made: {reason}; {change}"
+        raise RecordingError(text) from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        text = f"nothing is recorded: {folder} cannot be written: it is read-only; {change}"
+        raise RecordingError(text)
 
 
 def numbered(first: Path) -> Callable[[int], Path]:

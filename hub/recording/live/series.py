@@ -4,7 +4,7 @@
 | --- | --- |
 | a file is full, or an order | go on in the next file, which begins with the latched messages |
 | a ring is too long or too large, or the disk is nearly full | delete its oldest files |
-| a file ended with a fault | count what is lost; try the next file every `RETRY_S` |
+| a file ended with a fault | count what is lost; try the next file every `RETRY_S`, with room |
 | the date was set | the next file has another anchor |
 """
 
@@ -34,6 +34,8 @@ RETRY_S, _RING_RETRY_S = 5.0, 0.5
 """Time between two attempts to go on after a fault [s]."""
 _STEP_S = 1.0
 """Smallest change of the date that counts as a step [s]."""
+_LEAST_ROOM, _MOST_ROOM = 10**6, 64 * 10**6
+"""Room for a file that is worth its name: at least, and at most after a long one [bytes]."""
 _MARGIN, _MARGIN_SHARE = 64 * 2**20, 0.02
 """Room that a ring leaves beside the least free room: at most [bytes], and of the whole disk."""
 
@@ -159,6 +161,7 @@ class RecordingSeries:
         self._lost: Counter[str] = Counter()
         self._fault = ""
         self._retry_at = 0.0
+        self._room = _LEAST_ROOM
         self._latched, self._attached = latched, tuple(attached)
         self._kept: deque[KeptFile] = deque()
         self._closing: list[_Ending] = []
@@ -236,6 +239,7 @@ class RecordingSeries:
         state = self._writer.state
         if state.fault:
             self._end_file(now)
+            self._room = min(max(state.bytes, _LEAST_ROOM), _MOST_ROOM)
             self._fault, self._retry_at = state.fault, now + self._retry_s
             _logger.warning("nothing is recorded: %s", state.fault)
             return
@@ -285,9 +289,13 @@ class RecordingSeries:
             self._anchor = date
         path = self._next_path(self._files)
         path.parent.mkdir(parents=True, exist_ok=True)
-        free = free_room(path.parent)
-        if free < self._limits.writer.least_free:
-            text = f"only {free // 2**20} MB are free on the disk of {path.parent}"
+        free, least = free_room(path.parent), self._limits.writer.least_free
+        if self._limits.keep_s:
+            enough = free >= least and (not self._fault or _has_room(path.parent, least))
+        else:
+            enough = free >= least + self._room
+        if not enough:
+            text = f"only {free // 10**6} MB are free on the disk of {path.parent}"
             raise OSError(text)
         self._writer = RecordingWriter(path, self._anchor, self._about, self._limits.writer)
         self._path, self._split_at, self._fault = path, now, ""
@@ -307,7 +315,8 @@ class RecordingSeries:
         try:
             self._open()
         except OSError as error:
-            fault = error.strerror or str(error)
+            reason = error.strerror or str(error)
+            fault = f"{error.filename} cannot be made: {reason}" if error.filename else reason
             if fault != self._fault:
                 _logger.warning("nothing is recorded: %s", fault)
             self._fault, self._retry_at = fault, now + self._retry_s

@@ -64,13 +64,13 @@ class RecordingTable:
         without="everything",
     )
     most: int = key(
-        words.said(words.bytes_of, "a size"),
+        words.said(words.file_bytes_of, "a size from 1 MB"),
         8 * 2**30,
         "with `keep`: size above which the oldest files are deleted too",
         without="`8 GiB`",
     )
     split: tuple[float, int] = key(
-        words.said(words.split_of, "a span of time or a size"),
+        words.said(words.split_of, "a span of time, or a size from 1 MB"),
         (0.0, 0),
         "go on in a new file after this time or at this size, such as `10 min` or `500 MB`",
         without="one file; with `keep` `60 s`",

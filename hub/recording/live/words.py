@@ -15,6 +15,8 @@ _BYTES = {
 }  # fmt: skip
 LONGEST_S = 366 * 86_400.0
 LARGEST = 10**15
+LEAST_FILE = 10**6
+"""Smallest size that files of a recording may be limited to [bytes]."""
 
 
 def seconds_of(value: object) -> float:
@@ -35,6 +37,19 @@ def bytes_of(value: object) -> int:
     return round(_amount(value, _BYTES, "B", LARGEST, "a size such as '500 MB' or '8 GiB'"))
 
 
+def file_bytes_of(value: object) -> int:
+    """A size that has room for a recording [bytes].
+
+    Raises:
+        RefusedError: It is none, less than a megabyte, or larger than a petabyte.
+    """
+    size = bytes_of(value)
+    if size < LEAST_FILE:
+        reason = f"{shorten(value)} is too little for a recording: give 1 MB or more"
+        raise RefusedError(reason)
+    return size
+
+
 def rate_of(value: object) -> float:
     """The rate of "5", "5/s" or "0.5 Hz" [1/s].
 
@@ -49,7 +64,7 @@ def split_of(value: object) -> tuple[float, int]:
     """When a file is full: after a span of time [s], or at a size [bytes]; the other is 0.
 
     Raises:
-        RefusedError: It is neither.
+        RefusedError: It is neither, or less than a megabyte.
     """
     for read, place in ((seconds_of, 0), (bytes_of, 1)):
         try:
@@ -57,7 +72,7 @@ def split_of(value: object) -> tuple[float, int]:
         except RefusedError:
             continue
         if amount > 0:
-            return (amount, 0) if place == 0 else (0.0, int(amount))
+            return (amount, 0) if place == 0 else (0.0, file_bytes_of(value))
     reason = f"{shorten(value)} is neither a span of time such as '10 min' nor a size as '500 MB'"
     raise RefusedError(reason)
 

@@ -176,6 +176,28 @@ def test_a_full_disk_costs_messages_and_the_series_goes_on_with_room(
     assert (state.messages, dict(state.lost)) == (1, {TOPIC.name: 3})
 
 
+def test_a_disk_that_stays_full_gets_no_more_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig(tmp_path)
+    # The edge of the hardware: a disk that is full, then nearly full, then is not.
+    disk = SimpleNamespace(f_frsize=1, f_bavail=0)
+    monkeypatch.setattr("os.statvfs", lambda _: disk)
+    rig.series.split()
+    for free in (0, 1000, 999_999):
+        disk.f_bavail = free
+        rig.add()
+        rig.clock.now += RETRY_S
+        rig.series.look()
+    assert rig.series.state.files == 1
+    assert rig.series.state.lost == {TOPIC.name: 3}
+    disk.f_bavail = 1_000_000
+    rig.clock.now += RETRY_S
+    rig.series.look()
+    assert rig.series.state.fault == ""
+    assert rig.series.close().files == 2
+
+
 def test_a_date_that_is_set_moves_no_stamp_within_a_file(tmp_path: Path) -> None:
     rig = Rig(tmp_path, split_s=60.0)
     rig.add()
