@@ -231,15 +231,19 @@ def _report(copied: Copied, options: argparse.Namespace, progress: ProgressLine)
             "faults": list(copied.faults),
         }
         put(json.dumps(facts))
-        return 1 if copied.faults and options.task != "recover" else 0
+        return _code(copied)
     put(plain(f"{copied.messages} messages ({_size(copied.bytes)}) are in {copied.path}"))
     for fault in copied.faults:
         print_error(fault)
     if options.task == "recover":
         missing = "" if copied.missing < 0 else f", {copied.missing} messages of its index"
         put(f"lost: {copied.unreadable} bytes that cannot be read{missing}")
-        return 0
-    return 1 if copied.faults else 0
+    return _code(copied)
+
+
+def _code(copied: Copied) -> int:
+    """The exit code: 1 where something could not be read."""
+    return 1 if copied.faults or copied.unreadable or copied.missing > 0 else 0
 
 
 def _tables(options: argparse.Namespace, progress: ProgressLine) -> int:

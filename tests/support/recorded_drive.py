@@ -17,7 +17,7 @@ LIMITS = WriterLimits(chunk_bytes=2000, least_free=0)
 
 def write_drive(path: Path) -> None:
     """100 s of rover, twice a second, with one message lost on the way; 60 s of scout."""
-    writer = RecordingWriter(path, ANCHOR, {"robot": "rover"}, LIMITS)
+    writer = RecordingWriter(path, ANCHOR, {"robot": "rover", "recorder": "hub"}, LIMITS)
     state, mark = topic_of("rover", DRIVE_STATE), topic_of("rover", RECORD_MARK)
     for number in range(1, 201):
         moment = 100 + number / 2

@@ -36,7 +36,8 @@ class TopicFacts:
         bytes: Length of their payloads [bytes]; -1: not known.
         start: Stamp of the first [ns].
         end: Stamp of the last [ns].
-        missing: Numbers that are left out between them, as the receiver counts; -1: not known.
+        missing: Numbers that are left out between them; -1: not known, as where
+            several publishers share the topic, or a console counts all topics together.
         longest_gap: Longest time between two [ns]; -1: not known.
     """
 
@@ -117,7 +118,7 @@ def facts_of_recording(
             about=about,
             attachments=[place.name for place in recording.attachments],
         )
-        count = _Count(recording, numbered=ABOUT in about)
+        count = _Count(recording, numbered=_counted_by_topic(about))
         known = recording.counts.keys() >= recording.channels.keys() or bool(recording.counts)
         if quick and known and recording.finished:
             for number, topic in count.topics.items():
@@ -197,6 +198,7 @@ class _Count:
         }
         self._numbered = numbered
         self._numbers: dict[int, int] = {}
+        self._uncounted: set[int] = set()  # channels whose numbers are not of one publisher
         self._covered: list[tuple[int, int]] = []  # spans with messages, at most GAP_S apart
 
     def add(self, facts: MessageFacts) -> None:
@@ -247,8 +249,11 @@ class _Count:
         if self._numbered and numbers.all():
             before = self._numbers.get(channel, int(numbers[0]) - 1)
             steps = np.diff(numbers.astype(np.int64), prepend=before)
-            topic.missing = max(0, topic.missing) + int((steps[steps > 0] - 1).sum())
             self._numbers[channel] = int(numbers[-1])
+            if steps.min() < 1:  # several publishers, or one that began again
+                self._uncounted.add(channel)
+            counted = channel not in self._uncounted
+            topic.missing = max(0, topic.missing) + int((steps - 1).sum()) if counted else -1
 
 
 def _spans(stamps: npt.NDArray[np.uint64]) -> Iterator[tuple[int, int]]:
@@ -269,6 +274,12 @@ def _joined(spans: list[tuple[int, int]]) -> list[tuple[int, int]]:
         else:
             found.append((begin, end))
     return found
+
+
+def _counted_by_topic(about: dict[str, dict[str, str]]) -> bool:
+    """Whether each publisher counts each topic, as in recordings that a hub made."""
+    made = [facts for name, facts in about.items() if name.split()[0] == ABOUT]
+    return bool(made) and all(facts.get("recorder") == "hub" for facts in made)
 
 
 def _lost(facts: dict[str, str]) -> dict[str, int]:

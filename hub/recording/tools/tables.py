@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import re
@@ -118,7 +119,7 @@ class _TopicTable:
             columns = ["json" if topic.encoding == "json" else "payload"]
         self._file = self._partial.open("w", newline="", encoding="utf-8")
         self._rows_of = csv.writer(self._file)
-        self._rows_of.writerow((*_COMMON, *columns))
+        self._write((*_COMMON, *columns))
 
     def add(self, message: LoggedMessage) -> None:
         try:
@@ -127,26 +128,38 @@ class _TopicTable:
             self._unreadable += 1
             return
         stamps = _seconds(message.stamp), _seconds(message.published)
-        self._rows_of.writerow((*stamps, message.number, *values))
+        self._write((*stamps, message.number, *values))
         self._rows += 1
 
     def finish(self) -> Table:
-        self.close_file()
-        self._partial.replace(self._path)
+        try:
+            self.close_file()
+            self._partial.replace(self._path)
+        except OSError as error:
+            raise self._fault(error) from error
         return Table(
             path=self._path, topic=self._topic.name, rows=self._rows, unreadable=self._unreadable
         )
 
     def close_file(self) -> None:
         if self._file is not None:
-            self._file.close()
-            self._file = None
+            file, self._file = self._file, None
+            file.close()
+
+    def _write(self, row: tuple[object, ...]) -> None:
+        try:
+            self._rows_of.writerow(row)
+        except OSError as error:
+            raise self._fault(error) from error
+
+    def _fault(self, error: OSError) -> RecordingError:
+        return RecordingError(f"{self._path} cannot be written: {error.strerror}")
 
     def close(self) -> None:
         """Remove what is not finished."""
-        try:
+        with contextlib.suppress(OSError):  # a full disk: closing writes what is left
             self.close_file()
-        finally:
+        with contextlib.suppress(OSError):
             self._partial.unlink(missing_ok=True)
 
     def _values(self, payload: bytes) -> list[object]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -40,8 +42,8 @@ def log(line: str, code: int = 0) -> str:
     return done.stdout + done.stderr
 
 
-def facts(line: str) -> dict[str, Any]:
-    return json.loads(log(f"{line} --json"))
+def facts(line: str, code: int = 0) -> dict[str, Any]:
+    return json.loads(log(f"{line} --json", code))
 
 
 def seconds(path: str) -> dict[str, list[float]]:
@@ -133,7 +135,7 @@ def test_an_unfinished_file_is_saved_and_the_loss_said(drive: Path, share: float
     raw = drive.read_bytes()
     Path("cut.mcap").write_bytes(raw[: int(share * len(raw))])
     assert "unfinished" in log("info cut.mcap", 0 if share == 0.9 else 1)
-    known = facts("recover cut.mcap -o saved.mcap")
+    known = facts("recover cut.mcap -o saved.mcap", 0 if share == 0.9 else 1)
     assert known["messages"] == facts("info saved.mcap")["messages"] > 50
     times = seconds("saved.mcap")["/rover/GCM_DriveState"]
     assert times == seconds("drive.mcap")["/rover/GCM_DriveState"][: len(times)]
@@ -144,10 +146,49 @@ def test_damage_in_the_middle_costs_its_chunk_only(drive: Path) -> None:
     raw[len(raw) // 3] ^= 0xFF
     Path("flipped.mcap").write_bytes(raw)
     assert "fault: at byte" in log("info flipped.mcap", 1)
-    known = facts("recover flipped.mcap -o saved.mcap")
+    known = facts("recover flipped.mcap -o saved.mcap", 1)
     assert known["unreadable_bytes"] > 0
     assert 0 < known["missing"] < 30
     assert known["messages"] == 260 - known["missing"]
+    assert log("recover drive.mcap -o all.mcap").count("lost: 0 bytes") == 1
+
+
+@pytest.mark.parametrize(
+    ("recorder", "numbers", "missing"),
+    [
+        ("hub", (1, 2, 5), 2),
+        ("hub", (1, 80, 2, 81), None),  # two publishers
+        ("hub", (7, 8, 1, 2), None),  # one that began again
+        ("console", (1, 6, 9), None),  # one counter for all topics
+    ],
+)
+def test_info_counts_missing_numbers_only_where_one_publisher_counts_a_topic(
+    recorder: str, numbers: tuple[int, ...], missing: int | None
+) -> None:
+    writer = RecordingWriter(Path("x.mcap"), ANCHOR, {"recorder": recorder}, LIMITS)
+    for at, number in enumerate(numbers):
+        writer.add(RecordedTopic("/r/T"), b"x", 100.0 + at, 100.0 + at, number)
+    writer.close()
+    assert [each["missing"] for each in facts("info x.mcap")["topics"]] == [missing]
+
+
+def test_tables_on_a_full_disk_leave_no_file(drive: Path) -> None:
+    Path("tables").mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", _FULL, str(drive)], check=False, capture_output=True, text=True
+    )
+    assert "tables/rover-GCM_DriveState.csv cannot be written: File too large" in done.stderr
+    assert list(Path("tables").iterdir()) == []
+
+
+_FULL = """
+import resource, signal, sys
+from hub.cli import main
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
+sys.exit(main(["log", "csv", sys.argv[1], "-o", "tables", "-e", "GCM_DriveState"]))
+"""
+"""Every file has room for 3000 bytes."""
 
 
 def test_tools_of_ros_read_a_bag_that_was_made(drive: Path) -> None:
