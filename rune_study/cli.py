@@ -95,6 +95,7 @@ def _run(options: argparse.Namespace) -> int:
     write_key(study)
     hubs = [endpoint_of(hub) for hub in options.hub]
     with Journal.of(study, options.participant, options.replaces) as journal:
+        _warn(study, [options.participant])
         complete = Session(study, journal, options.participant, hubs).run()
     sys.stdout.write("the session is complete\n" if complete else _LEFT)
     return ExitCode.OK if complete else ExitCode.FAULT
@@ -121,9 +122,11 @@ def _status(options: argparse.Namespace) -> int:
     import json
 
     from rune_study.plan.study_file import read_study
-    from rune_study.session.status import participants_of, progress_of, status_lines
+    from rune_study.session.journal import participants_of
+    from rune_study.session.status import progress_of, status_lines
 
     study = read_study(options.folder)
+    _warn(study, participants_of(study))
     if options.json:
         for participant in participants_of(study):
             progress = dataclasses.asdict(progress_of(study, participant))
@@ -137,8 +140,10 @@ def _report(options: argparse.Namespace) -> int:
     from rune_study.data.store import compute
     from rune_study.plan.study_file import read_study
     from rune_study.report.making import make_page, unblinded
+    from rune_study.session.journal import participants_of
 
     study = read_study(options.folder)
+    warnings = _warn(study, participants_of(study))
     data = compute(study, _progress("computing metrics"))
     if options.unblind:
         unblinded(study)
@@ -149,6 +154,7 @@ def _report(options: argparse.Namespace) -> int:
         made=f"{datetime.datetime.now().astimezone():%Y-%m-%d %H:%M}",
         source=f"rune study report {options.folder} computes all of it from the recordings.",
         unblind=options.unblind,
+        warnings=warnings,
     )
     return _written(options.output or study.folder / "report.html", page)
 
@@ -156,8 +162,10 @@ def _report(options: argparse.Namespace) -> int:
 def _export(options: argparse.Namespace) -> int:
     from rune_study.data.store import DERIVED, compute, write_tables
     from rune_study.plan.study_file import read_study
+    from rune_study.session.journal import participants_of
 
     study = read_study(options.folder)
+    _warn(study, participants_of(study))
     data = compute(study, _progress("computing metrics"))
     for path in write_tables(options.output or study.folder / DERIVED, data):
         sys.stdout.write(f"{plain(str(path))}\n")
@@ -233,6 +241,15 @@ def _simulate_in_real_time(study: StudySpec, options: argparse.Namespace) -> int
     _written(folder / "report.html", page)
     fits = counts_agree(played.found) and not played.wrong
     return ExitCode.OK if fits else ExitCode.FAULT
+
+
+def _warn(study: StudySpec, participants: Sequence[int]) -> list[str]:
+    """Say on stderr what is wrong with participants' files; returns the same."""
+    from rune_study.session.warnings import warnings_of
+
+    warnings = [plain(each) for each in warnings_of(study, participants)]
+    sys.stderr.writelines(f"note: {each}\n" for each in warnings)
+    return warnings
 
 
 def _written(path: Path, text: str) -> int:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,11 +25,20 @@ from rune_study.plan.steps import TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.answers import GivenAnswer, read_answers
 from rune_study.session.interruptions import ANSWERS
-from rune_study.session.journal import BEGIN, DONE, JOURNAL, SESSION, Record, read_journal
+from rune_study.session.journal import (
+    BEGIN,
+    DONE,
+    JOURNAL,
+    Record,
+    damaged_lines,
+    head_of,
+    read_journal,
+)
 from rune_study.trial_data.measured import Surroundings, roles_of, trial_data
 from rune_study.trial_data.trial_log import TrialLog
 from rune_study.trial_data.truth import truth_of
 
+_OPEN = "it was not completed"
 _NO_WORDS = {"n", "attempt", "moment_s", "trial"}
 SART = (
     "instability",
@@ -59,12 +70,6 @@ class ParticipantData:
     events: tuple[EventRow, ...]
 
 
-def participants(study: StudySpec) -> list[int]:
-    """Numbers of those who have begun."""
-    found = range(1, study.participants * 10 + 1)
-    return [each for each in found if (participant_folder(study.folder, each) / JOURNAL).exists()]
-
-
 def derive(study: StudySpec, participant: int) -> ParticipantData:
     """Compute all data from a participant's files.
 
@@ -73,14 +78,18 @@ def derive(study: StudySpec, participant: int) -> ParticipantData:
     """
     folder = participant_folder(study.folder, participant)
     records = read_journal(folder / JOURNAL)
-    head = next((each for each in records if each.what == SESSION), None)
+    head = head_of(records)
     replaces = int(head.data["replaces"]) if head is not None else 0
+    damaged = damaged_lines(folder / JOURNAL)
     steps = {step.number: step for step in plan(study, participant, replaces)}
     answers = read_answers(folder / ANSWERS) if (folder / ANSWERS).exists() else []
     trials: list[TrialRow] = []
     metrics: list[MetricRow] = []
     for attempt in _attempts(records, steps):
         row, measured = _measured(study, participant, replaces, folder, attempt, answers)
+        if row.excluded == _OPEN and damaged:
+            why = f"{_OPEN}, or its end is in a damaged line of {JOURNAL}"
+            row = dataclasses.replace(row, excluded=why)
         trials.append(row)
         metrics += measured
     return ParticipantData(
@@ -102,11 +111,15 @@ class _Attempt:
 
 def _attempts(records: Sequence[Record], steps: Mapping[int, Step]) -> Iterator[_Attempt]:
     begins = [at for at, each in enumerate(records) if each.what == BEGIN]
-    for at, end in zip(begins, [*begins[1:], len(records)], strict=True):
+    for at, end in itertools.pairwise([*begins, len(records)]):
         step = steps.get(int(records[at].data["n"]))
         if step is not None and step.kind == TRIAL:
             number = int(records[at].data["attempt"])
-            yield _Attempt(step=step, number=number, records=tuple(records[at:end]))
+            # The begin of the next step may be damaged.
+            own = (
+                each for each in records[at:end] if each.data.get("n", step.number) == step.number
+            )
+            yield _Attempt(step=step, number=number, records=tuple(own))
 
 
 def _measured(
@@ -129,7 +142,7 @@ def _measured(
         "ended": str(result.get("ended", "")),
     }
     if done is None or begin is None:
-        return TrialRow(**row, excluded="it was not completed"), []
+        return TrialRow(**row, excluded=_OPEN), []
     files = sorted(folder.glob(f"{step.name}-a{attempt.number}*.mcap"))
     try:
         found = _metrics(study, attempt, files, answers)

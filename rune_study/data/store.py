@@ -9,13 +9,14 @@ from pathlib import Path
 
 from hub import files
 from hub.values import dataclass
-from rune_study.data.derive import derive, participants
+from rune_study.data.derive import derive
 from rune_study.data.rows import MetricRow, TrialRow
 from rune_study.data.tables import dictionary, write
 from rune_study.errors import DataError
 from rune_study.metrics.registry import METRICS
 from rune_study.plan.folder import participant_folder
 from rune_study.plan.study_spec import StudySpec
+from rune_study.session.journal import participants_of
 
 DERIVED = "derived"
 """Folder of the tables within that of the study."""
@@ -44,7 +45,7 @@ def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:
     Raises:
         StudyError: No participant has begun, or files cannot be read or written.
     """
-    begun = participants(study)
+    begun = participants_of(study)
     if not begun:
         text = f"no participant of {study.folder} has begun; `rune study run` begins a session"
         raise DataError(text)

@@ -36,6 +36,7 @@ def make_page(
     made: str,
     source: str,
     unblind: bool = False,
+    warnings: Sequence[str] = (),
 ) -> str:
     """The page.
 
@@ -46,6 +47,7 @@ def make_page(
         made: When it is made, in words.
         source: How the figures can be computed again, in a sentence.
         unblind: Whether to name the conditions of a blind study.
+        warnings: What is wrong with the data, a sentence each.
     """
     conditions = conditions_of(study, unblind=unblind)
     chosen = study.metrics
@@ -65,6 +67,7 @@ def make_page(
             words={name: _words(name) for name in shown if name in METRICS},
             maps={},
             source=source,
+            warnings=warnings,
         )
     )
 

@@ -63,6 +63,7 @@ class StudyReport:
         words: Of every metric.
         maps: SVG pictures of the arenas with the ways, by their title.
         source: How the figures can be computed again.
+        warnings: What is wrong with the data, a sentence each.
     """
 
     title: str
@@ -76,6 +77,7 @@ class StudyReport:
     words: Mapping[str, MetricWords]
     maps: Mapping[str, str]
     source: str
+    warnings: Sequence[str] = ()
 
 
 def html_page(report: StudyReport) -> str:
@@ -89,6 +91,7 @@ def html_page(report: StudyReport) -> str:
         *(f"<p>Note: {escape(each)}.</p>" for each in report.design.warnings),
         "<h2>Who did what</h2>",
         _sessions(report),
+        *(f"<p>Note: {escape(each)}.</p>" for each in report.warnings),
         *_excluded(report.trials),
         "<h2>Results</h2>",
         *_primary_tests(report),

@@ -13,9 +13,11 @@ written, so its step begins again as a further attempt; the files of earlier att
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import os
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -25,7 +27,7 @@ from hub.missions import journal_file
 from hub.values import dataclass
 from rune_study.errors import ChangedStudyError, StudyError
 from rune_study.plan.folder import participant_folder
-from rune_study.plan.study_spec import StudySpec
+from rune_study.plan.study_spec import MOST_PARTICIPANTS, StudySpec
 
 JOURNAL = "journal.log"
 SESSION, BEGIN, DONE = "session", "begin", "done"
@@ -84,20 +86,22 @@ class Journal:
         """The journal of a participant; a new one begins with the study's checksum.
 
         Raises:
-            ChangedStudyError: The session began with another study, or as another replacement.
+            ChangedStudyError: A session of the study began with another version of it, or this
+                one as another replacement, or the folder is that of another participant.
             StudyError: It cannot be used.
         """
         journal = cls(participant_folder(study.folder, participant) / JOURNAL)
-        begun = next((each for each in journal.records if each.what == SESSION), None)
-        if begun is None:
-            head = {"study": study.digest, "participant": participant, "replaces": replaces}
-            journal.put(SESSION, **head)
-        else:
-            try:
+        begun = head_of(journal.records)
+        try:
+            if begun is None:
+                _refuse_changed(study, participant)
+                head = {"study": study.digest, "participant": participant, "replaces": replaces}
+                journal.put(SESSION, **head)
+            else:
                 _refuse_other(begun, study, participant, replaces)
-            except ChangedStudyError:
-                journal.close()
-                raise
+        except StudyError:
+            journal.close()
+            raise
         return journal
 
     def __enter__(self) -> Self:
@@ -151,6 +155,24 @@ class Journal:
             self.records.append(record)
 
 
+def participants_of(study: StudySpec) -> list[int]:
+    """Participants who have a journal."""
+    found = (path.name.removeprefix("sub-") for path in study.folder.glob("sub-*"))
+    numbers = (int(each) for each in found if each.isdecimal() and len(each) < 6)
+    inside = (each for each in numbers if 1 <= each <= MOST_PARTICIPANTS)
+    return sorted(each for each in inside if journal_path(study.folder, each).exists())
+
+
+def journal_path(folder: Path, participant: int) -> Path:
+    """The journal of a participant."""
+    return participant_folder(folder, participant) / JOURNAL
+
+
+def head_of(records: Sequence[Record]) -> Record | None:
+    """The record with which a session began; None: it has not begun."""
+    return next((each for each in records if each.what == SESSION), None)
+
+
 def _locked(folder: Path) -> int:
     """A handle that locks a folder until it is closed, or this process ends.
 
@@ -187,20 +209,53 @@ def read_journal(path: Path) -> list[Record]:
     return found
 
 
+def damaged_lines(path: Path) -> int:
+    """How many lines of a journal, or of another file of its form, cannot be read.
+
+    Raises:
+        StudyError: The file cannot be read.
+    """
+    try:
+        return journal_file.read(path, lambda _: None).damaged
+    except MissionFileError as fault:
+        raise StudyError(str(fault)) from fault
+
+
 def record_of(line: dict[str, Any]) -> Record | None:
     """The record of a line; None: it is none."""
     what, at, moment = (line.get(name) for name in ("what", "at", "moment"))
     if not (isinstance(what, str) and isinstance(at, float) and isinstance(moment, float)):
         return None
     data = {name: value for name, value in line.items() if name not in _SAME}
-    numbered = isinstance(data.get("n"), int)
+    numbers = ("n", "attempt") if what == BEGIN else ("n",)
+    numbered = all(isinstance(data.get(name), int) for name in numbers)
     headed = isinstance(data.get("study"), str) and isinstance(data.get("replaces"), int)
     if (what in (BEGIN, DONE) and not numbered) or (what == SESSION and not headed):
         return None
     return Record(what=what, at=at, moment=moment, data=data)
 
 
+def _refuse_changed(study: StudySpec, participant: int) -> None:
+    """Refuse a first session with a study that others began differently."""
+    for other in participants_of(study):
+        head = None
+        with contextlib.suppress(StudyError):  # `status` says what is wrong with that file
+            head = head_of(read_journal(journal_path(study.folder, other)))
+        if other != participant and head is not None and head.data["study"] != study.digest:
+            text = (
+                f"the study was changed after the session of participant {other} began; "
+                f"undo the change, or move the earlier sessions out of {study.folder}"
+            )
+            raise ChangedStudyError(text)
+
+
 def _refuse_other(begun: Record, study: StudySpec, participant: int, replaces: int) -> None:
+    if begun.data.get("participant", participant) != participant:
+        text = (
+            f"{participant_folder(study.folder, participant)} has the session of participant "
+            f"{begun.data['participant']}; give the folder its own name again"
+        )
+        raise ChangedStudyError(text)
     if begun.data["study"] != study.digest:
         text = (
             f"the study was changed after the session of participant {participant} began; undo "

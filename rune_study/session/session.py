@@ -19,9 +19,8 @@ from rune_study.session.progress import LeftError, Result, run_steps
 from rune_study.session.reading import forget_keys, read
 from rune_study.session.stage import practice_of, stage
 from rune_study.session.trial import Trial
+from rune_study.session.warnings import PRIVATE
 
-PRIVATE = "private.log"
-"""Answers that stay out of the study's data, such as consent."""
 _BREAK = "# A break\n\nPlease rest."
 _PRACTICE = "# Practice\n\nDrive the robot until you know how. Quit the console when you are ready."
 _TRIAL = "# Trial {number} of {count}\n\nIt takes up to {time}."
@@ -117,9 +116,7 @@ class Session:
 
     def _wait_for_begin(self, step: Step) -> None:
         count = sum(each.kind == TRIAL for each in self._steps)
-        minutes = round(step.seconds / 60.0)
-        time = f"{minutes} minutes" if minutes > 1 else f"{step.seconds:.0f} seconds"
-        text = _TRIAL.format(number=step.trial, count=count, time=time)
+        text = _TRIAL.format(number=step.trial, count=count, time=length_in_words(step.seconds))
         by_experimenter = step.kind == TRIAL and self._study.trial.begins == "experimenter"
         read(
             _PRACTICE if step.kind == PRACTICE else text,
@@ -134,6 +131,11 @@ class Session:
             why = "the experimenter left the session"
             raise LeftError(why)
         return any(order.do == BEGIN for order in orders)
+
+
+def length_in_words(seconds: float) -> str:
+    """A length of time [s] as people say it: in seconds below two minutes."""
+    return f"{seconds / 60.0:.0f} minutes" if seconds >= 120.0 else f"{seconds:.0f} seconds"
 
 
 def _text(path: Path) -> str:

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from hub.values import dataclass
-from rune_study.plan.folder import participant_folder
 from rune_study.plan.steps import TRIAL, plan
 from rune_study.plan.study_spec import MOST_PARTICIPANTS, StudySpec
-from rune_study.session.journal import BEGIN, DONE, JOURNAL, SESSION, Record, read_journal
+from rune_study.session.journal import (
+    BEGIN,
+    DONE,
+    Record,
+    head_of,
+    journal_path,
+    participants_of,
+    read_journal,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,19 +45,6 @@ class Progress:
     other_study: bool
 
 
-def participants_of(study: StudySpec) -> list[int]:
-    """Participants who have a journal."""
-    found = (path.name.removeprefix("sub-") for path in study.folder.glob("sub-*"))
-    numbers = (int(each) for each in found if each.isdecimal() and len(each) < 6)
-    inside = (each for each in numbers if 1 <= each <= MOST_PARTICIPANTS)
-    return sorted(each for each in inside if journal_path(study.folder, each).exists())
-
-
-def journal_path(folder: Path, participant: int) -> Path:
-    """The journal of a participant."""
-    return participant_folder(folder, participant) / JOURNAL
-
-
 def progress_of(study: StudySpec, participant: int) -> Progress:
     """How far a participant is.
 
@@ -63,7 +56,7 @@ def progress_of(study: StudySpec, participant: int) -> Progress:
 
 def progress_in(study: StudySpec, participant: int, records: list[Record]) -> Progress:
     """The same from the records of a journal."""
-    head = next((each for each in records if each.what == SESSION), None)
+    head = head_of(records)
     replaces = int(head.data["replaces"]) if head is not None else 0
     steps = plan(study, participant, replaces)
     done = {int(each.data["n"]) for each in records if each.what == DONE}

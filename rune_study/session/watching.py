@@ -14,9 +14,9 @@ from rune_study.errors import StudyError
 from rune_study.plan.steps import plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.session.journal import BEGIN as BEGUN
-from rune_study.session.journal import DONE, Record, read_journal
+from rune_study.session.journal import DONE, Record, journal_path, read_journal
 from rune_study.session.orders import ABORT, BEGIN, END, MARK, NOTE, PAUSE, give_order
-from rune_study.session.status import journal_path, progress_in
+from rune_study.session.status import progress_in
 
 _LOOK_S = 0.3
 _KEYS = "b begin   p pause   e end trial   a abort   m mark   n note   q quit"

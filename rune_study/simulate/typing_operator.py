@@ -21,7 +21,7 @@ from rune_study.questionnaires.questionnaire import Questionnaire
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.session.interruptions import ANSWERS
 from rune_study.session.journal import BEGIN, DONE, JOURNAL, Record, read_journal
-from rune_study.session.session import PRIVATE
+from rune_study.session.warnings import PRIVATE
 from rune_study.simulate.operator_model import OperatorModel
 from rune_study.simulate.script import TrueEpisode, script
 from rune_study.simulate.study_terminal import StudyTerminal

@@ -22,6 +22,7 @@ from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.answers import Answers
 from rune_study.questionnaires.questionnaire import find
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
+from rune_study.report.making import make_page
 from rune_study.session.interruptions import ANSWERS
 from rune_study.session.journal import BEGIN, DONE, Journal
 from tests.study.trial_data.test_trial_data import truth
@@ -123,3 +124,38 @@ def test_the_last_attempt_is_replayed(study: StudySpec) -> None:
 def test_a_study_without_sessions_says_so(study: StudySpec) -> None:
     with pytest.raises(DataError, match=r"no participant of .* has begun"):
         compute(study, nothing)
+
+
+@pytest.mark.parametrize("kept", [0, 1])
+def test_a_session_that_only_began_has_no_trials(study: StudySpec, kept: int) -> None:
+    with contextlib.closing(Journal.of(study, 1)) as journal:
+        path = journal.path
+    path.write_bytes(path.read_bytes() * kept)
+    data = compute(study, nothing)
+    assert data.trials == data.metrics == ()
+    page = make_page(study, data.trials, data.metrics, made="", source="", warnings=["a <b>"])
+    assert "<p>Note: a &lt;b&gt;.</p>" in page
+
+
+def test_a_trial_whose_end_is_damaged_says_so(study: StudySpec) -> None:
+    play(study)
+    path = participant_folder(study.folder, 1) / "journal.log"
+    lines = path.read_bytes().splitlines(keepends=True)
+    last = next(at for at, line in enumerate(lines) if b'"what":"done"' in line)
+    lines[last] = lines[last].replace(b"done", b"d0ne")
+    path.write_bytes(b"".join(lines))
+    found = [row.excluded for row in compute(study, nothing).trials]
+    why = "it was not completed, or its end is in a damaged line of journal.log"
+    assert found == [why, ""]
+
+
+def test_a_damaged_begin_does_not_mix_trials(study: StudySpec) -> None:
+    """The end of the second trial is not taken for that of the first."""
+    play(study)
+    path = participant_folder(study.folder, 1) / "journal.log"
+    lines = path.read_bytes().splitlines(keepends=True)
+    begins = [at for at, line in enumerate(lines) if b'"what":"begin"' in line]
+    ends = [at for at, line in enumerate(lines) if b'"what":"done"' in line]
+    lost = {ends[0], begins[1]}
+    path.write_bytes(b"".join(line for at, line in enumerate(lines) if at not in lost))
+    assert [row.excluded for row in compute(study, nothing).trials] == ["it was not completed"]

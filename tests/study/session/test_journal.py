@@ -14,9 +14,12 @@ from pathlib import Path
 import pytest
 
 from rune_study.errors import ChangedStudyError, StudyError
+from rune_study.plan.folder import participant_folder
 from rune_study.plan.steps import plan
 from rune_study.session.journal import JOURNAL, Journal, read_journal
 from rune_study.session.progress import LeftError, run_steps
+from rune_study.session.session import length_in_words
+from rune_study.session.warnings import warnings_of
 from tests.study.studies import FOUR, HEAD, study_of
 from tests.support.repetitions import repetitions
 
@@ -169,3 +172,44 @@ def test_a_session_runs_once(tmp_path: Path) -> None:
     with Journal.of(study, 1), pytest.raises(StudyError, match="runs in another terminal"):
         Journal.of(study, 1)
     Journal.of(study, 1).close()
+
+
+def test_a_changed_study_is_refused_for_further_participants(tmp_path: Path) -> None:
+    Journal.of(study_of(tmp_path, FOUR), 1).close()
+    changed = study_of(tmp_path, FOUR + "\n")
+    with pytest.raises(ChangedStudyError, match="session of participant 1 began; undo"):
+        Journal.of(changed, 2)
+    Journal.of(study_of(tmp_path, FOUR), 2).close()
+
+
+def test_a_folder_of_another_participant_is_refused(tmp_path: Path) -> None:
+    study = study_of(tmp_path, FOUR)
+    Journal.of(study, 1).close()
+    participant_folder(tmp_path, 1).rename(participant_folder(tmp_path, 2))
+    with pytest.raises(ChangedStudyError, match="has the session of participant 1; give"):
+        Journal.of(study, 2)
+    assert "has the session of participant 1" in "".join(warnings_of(study, [2]))
+
+
+def test_damaged_lines_are_counted(tmp_path: Path) -> None:
+    study = study_of(tmp_path, FOUR)
+    with Journal.of(study, 1) as journal:
+        journal.put("note", text="one")
+        journal.put("note", text="two")
+    assert list(warnings_of(study, [1, 2])) == []
+    journal.path.write_bytes(journal.path.read_bytes().replace(b"one", b"on3"))
+    assert list(warnings_of(study, [1])) == [f"1 line of {journal.path} is damaged, and left out"]
+
+
+def test_warnings_name_who_began_with_another_study(tmp_path: Path) -> None:
+    Journal.of(study_of(tmp_path, FOUR), 1).close()
+    changed = study_of(tmp_path, FOUR + "\n")
+    assert "participant 1 began with another version" in "".join(warnings_of(changed, [1]))
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(10.0, "10 seconds"), (90.0, "90 seconds"), (120.0, "2 minutes"), (600.0, "10 minutes")],
+)
+def test_short_trials_have_their_length_in_seconds(seconds: float, words: str) -> None:
+    assert length_in_words(seconds) == words
