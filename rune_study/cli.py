@@ -87,8 +87,9 @@ def _run(options: argparse.Namespace) -> int:
     from hub.ipc.endpoints import endpoint_of
     from rune_study.plan.blinding import write_key
     from rune_study.plan.study_file import read_study
-    from rune_study.session.journal import Journal
+    from rune_study.session.journal import Journal, participants_of
     from rune_study.session.session import Session
+    from rune_study.session.status import next_participant
 
     study = read_study(options.folder)
     _need_terminal()
@@ -96,7 +97,16 @@ def _run(options: argparse.Namespace) -> int:
     hubs = [endpoint_of(hub) for hub in options.hub]
     with Journal.of(study, options.participant, options.replaces) as journal:
         _warn(study, [options.participant])
-        complete = Session(study, journal, options.participant, hubs).run()
+        session = Session(study, journal, options.participant, hubs)
+        complete = not journal.declined and session.run()
+        declined, order = journal.declined, journal.replaces or options.participant
+    if declined:
+        free = next_participant(participants_of(study))
+        sys.stdout.write(
+            f"participant {options.participant} declined to take part; another person takes over: "
+            f"rune study run {plain(str(options.folder))} --participant {free} --replaces {order}\n"
+        )
+        return ExitCode.FAULT
     sys.stdout.write("the session is complete\n" if complete else _LEFT)
     return ExitCode.OK if complete else ExitCode.FAULT
 

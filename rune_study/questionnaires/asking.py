@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar
 
@@ -35,6 +36,21 @@ def ask(questionnaire: Questionnaire, answers: Path, occasion: str, seed: str) -
         return bool(QuestionnaireScreen(questionnaire, given, occasion, seed).run())
 
 
+def is_refused(questionnaire: Questionnaire, answers: Path, occasion: str) -> bool:
+    """Whether the person did not agree to what the questionnaire asks.
+
+    Raises:
+        AnswersError: The answers cannot be read, or do not fit.
+    """
+    with Answers(answers) as given:
+        return _refuses(questionnaire, given.of(questionnaire, occasion))
+
+
+def _refuses(questionnaire: Questionnaire, given: Mapping[str, Answer]) -> bool:
+    items = questionnaire.items
+    return any(isinstance(item, Agreement) and given.get(item.id) is False for item in items)
+
+
 class QuestionnaireScreen(App[bool]):
     """The screens of a questionnaire; ends with whether all is answered."""
 
@@ -56,9 +72,7 @@ class QuestionnaireScreen(App[bool]):
         self._items = questionnaire.order(seed)
         done = answers.of(questionnaire, occasion)
         self._open = [item for item in self._items if item.id not in done]
-        self._refused = any(
-            isinstance(item, Agreement) and done.get(item.id) is False for item in self._items
-        )
+        self._refused = _refuses(questionnaire, done)
         self._reading = bool(questionnaire.instructions) and len(self._open) == len(self._items)
         self._entry: Entry | None = entry_of(self._open[0]) if self._open else None
         self._since = time.monotonic()

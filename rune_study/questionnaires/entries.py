@@ -46,7 +46,7 @@ def entry_of(item: Item) -> Entry:
         case NumberItem() | TextItem():
             return TypedEntry(item)
         case Agreement():
-            return ListEntry((True, False), ("Yes", "No"))
+            return AgreementEntry()
         case Bearing():
             return BearingEntry(item)
         case Pair():
@@ -138,6 +138,25 @@ class ListEntry:
         ]
         keys = "↑ ↓ choose" if self._chosen is None else "↑ ↓ choose   Enter: go on"
         return [*rows, "", keys]
+
+
+class AgreementEntry(ListEntry):
+    """Yes or no; a no takes a second Enter, for it ends the session."""
+
+    def __init__(self) -> None:
+        super().__init__((True, False), ("Yes", "No"))
+        self._asks_again = False
+
+    def press(self, key: str, character: str | None) -> Answer | None:
+        """Take a key; returns the final answer."""
+        value = super().press(key, character)
+        sure, self._asks_again = self._asks_again, value is False
+        return None if value is False and not sure else value
+
+    def lines(self) -> list[str]:
+        """What is below the question."""
+        again = ["No ends the session. Enter: end it   ↑: back to Yes"]
+        return [*super().lines()[:-1], *again] if self._asks_again else super().lines()
 
 
 class PairEntry:

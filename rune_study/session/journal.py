@@ -5,6 +5,7 @@
 | `session` | first of all: the study's checksum, the participant |
 | `begin` | a step begins; `attempt` counts from 1 |
 | `done` | the step is done; its result |
+| `declined` | the participant does not agree to take part: the session is over |
 | any other | within the step that was begun last |
 
 Each record is on the disk before the next action. A line that a crash cut short counts as not
@@ -30,7 +31,7 @@ from rune_study.plan.folder import participant_folder
 from rune_study.plan.study_spec import MOST_PARTICIPANTS, StudySpec
 
 JOURNAL = "journal.log"
-SESSION, BEGIN, DONE = "session", "begin", "done"
+SESSION, BEGIN, DONE, DECLINED = "session", "begin", "done", "declined"
 _SAME = {"what", "at", "moment"}
 
 
@@ -122,6 +123,11 @@ class Journal:
             (int(each.data["replaces"]) for each in self.records if each.what == SESSION), 0
         )
 
+    @property
+    def declined(self) -> bool:
+        """Whether the participant did not agree to take part."""
+        return has_declined(self.records)
+
     def done(self) -> set[int]:
         """Numbers of the steps that are done."""
         return {int(each.data["n"]) for each in self.records if each.what == DONE}
@@ -171,6 +177,11 @@ def journal_path(folder: Path, participant: int) -> Path:
 def head_of(records: Sequence[Record]) -> Record | None:
     """The record with which a session began; None: it has not begun."""
     return next((each for each in records if each.what == SESSION), None)
+
+
+def has_declined(records: Sequence[Record]) -> bool:
+    """Whether the participant did not agree to take part."""
+    return any(each.what == DECLINED for each in records)
 
 
 def _locked(folder: Path) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 
 from rune_study.errors import StudyError
 from rune_study.plan.steps import Step
-from rune_study.session.journal import BEGIN, DONE, Journal
+from rune_study.session.journal import BEGIN, DECLINED, DONE, Journal
 
 Result = Mapping[str, Any]
 """What a step says of itself, as JSON has it."""
@@ -15,6 +15,10 @@ Result = Mapping[str, Any]
 
 class LeftError(StudyError):
     """The participant or the experimenter left the session; it can be resumed."""
+
+
+class DeclinedError(LeftError):
+    """The participant does not agree to take part; the session is over."""
 
 
 def run_steps(
@@ -28,7 +32,7 @@ def run_steps(
         do: Does a step, given the number of the attempt; None: it has to be done again.
 
     Returns:
-        Whether all steps are done; False: a step was left.
+        Whether all steps are done; False: a step was left, or the participant declined.
     """
     for step in steps:
         while step.number not in journal.done():
@@ -37,6 +41,9 @@ def run_steps(
             journal.put(BEGIN, **begin, trial=step.trial, code=step.code)
             try:
                 result = do(step, attempt)
+            except DeclinedError:
+                journal.put(DECLINED, n=step.number, attempt=attempt, step=step.name)
+                return False
             except LeftError as left:
                 journal.put("left", n=step.number, attempt=attempt, why=str(left))
                 return False

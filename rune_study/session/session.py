@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -9,13 +10,13 @@ from rune_study.errors import StudyError
 from rune_study.plan.folder import questionnaire_path, text_path
 from rune_study.plan.steps import BREAK, PRACTICE, TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
-from rune_study.questionnaires.asking import ask
+from rune_study.questionnaires.asking import ask, is_refused
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.session.interruptions import ANSWERS
 from rune_study.session.journal import Journal
 from rune_study.session.markers import lsl_markers, no_markers
 from rune_study.session.orders import ABORT, BEGIN, OrderBook
-from rune_study.session.progress import LeftError, Result, run_steps
+from rune_study.session.progress import DeclinedError, LeftError, Result, run_steps
 from rune_study.session.reading import forget_keys, read
 from rune_study.session.stage import practice_of, stage
 from rune_study.session.trial import Trial
@@ -23,6 +24,10 @@ from rune_study.session.warnings import PRIVATE
 
 _BREAK = "# A break\n\nPlease rest."
 _PRACTICE = "# Practice\n\nDrive the robot until you know how. Quit the console when you are ready."
+_NOT_PASSED = (
+    "# Practice\n\nThe practice ended before its aim was reached. Please tell the experimenter."
+)
+_DECLINED = "# Thank you\n\nYou do not take part, and the session is over. Thank you for your time."
 _TRIAL = "# Trial {number} of {count}\n\nIt takes up to {time}."
 
 
@@ -66,7 +71,11 @@ class Session:
             HubError: A hub or a file cannot be used.
             ConsoleError: A simulated robot did not start.
         """
-        return run_steps(self._steps, self._journal, self._do)
+        complete = run_steps(self._steps, self._journal, self._do)
+        if self._journal.declined:
+            with contextlib.suppress(LeftError):
+                read(_DECLINED)
+        return complete
 
     def _do(self, step: Step, attempt: int) -> Result | None:
         if step.kind in (TRIAL, PRACTICE):
@@ -92,6 +101,9 @@ class Session:
         file = self._folder / (PRIVATE if questionnaire.private else ANSWERS)
         forget_keys()
         if not ask(questionnaire, file, step.name, f"{self._study.seed} {self._code} {step.name}"):
+            if is_refused(questionnaire, file, step.name):
+                why = "the participant declined"
+                raise DeclinedError(why)
             why = f"{step.name} is not complete"
             raise LeftError(why)
         return {"questionnaire": questionnaire.name}
@@ -112,7 +124,11 @@ class Session:
             hubs=self._hubs,
         ) as running:
             given = (self._study, step, attempt, self._journal, running, self._book, self._mark)
-            return Trial(*given).run()
+            result = Trial(*given).run()
+        if result is not None and misses_aim(result):
+            with contextlib.suppress(LeftError):  # what was done stays done
+                read(_NOT_PASSED)
+        return result
 
     def _wait_for_begin(self, step: Step) -> None:
         count = sum(each.kind == TRIAL for each in self._steps)
@@ -131,6 +147,11 @@ class Session:
             why = "the experimenter left the session"
             raise LeftError(why)
         return any(order.do == BEGIN for order in orders)
+
+
+def misses_aim(result: Result) -> bool:
+    """Whether a participant quit practice before its criterion was met."""
+    return result.get("passed") is False and result["ended"] == "operator"
 
 
 def length_in_words(seconds: float) -> str:

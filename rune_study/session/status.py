@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from hub.values import dataclass
 from rune_study.plan.steps import TRIAL, plan
@@ -11,6 +11,7 @@ from rune_study.session.journal import (
     BEGIN,
     DONE,
     Record,
+    has_declined,
     head_of,
     journal_path,
     participants_of,
@@ -32,6 +33,8 @@ class Progress:
         attempts: Begun steps more than done ones.
         now: The step that was begun last and is not done; empty: none.
         other_study: Whether it began with another study than the folder has now.
+        declined: Whether the participant did not agree to take part.
+        passed: False: practice is done, and its criterion was not met.
     """
 
     participant: int
@@ -43,6 +46,8 @@ class Progress:
     attempts: int
     now: str
     other_study: bool
+    declined: bool
+    passed: bool
 
 
 def progress_of(study: StudySpec, participant: int) -> Progress:
@@ -74,22 +79,40 @@ def progress_in(study: StudySpec, participant: int, records: list[Record]) -> Pr
         attempts=len(begun) - len(set(begun)),
         now=steps[last].name if open_step else "",
         other_study=head is not None and head.data["study"] != study.digest,
+        declined=has_declined(records),
+        passed=all(_passed(each) for each in records if each.what == DONE),
     )
+
+
+def next_participant(known: Sequence[int]) -> int:
+    """The first number that is free."""
+    return next((n for n in range(1, MOST_PARTICIPANTS) if n not in known), 0)
+
+
+def _passed(done: Record) -> bool:
+    result = done.data.get("result")
+    return not isinstance(result, dict) or result.get("passed") is not False
 
 
 def status_lines(study: StudySpec) -> Iterator[str]:
     """A line for each participant, and what is next."""
     known = participants_of(study)
     complete = 0
+    declined: set[int] = set()
+    taken: set[int] = set()
     for participant in known:
         each = progress_of(study, participant)
         complete += each.done == each.steps
+        (declined if each.declined else taken).add(each.replaces or participant)
         notes = [f"replaces {each.replaces}"] if each.replaces else []
-        notes += [f"at {each.now}"] if each.now else []
+        notes += [f"at {each.now}"] if each.now and not each.declined else []
         notes += [f"{each.attempts} begun again"] if each.attempts else []
         notes += ["with another study"] if each.other_study else []
+        notes += [] if each.passed else ["practice not passed"]
         what = "complete" if each.done == each.steps else f"{each.done} of {each.steps} steps"
+        what = "declined" if each.declined else what
         yield f"{participant:3}  {each.order}  {', '.join([what, *notes])}"
     yield f"{complete} of {study.participants} participants are complete"
-    next_one = next((n for n in range(1, MOST_PARTICIPANTS) if n not in known), 0)
-    yield f"next: rune study run {study.folder} --participant {next_one}"
+    line = f"next: rune study run {study.folder} --participant {next_participant(known)}"
+    free = declined - taken
+    yield f"{line} --replaces {min(free)}" if free else line

@@ -18,7 +18,7 @@ title = "t"
 seed = "s"
 participants = 2
 [session]
-steps = ["welcome", "trials"]
+steps = [{steps}]
 [defaults]
 arena = "empty"
 [factors]
@@ -62,8 +62,11 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def begun(folder: Path, seconds: float, more: str = "") -> ConsoleProcess:
-    (folder / "study.toml").write_text(STUDY.format(seconds=seconds, more=more))
+def begun(
+    folder: Path, seconds: float, more: str = "", steps: str = '"welcome", "trials"'
+) -> ConsoleProcess:
+    text = STUDY.format(seconds=seconds, more=more, steps=steps)
+    (folder / "study.toml").write_text(text)
     return ConsoleProcess(["study", "run", str(folder), "--participant", "1"])
 
 
@@ -164,3 +167,28 @@ def test_freezes_withheld_control_and_the_secondary_task_interrupt_a_trial(folde
     assert all(each.data["seconds"] > 0.0 for each in answered)
     with Recording.open(folder / "sub-01" / "t1-a1.mcap") as recording:
         assert "/magellan/SIM_Pause" in {each.name for each in recording.channels.values()}
+
+
+@pytest.mark.timeout(150)
+def test_who_does_not_agree_ends_the_session_for_good(folder: Path) -> None:
+    session = begun(folder, 3.0, steps='"consent", "trials"')
+    try:
+        shows(session, "Enter: begin")
+        session.type("\r")
+        shows(session, "1  Yes")
+        session.type("2\r")
+        shows(session, "No ends the session")
+        session.type("\r")
+        shows(session, "Thank you")
+        session.type("\r")
+        assert session.wait_ended() == 1
+    finally:
+        session.close()
+    assert [each.what for each in records(folder)] == ["session", "begin", "declined"]
+    again = begun(folder, 3.0, steps='"consent", "trials"')
+    try:
+        shows(again, "--participant 2 --replaces 1")
+        assert again.wait_ended() == 1
+    finally:
+        again.close()
+    assert [each.what for each in records(folder)] == ["session", "begin", "declined"]

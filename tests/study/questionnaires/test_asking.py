@@ -15,7 +15,7 @@ import pytest
 
 from rune_study.errors import AnswersError
 from rune_study.questionnaires.answers import Answers
-from rune_study.questionnaires.asking import QuestionnaireScreen
+from rune_study.questionnaires.asking import QuestionnaireScreen, is_refused
 from rune_study.questionnaires.questionnaire import Questionnaire, find, read
 
 SUS = read(find("sus"))
@@ -60,8 +60,19 @@ def test_a_torn_last_answer_is_asked_again(tmp_path: Path) -> None:
 
 def test_who_does_not_agree_is_asked_nothing_further(tmp_path: Path) -> None:
     with Answers(tmp_path / "answers.journal") as answers:
-        assert press(CONSENT, answers, "enter", "2", "enter")[0] is False
+        ended, shown = press(CONSENT, answers, "enter", "2", "enter")
+        assert ended is None
+        assert "No ends the session" in shown
+        assert answers.of(CONSENT, "t1") == {}
+        assert press(CONSENT, answers, "enter", "2", "enter", "enter")[0] is False
         assert press(CONSENT, answers)[0] is False
+    assert is_refused(CONSENT, tmp_path / "answers.journal", "t1")
+    assert not is_refused(CONSENT, tmp_path / "answers.journal", "t2")
+
+
+def test_a_no_can_be_taken_back(tmp_path: Path) -> None:
+    with Answers(tmp_path / "answers.journal") as answers:
+        assert press(CONSENT, answers, "enter", "2", "enter", "up", "enter")[0] is True
 
 
 def test_the_text_is_read_before_the_first_item(tmp_path: Path) -> None:

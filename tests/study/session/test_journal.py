@@ -17,8 +17,9 @@ from rune_study.errors import ChangedStudyError, StudyError
 from rune_study.plan.folder import participant_folder
 from rune_study.plan.steps import plan
 from rune_study.session.journal import JOURNAL, Journal, read_journal
-from rune_study.session.progress import LeftError, run_steps
-from rune_study.session.session import length_in_words
+from rune_study.session.progress import DeclinedError, LeftError, run_steps
+from rune_study.session.session import length_in_words, misses_aim
+from rune_study.session.status import status_lines
 from rune_study.session.warnings import warnings_of
 from tests.study.studies import FOUR, HEAD, study_of
 from tests.support.repetitions import repetitions
@@ -213,3 +214,38 @@ def test_warnings_name_who_began_with_another_study(tmp_path: Path) -> None:
 )
 def test_short_trials_have_their_length_in_seconds(seconds: float, words: str) -> None:
     assert length_in_words(seconds) == words
+
+
+def test_who_declines_is_replaced(tmp_path: Path) -> None:
+    """Also when the one who takes over declines, it is the order of the first."""
+    study = study_of(tmp_path, FOUR)
+
+    def refuse(step, attempt):
+        text = f"{step.name} {attempt}"
+        raise DeclinedError(text)
+
+    for participant, replaces in ((1, 0), (2, 1)):
+        with Journal.of(study, participant, replaces) as journal:
+            assert not run_steps(plan(study, participant, replaces), journal, refuse)
+            assert journal.declined
+        *lines, following = status_lines(study)
+        assert lines[participant - 1].startswith(f"  {participant}  ")
+        assert "declined" in lines[participant - 1]
+        assert following.endswith(f"--participant {participant + 1} --replaces 1")
+    Journal.of(study, 3, 1).close()
+    assert "--replaces" not in list(status_lines(study))[-1]
+
+
+def test_practice_without_its_aim_is_in_the_status(tmp_path: Path) -> None:
+    study = study_of(tmp_path, FOUR)
+    for passed, words in ((True, False), (False, True)):
+        with Journal.of(study, 1 + passed) as journal:
+            journal.put("done", n=0, result={"passed": passed})
+        found = [line for line in status_lines(study) if line.startswith(f"  {1 + passed}  ")]
+        assert ["practice not passed" in line for line in found] == [words]
+
+
+def test_only_practice_that_was_quit_misses_its_aim() -> None:
+    assert misses_aim({"passed": False, "ended": "operator"})
+    assert not misses_aim({"passed": True, "ended": "criterion"})
+    assert not misses_aim({"ended": "operator"})
