@@ -17,7 +17,7 @@ from hub.values import dataclass
 from rune_study.data.rows import EventRow, MetricRow, TrialRow, metric_rows
 from rune_study.errors import DataError
 from rune_study.metrics.questionnaires import SUS_ITEMS, TLX_SCALES
-from rune_study.metrics.registry import measure
+from rune_study.metrics.registry import measure, scores
 from rune_study.metrics.trial import MeasureSpec, Questionnaires
 from rune_study.metrics.trial_time import TrialTime, trial_time
 from rune_study.plan.folder import arena_of, participant_folder
@@ -61,7 +61,7 @@ class ParticipantData:
 
     Attributes:
         trials: All trials that were begun.
-        metrics: Of the trials that count.
+        metrics: Of the trials that count, and of the session as a whole.
         events: Of the whole session.
     """
 
@@ -92,6 +92,8 @@ def derive(study: StudySpec, participant: int) -> ParticipantData:
             row = dataclasses.replace(row, excluded=why)
         trials.append(row)
         metrics += measured
+    of_session = {"participant": participant, "trial": 0, "code": ""}
+    metrics += metric_rows(of_session, scores(questionnaires(0, answers)))
     return ParticipantData(
         trials=tuple(trials), metrics=tuple(metrics), events=tuple(_events(records, steps))
     )
@@ -169,7 +171,7 @@ def _metrics(
         truth=truth_of(arena) if arena else None,
         effectiveness=study.metrics.effectiveness,
         secondary=None,
-        answers=questionnaires(attempt.step, answers),
+        answers=questionnaires(attempt.step.trial, answers),
     )
     consoles = [file for file in files if file.name.endswith(".console.mcap")]
     hubs = [file for file in files if file not in consoles]
@@ -222,11 +224,12 @@ def _time(attempt: _Attempt) -> TrialTime:
     return trial_time(float(begin.data["moment_s"]), end.moment, pauses)
 
 
-def questionnaires(step: Step, answers: Sequence[GivenAnswer]) -> Questionnaires:
-    """The answers that were given after a trial, as metrics take them."""
+def questionnaires(trial: int, answers: Sequence[GivenAnswer]) -> Questionnaires:
+    """The answers that were given around a trial, or outside trials (0), as metrics take them."""
+    prefix = f"t{trial}-" if trial else ""
     given: dict[str, dict[str, Any]] = {}
     for each in answers:
-        if each.occasion == f"t{step.trial}-{each.questionnaire}":
+        if each.occasion == f"{prefix}{each.questionnaire}":
             given.setdefault(each.questionnaire, {})[each.item] = each.value
     load, usability, awareness = (given.get(name) for name in ("nasa-tlx", "sus", "sart"))
     return Questionnaires(

@@ -39,12 +39,12 @@ class TrialRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MetricRow:
-    """A metric of a trial; `metrics.csv`."""
+    """A metric of a trial, or of a session; `metrics.csv`."""
 
     participant: int = column("number of the participant")
-    trial: int = column("number of the trial in the session, from 1")
+    trial: int = column("number of the trial in the session, from 1; 0: asked once per session")
     attempt: int = column("which attempt at this trial, from 1", default=1)
-    code: str = column("code of the condition")
+    code: str = column("code of the condition; empty: of the whole session")
     robot: str = column("the robot; empty: all robots together", default="")
     metric: str = column("name of the metric, see the dictionary")
     value: float = column("its value; empty where there is none", default=math.nan)

@@ -13,7 +13,7 @@ from rune_study.errors import DataError
 from rune_study.estimate import Estimate, unknown
 from rune_study.metrics import trial_metrics as of
 from rune_study.metrics.analysis import TrialAnalysis
-from rune_study.metrics.trial import MeasureSpec, TrialData
+from rune_study.metrics.trial import MeasureSpec, Questionnaires, TrialData
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,6 +165,18 @@ def measure(trial: TrialData, spec: MeasureSpec | None = None) -> dict[str, Esti
     """
     analysis = TrialAnalysis(trial, spec or MeasureSpec())
     return {name: _computed(each, analysis) for name, each in METRICS.items()}
+
+
+def scores(answers: Questionnaires) -> dict[str, Estimate]:
+    """The scores of those questionnaires that were asked outside trials, by the metric's name."""
+    asked = {
+        "tlx_raw": answers.tlx,
+        "tlx_weighted": answers.tlx_choices,
+        "sus": answers.sus,
+        "sart": answers.sart,
+    }
+    analysis = TrialAnalysis(TrialData(length=0.0, questionnaires=answers), MeasureSpec())
+    return {name: _computed(METRICS[name], analysis) for name, given in asked.items() if given}
 
 
 def _computed(metric: Metric, analysis: TrialAnalysis) -> Estimate:

@@ -150,6 +150,15 @@ def compare(
     return [_result(name, by_metric.get(name, []), conditions, people) for name in metrics]
 
 
+def asked_once(rows: Iterable[MetricRow]) -> dict[str, Estimate]:
+    """Means over participants of what was asked once per session, by metric."""
+    values: dict[str, list[float]] = {}
+    for row in rows:
+        if not row.trial:
+            values.setdefault(row.metric, []).append(row.value)
+    return {name: mean(each) for name, each in values.items()}
+
+
 def corrected(results: Sequence[MetricResult], primary: Sequence[str]) -> dict[str, float]:
     """p-values of the primary metrics' main tests by "METRIC: FACTOR", after Holm together."""
     tests = {

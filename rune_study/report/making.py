@@ -10,7 +10,7 @@ from rune_study.metrics.registry import METRICS
 from rune_study.plan.checking import design_report
 from rune_study.plan.steps import codes
 from rune_study.plan.study_spec import StudySpec
-from rune_study.report.comparison import Conditions, compare
+from rune_study.report.comparison import Conditions, asked_once, compare
 from rune_study.report.page import MetricWords, StudyReport, html_page
 from rune_study.session.journal import Journal
 
@@ -52,7 +52,9 @@ def make_page(
     conditions = conditions_of(study, unblind=unblind)
     chosen = study.metrics
     others = chosen.secondary or tuple(name for name in METRICS if name not in chosen.primary)
-    with_data = {row.metric for row in metrics if not row.why}
+    of_trials = [row for row in metrics if row.trial]
+    once = asked_once(metrics)
+    with_data = {row.metric for row in of_trials if not row.why}
     shown = [*chosen.primary, *(name for name in others if name in with_data or chosen.secondary)]
     return html_page(
         StudyReport(
@@ -63,8 +65,9 @@ def make_page(
             conditions=conditions,
             trials=trials,
             primary=chosen.primary,
-            results=compare(metrics, conditions, shown),
-            words={name: _words(name) for name in shown if name in METRICS},
+            results=compare(of_trials, conditions, shown),
+            words={name: _words(name) for name in (*shown, *once) if name in METRICS},
+            once=once,
             maps={},
             source=source,
             warnings=warnings,

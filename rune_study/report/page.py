@@ -63,6 +63,7 @@ class StudyReport:
         words: Of every metric.
         maps: SVG pictures of the arenas with the ways, by their title.
         source: How the figures can be computed again.
+        once: Means of what was asked once per session, by metric.
         warnings: What is wrong with the data, a sentence each.
     """
 
@@ -77,6 +78,7 @@ class StudyReport:
     words: Mapping[str, MetricWords]
     maps: Mapping[str, str]
     source: str
+    once: Mapping[str, Estimate]
     warnings: Sequence[str] = ()
 
 
@@ -96,6 +98,7 @@ def html_page(report: StudyReport) -> str:
         "<h2>Results</h2>",
         *_primary_tests(report),
         *(part for result in report.results for part in _metric(report, result)),
+        *_asked_once(report),
         *_maps(report.maps),
         "<h2>How to compute this again</h2>",
         f"<p>{escape(report.source)}</p>",
@@ -165,18 +168,41 @@ def _excluded(trials: Sequence[TrialRow]) -> Iterator[str]:
 
 
 def _primary_tests(report: StudyReport) -> Iterator[str]:
-    adjusted = corrected(report.results, report.primary)
+    yield from (f"<p>{escape(each)}</p>" for each in _untested(report))
+    adjusted = corrected(report.results, report.primary) if _tested(report) else {}
     if not adjusted:
-        yield (
-            "<p>No metric was chosen to decide, or there are too few participants for a test. "
-            "All that follows is exploration.</p>"
-        )
         return
     yield (
         "<p>Tests of the metrics that were chosen before the first participant; p-values after "
         "Greenhouse-Geisser, and after Holm over all of them.</p>"
     )
     yield _table(["metric and factor", "p (Holm)"], [[name, _p(p)] for name, p in adjusted.items()])
+
+
+def _tested(report: StudyReport) -> bool:
+    """Whether there are enough participants for tests."""
+    return len({trial.participant for trial in report.trials if not trial.excluded}) > 1
+
+
+def _untested(report: StudyReport) -> Iterator[str]:
+    """Why metrics that were chosen to decide have no test, in sentences."""
+    if not report.primary:
+        yield "No metric was chosen to decide: all that follows is exploration."
+    if not _tested(report):
+        yield "It is too early for tests: they need trials that count of two participants or more."
+        return
+    for result in report.results:
+        if result.metric not in report.primary or result.tests is not None:
+            continue
+        if result.censored is not None and result.censored.test is not None:
+            yield f"{result.metric} has lower bounds among its values: its test stands below."
+        elif not any(each.known for each in result.means):
+            yield f"{result.metric} was chosen to decide, but no trial has a value of it."
+        else:
+            yield (
+                f"{result.metric} was chosen to decide, but fewer than two participants have a "
+                "value under each condition."
+            )
 
 
 def _metric(report: StudyReport, result: MetricResult) -> Iterator[str]:
@@ -198,8 +224,9 @@ def _metric(report: StudyReport, result: MetricResult) -> Iterator[str]:
                 for code, each in zip(report.conditions.codes, result.means, strict=True)
             ],
         )
-        yield _contrasts(result.contrasts)
-        yield from _tests(result)
+        tested = _tested(report)
+        yield _contrasts(result.contrasts, tested=tested)
+        yield from _tests(result) if tested else ()
     if result.reasons:
         reasons = "; ".join(f"{count} x {why}" for why, count in sorted(result.reasons.items()))
         yield f"<p>Trials without a value: {escape(reasons)}.</p>"
@@ -235,7 +262,7 @@ def _times(
             if code in found.curves
         ],
     )
-    if found.test is not None:
+    if found.test is not None and _tested(report):
         words = found.test.why or (
             f"Log-rank test within participants: chi-square {_number(found.test.square)} "
             f"with {found.test.df} degrees of freedom, p {_p(found.test.p)}"
@@ -277,7 +304,7 @@ def _effects_chart(contrasts: Sequence[Contrast], label: str) -> str:
     return chart.svg(f"differences of {label} with 95 % intervals")
 
 
-def _contrasts(contrasts: Iterable[Contrast]) -> str:
+def _contrasts(contrasts: Iterable[Contrast], *, tested: bool) -> str:
     rows = [
         [
             each.factor,
@@ -286,13 +313,12 @@ def _contrasts(contrasts: Iterable[Contrast]) -> str:
             _interval(each.effect.mean),
             _number(each.effect.dz),
             str(each.effect.n),
-            _p(each.effect.flips.p),
-            _p(each.p_holm),
+            *((_p(each.effect.flips.p), _p(each.p_holm)) if tested else ()),
         ]
         for each in contrasts
     ]
-    heads = ["factor", "difference", "mean", "95 % interval", "dz", "n", "p (sign flips)"]
-    return _table([*heads, "p (Holm)"], rows)
+    heads = ["factor", "difference", "mean", "95 % interval", "dz", "n"]
+    return _table([*heads, *(("p (sign flips)", "p (Holm)") if tested else ())], rows)
 
 
 def _tests(result: MetricResult) -> Iterator[str]:
@@ -311,6 +337,23 @@ def _tests(result: MetricResult) -> Iterator[str]:
     yield _table(["effect", "test", "epsilon", "p (Greenhouse-Geisser)", "generalized η²"], rows)
     if result.tests.left_out:
         yield f"<p>Left out for missing values: {len(result.tests.left_out)} participants.</p>"
+
+
+def _asked_once(report: StudyReport) -> Iterator[str]:
+    if report.once:
+        yield "<h2>Asked once per session</h2>"
+        yield _table(
+            ["score", "mean", "95 % interval", "participants"],
+            [
+                [
+                    report.words[name].label if name in report.words else name,
+                    _number(each.value),
+                    _interval(each),
+                    str(each.n),
+                ]
+                for name, each in report.once.items()
+            ],
+        )
 
 
 def _maps(maps: Mapping[str, str]) -> Iterator[str]:

@@ -103,6 +103,20 @@ def test_metrics_follow_from_the_files_and_are_written(study: StudySpec) -> None
     assert "trial-begin" in events
 
 
+def test_a_questionnaire_at_the_end_has_a_score_of_the_session(study: StudySpec) -> None:
+    play(study)
+    sus = read_questionnaire(find("sus"))
+    with Answers(participant_folder(study.folder, 1) / ANSWERS) as answers:
+        for item in sus.items:
+            answers.give(sus, "sus", item, 5.0 if item.id == "q1" else 3.0, 1.0)
+    metrics = compute(study, nothing).metrics
+    rows = [row for row in metrics if row.trial == 0]
+    assert [(row.metric, row.value, row.code) for row in rows] == [("sus", 55.0, "")]
+    page = make_page(study, (), metrics, made="today", source="again")
+    assert "Asked once per session" in page
+    assert '<td class="number">55</td>' in page
+
+
 def test_a_trial_without_its_recording_is_excluded_with_the_reason(study: StudySpec) -> None:
     play(study, lost=2)
     data = compute(study, nothing)

@@ -65,6 +65,7 @@ def report(conditions: Conditions = CONDITIONS) -> StudyReport:
         results=compare(rows, conditions, ["IE", "NT"]),
         words={"IE": MetricWords(label="interaction effort [s]", meaning="Mean.", better="less")},
         maps={},
+        once={},
         source="rune study report",
     )
 
@@ -116,6 +117,20 @@ def test_effects_come_with_intervals_and_before_tests() -> None:
 
 def test_a_metric_without_values_says_so() -> None:
     assert "No trial has a value." in html_page(report())
+
+
+def test_each_reason_for_no_test_has_its_own_sentence() -> None:
+    whole = report()
+    first = [trial for trial in whole.trials if trial.participant == 1]
+    none = words_of(html_page(dataclasses.replace(whole, primary=())))
+    empty = words_of(html_page(dataclasses.replace(whole, primary=("NT",))))
+    early = words_of(html_page(dataclasses.replace(whole, trials=first)))
+    assert "No metric was chosen to decide" in none
+    assert "NT was chosen to decide, but no trial has a value of it" in empty
+    assert "It is too early for tests" in early
+    assert "p (" not in early
+    assert "No metric was chosen" not in empty + early
+    assert "was chosen to decide, but" not in words_of(html_page(whole))
 
 
 def test_a_blind_page_names_no_condition() -> None:
