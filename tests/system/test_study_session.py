@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import time
 from pathlib import Path
 
 import psutil
@@ -192,3 +193,28 @@ def test_who_does_not_agree_ends_the_session_for_good(folder: Path) -> None:
     finally:
         again.close()
     assert [each.what for each in records(folder)] == ["session", "begin", "declined"]
+
+
+@pytest.mark.timeout(150)
+def test_practice_that_is_quit_too_early_says_so(folder: Path) -> None:
+    practice = '[practice]\ncriterion = "distance >= 500"\n'
+    session = begun(folder, 3.0, practice, steps='"practice", "trials"')
+    try:
+        shows(session, "Practice")
+        session.type("\r")
+        session.wait(lambda: seen(folder, "trial-begin"), 40.0)
+        session.wait_for_picture()
+        end = time.monotonic() + 40.0
+        while not seen(folder, "trial-end"):  # keys of a view that is too old are ignored
+            assert time.monotonic() < end, session.text
+            session.type("q")
+            again = time.monotonic() + 1.0
+            while not seen(folder, "trial-end") and time.monotonic() < again:
+                session.pump(0.03)
+        shows(session, "before its aim was reached")
+        session.type("\r")
+        shows(session, "Trial 1 of 1")
+    finally:
+        session.close()
+    (done,) = seen(folder, "done")
+    assert done.data["result"]["passed"] is False
