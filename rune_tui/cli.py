@@ -21,7 +21,7 @@ from rune_tui.commands.arguments import parser
 from rune_tui.commands.demo import AUTO, DEMO_LAYOUT
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
-from rune_tui.errors import ConsoleError, TunnelError
+from rune_tui.errors import ConsoleError, DamagedLogError, TunnelError
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -83,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return ExitCode.NO_HUB
     except (ConsoleError, HubError) as error:
         _report(str(error))
-        return ExitCode.USAGE
+        return ExitCode.FAULT if isinstance(error, DamagedLogError) else ExitCode.USAGE
     except OSError as error:
         _report(f"the output cannot be written: {error.strerror}")
         return ExitCode.FAULT
@@ -278,7 +278,7 @@ def _replay(options: argparse.Namespace) -> int:
     if options.export is not None:
         from rune_tui.replay.exporting import export
 
-        export(options, opened)
+        _report(*export(options, opened))
         return ExitCode.OK
     _need_screen([], ())
     log_to_file()
@@ -287,6 +287,7 @@ def _replay(options: argparse.Namespace) -> int:
     with closing(opening.player_of(opened, options)) as player:
         traits, answers, took, _ = _ask_terminal(options)
         ReplayApp(player, traits, took if answers.complete else 0.0).run()
+        _report(*player.source.faults)
     return ExitCode.OK
 
 
@@ -493,6 +494,6 @@ def log_to_file() -> _Log:
     return log
 
 
-def _report(text: str) -> None:
-    """Write a sentence to standard error, without control characters of file names or ssh."""
-    sys.stderr.write(f"rune: {plain(text, lines=True)}\n")
+def _report(*texts: str) -> None:
+    """Write sentences to standard error, without control characters of file names or ssh."""
+    sys.stderr.writelines(f"rune: {plain(text, lines=True)}\n" for text in texts)

@@ -10,6 +10,7 @@
     ├── FontError (OSError)             a font that cannot be drawn with
     ├── DescriptorError (ValueError)    a device's report descriptor makes no sense
     └── LogError (ValueError)           a recording that cannot be shown, or a part of it
+        └── DamagedLogError             nothing of it can be read
 
 A lost hub, a lost joystick and a stale picture are drawn states, not errors.
 """
@@ -91,3 +92,7 @@ class DescriptorError(ConsoleError, ValueError):
 
 class LogError(ConsoleError, ValueError):
     """A recording that cannot be shown, or a part of it."""
+
+
+class DamagedLogError(LogError):
+    """A damaged recording, without any part that can be read."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import functools
 import json
 import os
 import select
@@ -57,15 +58,43 @@ def play(options: argparse.Namespace) -> int:
         EndpointError: The port is busy.
     """
     with RecordingSet.open(options.files) as log:
-        for fault in log.faults:
-            print_error(fault)
         robot = _robot(robots_of(log), options.robot)
+        empty = _why_empty(log, robot, options)
+        known = [*log.faults]
+        for fault in known:
+            print_error(fault)
+        if empty:
+            print_error(empty)
+            return ExitCode.FAULT
         with (
             closing(Central([f"tcp://127.0.0.1:{options.port}"])) as central,
             closing(Client(ROBOMON, central.endpoints[0])) as client,
         ):
             client.wait_connected(_CONNECT_S)
-            return _Playback(client, log, robot, options).run(central.endpoints[0])
+            code = _Playback(client, log, robot, options).run(central.endpoints[0])
+        for fault in log.faults:
+            if fault not in known:
+                print_error(fault)
+        return code
+
+
+def _chooses(topic: str, options: argparse.Namespace) -> bool:
+    included = not options.topics or any(each.search(topic) for each in options.topics)
+    return included and not any(each.search(topic) for each in options.exclude)
+
+
+def _why_empty(log: RecordingSet, robot: str, options: argparse.Namespace) -> str:
+    """Why there is nothing to play, in a sentence; empty: there is something."""
+    channels = {
+        channel
+        for channel, topic in log.channels.items()
+        if topic.robot == robot and _chooses(topic.name, options)
+    }
+    if not channels:
+        return f"no topic of {robot} is chosen; `rune-hub log info` names its topics"
+    if next(log.messages(channels=channels), None) is None:
+        return f"no message of the chosen topics of {robot} can be read"
+    return ""
 
 
 def _robot(known: list[str], wanted: str) -> str:
@@ -93,12 +122,13 @@ class _Playback:
     ) -> None:
         self._client, self._log, self._options, self._robot = client, log, options, robot
         self._ending = False
-
-        def chosen(topic: str) -> bool:
-            included = not options.topics or any(each.search(topic) for each in options.topics)
-            return included and not any(each.search(topic) for each in options.exclude)
-
-        self._player = Player(client, log, robot, chosen=chosen, clock=time.monotonic)
+        self._player = Player(
+            client,
+            log,
+            robot,
+            chosen=functools.partial(_chooses, options=options),
+            clock=time.monotonic,
+        )
         self._player.rate, self._player.paused = options.rate, options.paused
         self._gate = ControlGate(client)
         client.define(CONTROL_STATE, DIAGNOSTICS)

@@ -127,7 +127,7 @@ def _add_replay(commands: Commands) -> CommandParser:
         "replay",
         help="show a recording, as the console drew it",
         epilog="Space plays and pauses; the first row names the other keys. Exit codes: 0 ended by "
-        "you, 2 wrong usage, or a file that cannot be shown.",
+        "you, 1 nothing of a damaged file can be read, 2 wrong usage, or nothing can be shown.",
     )
     replay.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a recording")
     replay.add_argument("--layout", help="a layout in place of the recorded one")
@@ -152,6 +152,7 @@ def _add_replay(commands: Commands) -> CommandParser:
         help="write the picture at --start (.png, .svg, .txt), a video from there (.mp4, .gif), "
         "or a report of all (.html)",
     )
+    replay.add_argument("--force", action="store_true", help="replace a file of this name")
     replay.add_argument("--end", metavar="TIME", help="end of a video; default: the recording's")
     fps = number_type(float, 0.1, 60.0, "number of frames from 0.1 to 60")
     replay.add_argument("--fps", type=fps, default=10.0, help="frames of a video (%(default)s 1/s)")

@@ -12,7 +12,7 @@ from typing import Any
 
 from hub.recording.reader import LoggedMessage
 from hub.recording.recording_set import RecordingSet
-from rune_tui.errors import LogError
+from rune_tui.errors import DamagedLogError, LogError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.own_records import (
@@ -76,8 +76,7 @@ class ConsoleLog:
             recording.close()
             reason = f"{path} has no frames of a console"
             raise LogError(reason)
-        self.faults = [*recording.faults]
-        self._decoder = Decoder(recording.channels, anchor, self.faults)
+        self._decoder = Decoder(recording.channels, anchor, [])
         self._frames = {
             number
             for number, topic in recording.channels.items()
@@ -88,10 +87,16 @@ class ConsoleLog:
         first = next(recording.messages(channels=self._frames), None)
         last = next(recording.messages(channels=self._frames, reverse=True), None)
         if first is None or last is None:
+            faults = recording.faults
             recording.close()
-            reason = f"{path} has no frames of a console that can be read"
-            raise LogError(reason)
+            reason = "; ".join((f"{path} has no frames of a console that can be read", *faults[:3]))
+            raise DamagedLogError(reason)
         self.start, self.end = first.stamp, last.stamp
+
+    @property
+    def faults(self) -> list[str]:
+        """What cannot be shown, and why."""
+        return [*self._recording.faults, *self._decoder.faults]
 
     def frames(self, after: int, until: int) -> Iterator[ReplayFrame]:
         """The frames later than `after` and at the latest `until`, in the order of time."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import math
+import re
 from collections.abc import Callable
 from typing import Final
 
@@ -17,6 +18,7 @@ from rune_tui.replay.source import Overview, ReplayFrame
 from rune_tui.widgets.listeners import Listeners
 
 SECOND: Final = 1_000_000_000
+_TIME: Final = re.compile(r"(\d{1,9}:){0,2}\d{1,9}(\.\d{0,9})?", re.ASCII)
 _JUMP_S: Final = 5.0
 _LONG_JUMP_S: Final = 60.0
 _NOTICE_S: Final = 3.0
@@ -218,6 +220,8 @@ def moment_text(stamp: int) -> str:
 def entered(text: str, start: int) -> int | None:
     """The time that a person means by seconds, minutes:seconds or hours:minutes:seconds.
 
+    Only the first part may be 60 or more, and only the last one may have a fraction.
+
     Args:
         text: The letters.
         start: Begin of the recording [ns].
@@ -225,14 +229,13 @@ def entered(text: str, start: int) -> int | None:
     Returns:
         The time [ns]; None: it is none.
     """
-    try:
-        parts = [float(each) for each in text.split(":")]
-    except ValueError:
+    if not _TIME.fullmatch(text.strip()):
         return None
-    if not parts or len(parts) > 3:
+    first, *rest = (float(each) for each in text.split(":"))
+    if any(part >= 60.0 for part in rest):
         return None
-    seconds = 0.0
-    for part in parts:
+    seconds = first
+    for part in rest:
         seconds = 60.0 * seconds + part
     return start + round(min(seconds, 1e9) * SECOND)
 

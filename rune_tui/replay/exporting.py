@@ -10,48 +10,64 @@ from pathlib import Path
 
 from hub import files
 from hub.plain_text import plain
+from rune_tui.compositor.picture import SUFFIXES as PICTURES
 from rune_tui.compositor.picture import PictureFile
 from rune_tui.errors import LogError, PictureFileError
 from rune_tui.replay import screen
-from rune_tui.replay.clip import SUFFIXES, ClipOptions, write_clip
+from rune_tui.replay.clip import SUFFIXES as CLIPS
+from rune_tui.replay.clip import ClipOptions, write_clip
 from rune_tui.replay.desk import Desk
 from rune_tui.replay.mission_page import mission_page
-from rune_tui.replay.opening import start_of
+from rune_tui.replay.opening import moment_of
 from rune_tui.replay.player import Player
 from rune_tui.replay.source import ReplaySource
 
+_PAGE = ".html"
 
-def export(options: Namespace, opened: Callable[[], ReplaySource]) -> None:
+
+def export(options: Namespace, opened: Callable[[], ReplaySource]) -> list[str]:
     """Write what the command line asks for; the suffix of the file gives the format.
 
     Args:
         options: Those of `rune replay`.
         opened: Opens the recording.
 
+    Returns:
+        What of the recording cannot be shown, in sentences.
+
     Raises:
-        LogError: There is nothing to show in this part.
-        PictureFileError: The file cannot be written, or PyAV is missing.
+        LogError: There is nothing to show in this part, or a time is none of the recording.
+        PictureFileError: The file exists or cannot be written, or PyAV is missing.
     """
-    start, path = start_of(options.start), options.export
-    if path.suffix.lower() == ".html":
-        with closing(Player(opened)) as player:
-            page = mission_page(player, _progress(f"writing {path.name}"))
-        _write(path, page)
-        return
-    if path.suffix.lower() not in SUFFIXES:
-        export_picture(opened, start, path, as_seen=options.as_seen)
-        return
-    clip = ClipOptions(
-        start=start,
-        end=start_of(options.end) if options.end is not None else None,
-        rate=options.rate,
-        frames_per_s=options.fps,
-        scale=options.scale,
-        as_seen=options.as_seen,
-        lossless=options.lossless,
-    )
+    path: Path = options.export
+    suffix = path.suffix.lower()
+    if suffix not in (*PICTURES, *CLIPS, _PAGE):
+        *most, last = *PICTURES, *CLIPS, _PAGE
+        text = f"{path}: the name of an export ends in {', '.join(most)} or {last}; name it so"
+        raise PictureFileError(text)
+    if path.exists() and not options.force:
+        text = f"{path} exists; choose another name, or replace it with --force"
+        raise PictureFileError(text)
     with closing(Player(opened)) as player:
-        write_clip(player, path, clip, _progress(f"writing {path.name}"))
+        source = player.source
+        start = moment_of(options.start, source)
+        end = moment_of(options.end, source) if options.end is not None else source.end
+        if suffix == _PAGE:
+            _write(path, mission_page(player, _progress(f"writing {path.name}")))
+        elif suffix in PICTURES:
+            _export_picture(player, start, path, as_seen=options.as_seen)
+        else:
+            clip = ClipOptions(
+                start=start - source.start,
+                end=end - source.start,
+                rate=options.rate,
+                frames_per_s=options.fps,
+                scale=options.scale,
+                as_seen=options.as_seen,
+                lossless=options.lossless,
+            )
+            write_clip(player, path, clip, _progress(f"writing {path.name}"))
+        return [*source.faults]
 
 
 def _write(path: Path, text: str) -> None:
@@ -62,32 +78,17 @@ def _write(path: Path, text: str) -> None:
         raise PictureFileError(reason) from error
 
 
-def export_picture(
-    opened: Callable[[], ReplaySource], start: int, path: Path, *, as_seen: bool
-) -> None:
-    """Write the picture at a time into a file.
-
-    Args:
-        opened: Opens the recording.
-        start: The time after its begin [ns].
-        path: The file.
-        as_seen: Whether to leave out the border that says that it is a recording.
-
-    Raises:
-        PictureFileError: The file cannot be written.
-        LogError: There is no picture.
-    """
+def _export_picture(player: Player, stamp: int, path: Path, *, as_seen: bool) -> None:
     file = PictureFile(path)
-    with closing(Player(opened)) as player:
-        cells = player.seek(player.source.start + start, whole=True)
-        if cells is None:
-            why = f": {faults[-1]}" if (faults := player.source.faults) else ""
-            reason = f"{player.source.title} has no frame there{why}"
-            raise LogError(reason)
-        if not as_seen:
-            columns, rows = cells.columns + 2 * screen.SIDES, cells.rows
-            cells = Desk(player, lambda: 0.0).cells(columns, rows + screen.TOP + screen.BOTTOM)
-        file.write(file.draw(cells, ()))
+    cells = player.seek(stamp, whole=True)
+    if cells is None:
+        why = f": {faults[-1]}" if (faults := player.source.faults) else ""
+        reason = f"{player.source.title} has no frame there{why}"
+        raise LogError(reason)
+    if not as_seen:
+        columns, rows = cells.columns + 2 * screen.SIDES, cells.rows
+        cells = Desk(player, lambda: 0.0).cells(columns, rows + screen.TOP + screen.BOTTOM)
+    file.write(file.draw(cells, ()))
 
 
 def _progress(words: str) -> Callable[[float], None]:

@@ -18,7 +18,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.replay import timeline
 from rune_tui.replay.desk import SECOND
 from rune_tui.replay.player import Player
-from rune_tui.replay.source import EventKind, Overview, ReplayEvent
+from rune_tui.replay.source import EventKind, Overview, ReplayEvent, ReplaySource
 
 _MOST_PICTURES: Final = 12
 _STEP_NS: Final = SECOND
@@ -68,11 +68,12 @@ def mission_page(player: Player, progress: Callable[[float], None]) -> str:
     parts = [
         f"<h1>{heading}</h1>",
         f"<p>{_clock(start, date=True)} to {_clock(end)}, {_length(end - start)}. "
-        f"{len(overview.episodes)} episodes of interaction, {len(overview.events)} events.</p>",
+        f"{_count(len(overview.episodes), 'episode')} of interaction, "
+        f"{_count(len(overview.events), 'event')}.</p>",
         f"<pre>{escape(row)}</pre>",
         "<p>F freeze, ! alarm, V victim, B bump, | trial, · note, ▂ interaction, ╱ nothing.</p>",
         "<h2>What went wrong</h2>",
-        _events(wrong, start) if wrong else "<p>No alarm and no bump.</p>",
+        _events(wrong, start) if wrong else f"<p>No alarm and no bump{_unread(source)}.</p>",
         *(f"<p>{escape(fault)}</p>" for fault in source.faults),
         "<h2>Robots</h2>",
         *(_robot(name, way) for name, way in ways.items()),
@@ -87,6 +88,14 @@ def mission_page(player: Player, progress: Callable[[float], None]) -> str:
         + "\n".join(parts)
         + "\n</body>\n</html>\n"
     )
+
+
+def _unread(source: ReplaySource) -> str:
+    return " in what can be read; parts of the recording cannot be read" if source.faults else ""
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _ways(player: Player, progress: Callable[[float], None]) -> dict[str, _Way]:
@@ -139,7 +148,9 @@ def _robot(name: str, way: _Way) -> str:
     grid = way.last.map.value if way.last.map is not None else None
     steps = zip(way.places, way.places[1:], strict=False)
     driven = sum(math.dist(first, second) for first, second in steps)
-    words = f"{way.last.title}: about {driven:.1f} m driven, {len(points)} marks at the end."
+    words = (
+        f"{way.last.title}: about {driven:.1f} m driven, {_count(len(points), 'mark')} at the end."
+    )
     picture = drawing(points, grid, way.places) if way.places or points else ""
     return f"<h3>{escape(name)}</h3><p>{escape(words)}</p>{picture}"
 

@@ -14,12 +14,12 @@ from pathlib import Path
 from hub.gcm.catalog import BY_NAME
 from hub.recording.anchor import TimeAnchor
 from hub.recording.recording_set import RecordingSet
-from rune_tui.errors import LogError
+from rune_tui.errors import DamagedLogError, LogError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.own_records import RUNE_TERMINAL, TerminalRecord
 from rune_tui.replay.bag_source import BagSource
 from rune_tui.replay.console_log import ConsoleLog, has_frames
-from rune_tui.replay.desk import entered
+from rune_tui.replay.desk import SECOND, entered
 from rune_tui.replay.logged_robot import (
     LoggedRobot,
     channels_of,
@@ -63,6 +63,9 @@ def open_source(
                 return ConsoleLog(path, [other for other in files if other != path])
     recording = RecordingSet.open(files)
     try:
+        if next(recording.messages(), None) is None and recording.faults:
+            reason = "; ".join((f"nothing of {recording.path} can be read", *recording.faults[:3]))
+            raise DamagedLogError(reason)
         of_rune = any(topic.message in BY_NAME for topic in recording.channels.values())
         if topics or not of_rune:
             return BagSource(recording, layout, choice)
@@ -73,7 +76,7 @@ def open_source(
 
 
 def _timed(recording: RecordingSet, layout: LayoutSpec | None) -> TimedLog:
-    faults = [*recording.faults]
+    faults: list[str] = []
     # Stamps count from here, so that small numbers stay exact.
     anchor = recording.anchor or TimeAnchor(recording.start, 0.0)
     decoder = Decoder(recording.channels, anchor, faults)
@@ -149,23 +152,30 @@ def follow_time_zone(files: Sequence[Path]) -> None:
         time.tzset()
 
 
-def start_of(text: str) -> int:
-    """The time after the begin that a text means [ns].
+def moment_of(text: str, source: ReplaySource) -> int:
+    """The moment of a recording that a text means [ns since 1970].
 
     Raises:
-        LogError: It is no time.
+        LogError: It is no time, or the recording has no such time.
     """
-    found = entered(text, 0)
+    found = entered(text, source.start)
     if found is None:
         reason = f"{text[:40]!r} is no time; 90, 1:30 and 1:02:30 are"
+        raise LogError(reason)
+    if found > source.end:
+        length = (source.end - source.start) / SECOND
+        reason = f"{text[:40]} is after the end: {source.title} lasts {length:.1f} s"
         raise LogError(reason)
     return found
 
 
 def player_of(opened: Callable[[], ReplaySource], options: Namespace) -> Player:
     """A player at the time, with the rate and the loop of the command line."""
-    start = start_of(options.start)
     player = Player(opened, rate=options.rate, loop=options.loop)
-    player.seek(player.source.start + start)
+    try:
+        player.seek(moment_of(options.start, player.source))
+    except BaseException:
+        player.close()
+        raise
     player.playing = True
     return player

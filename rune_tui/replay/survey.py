@@ -65,11 +65,14 @@ class _Survey:
         self._points: dict[str, set[int]] = {}
         self._pressed: dict[str, int] = {}
         self._bumped: dict[str, int] = {}
+        self._begun: set[str] = set()  # robots whose states have begun
 
     def take(self, stamp: int, robot: str, value: Any) -> None:  # noqa: ANN401 - any message
         match value:
             case InputRecord() if value.robot and value.outcome is not InputOutcome.NONE:
                 self._inputs.setdefault(value.robot, []).append(stamp)
+            case TeamEvent(kind=TeamEventKind.RAISED, cause="state") if self._begins(value.robot):
+                pass  # the console waits for the first state
             case TeamEvent(kind=TeamEventKind.RAISED):
                 self._note(stamp, EventKind.ALARM, value.cause, value.robot)
             case RecordMark():
@@ -103,7 +106,14 @@ class _Survey:
                 text = f"{point.kind.name.lower()} {point.number} marked"
                 self._note(stamp, EventKind.VICTIM, text, robot)
 
+    def _begins(self, robot: str) -> bool:
+        """Whether a robot has no state yet; true once for each robot."""
+        begins = robot not in self._begun
+        self._begun.add(robot)
+        return begins
+
     def _bump(self, stamp: int, robot: str, bumpers: int) -> None:
+        self._begun.add(robot)
         rose = bumpers and not self._pressed.get(robot, 0)
         self._pressed[robot] = bumpers
         if rose and stamp - self._bumped.get(robot, -AGAIN_NS) >= AGAIN_NS:

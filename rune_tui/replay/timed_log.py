@@ -65,7 +65,7 @@ class TimedLog:
             raise LogError(reason)
         files = len(recording.recordings)
         self.title = recording.path.name + (f" and {files - 1} more" if files > 1 else "")
-        self.faults = faults
+        self._faults = faults
         self.start = recording.start
         self.end = self.start + (recording.end - self.start) // PERIOD_NS * PERIOD_NS
         self._recording = recording
@@ -74,6 +74,11 @@ class TimedLog:
         self._anchor = anchor
         self._begin = ConsoleState.at_start(layout, 0.0)
         self._at = -1
+
+    @property
+    def faults(self) -> list[str]:
+        """What cannot be shown, and why."""
+        return [*self._recording.faults, *self._faults]
 
     def frames(self, after: int, until: int) -> Iterator[ReplayFrame]:
         """The frames later than `after` and at the latest `until`, in the order of time."""

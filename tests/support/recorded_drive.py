@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
 from hub.gcm.battery import BATTERY
@@ -13,6 +14,29 @@ from hub.recording.writer import RecordingWriter, WriterLimits
 
 ANCHOR = TimeAnchor(1_790_000_000_000_000_000, 100.0)
 LIMITS = WriterLimits(chunk_bytes=2000, least_free=0)
+
+
+_CHUNK = 6
+
+
+def damage_chunks(data: bytes) -> bytes:
+    """The same file with each of its chunks damaged."""
+    damaged = bytearray(data)
+    for start, end in chunks_of(data):
+        for at in range(start + 69, end - 10, 37):
+            damaged[at] ^= 0xFF
+    return bytes(damaged)
+
+
+def chunks_of(data: bytes) -> list[tuple[int, int]]:
+    """Begin and end of each chunk of a file [bytes]."""
+    found, place = [], 8
+    while place + 9 <= len(data) - 8:
+        (length,) = struct.unpack_from("<Q", data, place + 1)
+        if data[place] == _CHUNK:
+            found.append((place, place + 9 + length))
+        place += 9 + length
+    return found
 
 
 def write_drive(path: Path) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hub.command_line import ExitCode
 from hub.errors import QueryError
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.common import COMMON_RESULT
@@ -41,6 +42,7 @@ from hub.robots.registry import body_of
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.values import dataclass
 from tests.support.command_line import rune_hub
+from tests.support.recorded_drive import damage_chunks
 from tests.system.harness import ConsoleProcess, Observer
 
 SECONDS = 20
@@ -222,3 +224,15 @@ def test_a_console_says_that_it_is_a_recording(file: Path) -> None:
         console.wait(lambda: "RECORDING has control" in console.text, 30.0, lambda: console.text)
         console.type("www")
         assert console.quit() == 0
+
+
+def test_a_damaged_file_and_a_choice_of_nothing_are_faults(file: Path, tmp_path: Path) -> None:
+    damaged = tmp_path / "damaged.mcap"
+    damaged.write_bytes(damage_chunks(file.read_bytes()))
+    done = rune_hub("play", str(damaged))
+    assert done.returncode == ExitCode.FAULT
+    assert "a part of it is damaged" in done.stderr
+    assert "no message of the chosen topics of rover can be read" in done.stderr
+    done = rune_hub("play", str(file), "-e", "nomatch")
+    assert done.returncode == ExitCode.FAULT
+    assert "no topic of rover is chosen" in done.stderr
