@@ -6,6 +6,8 @@ hub; a client behind the link turns the robot 20 times a second, and its states 
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import multiprocessing
 import socket
 import statistics
@@ -92,8 +94,9 @@ def report_cost() -> None:
         ended = threading.Event()
 
         def send() -> None:
-            while not ended.is_set():
-                far.sendall(bytes(6250))  # waits while the link is full
+            with contextlib.suppress(OSError):  # the end closes the socket
+                while not ended.is_set():
+                    far.sendall(bytes(6250))  # waits while the link is full
 
         sender = threading.Thread(target=send, daemon=True)
         sender.start()
@@ -158,7 +161,7 @@ def report_driving(profile: str) -> None:
 FIGURES: dict[str, Callable[[], None]] = {
     "overhead": report_overhead,
     "cost": report_cost,
-    **{name: (lambda name=name: report_driving(name)) for name in DRIVEN},  # type: ignore[misc]
+    **{name: functools.partial(report_driving, name) for name in DRIVEN},
 }
 
 

@@ -71,7 +71,7 @@ def robot(name: str, shortest: float, seed: int) -> RobotData:
 
 
 def trial() -> TrialData:
-    """A trial of which everything is known; its making is part of the cost."""
+    """A trial with all data; making it is a part of the cost."""
     grid = arena()
     random = np.random.default_rng(7)
     shortest = shortest_path(grid, (0.5, 0.5), (14.5, 14.5), 0.2)

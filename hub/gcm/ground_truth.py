@@ -1,4 +1,4 @@
-"""Messages for tests and experiments with simulated robots: the true pose, and pauses."""
+"""The true pose of a simulated robot: a message for tests and experiments."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hub.gcm.fields import (
     Speed,
     TurnRate,
 )
-from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc.definition import MessageDefinition
 from hub.values import dataclass
 
 
@@ -66,26 +66,4 @@ GROUND_TRUTH = MessageDefinition(
     name="SIM_GroundTruth",
     type=GroundTruth,
     rate_hz=50.0,
-)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SimulationPause:
-    """Let the time of a simulation stand still, or run again.
-
-    Motion, sensors and battery stand still with it; the robot stops, and obeys new commands
-    only after the pause.
-
-    Attributes:
-        paused: 1: it stands still; 0: it runs.
-    """
-
-    paused: Flag = 0
-
-
-SIMULATION_PAUSE = MessageDefinition(
-    name="SIM_Pause",
-    type=SimulationPause,
-    keep=Keep.ALL,
-    plane=Plane.COMMAND,
 )

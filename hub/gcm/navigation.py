@@ -30,7 +30,6 @@ from hub.gcm.fields import (
 )
 from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.ground_truth import GROUND_TRUTH as GROUND_TRUTH  # noqa: PLC0414 - an export
-from hub.gcm.ground_truth import SIMULATION_PAUSE as SIMULATION_PAUSE  # noqa: PLC0414 - an export
 from hub.gcm.ground_truth import GroundTruth as GroundTruth  # noqa: PLC0414 - an export
 from hub.gcm.odometry import Odometry
 from hub.ipc.definition import Keep, MessageDefinition, Plane
@@ -445,5 +444,4 @@ MESSAGES = (
     LANDMARK_CORRECTION,
     NAVIGATION_STATUS,
     GROUND_TRUTH,
-    SIMULATION_PAUSE,
 )

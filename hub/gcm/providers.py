@@ -19,6 +19,7 @@ from hub.gcm import (
     navigation,
     ranges,
     recording,
+    simulation,
     transforms,
     vehicle,
     vision,
@@ -75,7 +76,7 @@ TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
     navigation.ASSISTANCE_COMMAND.name: (Capability.NAV_MOVE,),
     navigation.LANDMARK_CORRECTION.name: (Capability.NAV_STATE,),
     navigation.DRIVE_COMMAND.name: (Capability.DRV_BASE,),
-    navigation.SIMULATION_PAUSE.name: (Capability.SIM_TRUTH,),
+    simulation.SIMULATION_PAUSE.name: (Capability.SIM_TRUTH,),
     vehicle.VEHICLE_COMMAND.name: (
         Capability.DRV_HOLD,
         Capability.DRV_LIGHT,

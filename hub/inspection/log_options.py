@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hub.command_line import CommandParser, Commands, number_type
 from hub.errors import RecordingError
-from hub.inspection.record_options import reader
+from hub.inspection.record_options import add_topics, reader
 from hub.recording.live import words
 
 _most = number_type(int, 1, 10**9, "whole number above 0")
@@ -88,14 +88,7 @@ def _recovery(tasks: Commands) -> CommandParser:
 
 def _add_selection(task: CommandParser) -> None:
     what = task.add_argument_group("which part")
-    what.add_argument(
-        "-e", "--topics", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
-        help="only topics with one of these, such as GCM_RobotState",
-    )  # fmt: skip
-    what.add_argument(
-        "-x", "--exclude", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
-        help="no topics with one of these",
-    )  # fmt: skip
+    add_topics(what)
     what.add_argument(
         "--robot", action="append", default=[], metavar="NAME",
         help="only topics of this robot; as often as needed",

@@ -37,14 +37,7 @@ def add_record(commands: Commands, look: CommandParser) -> None:
     )
     record.add_argument("-o", "--output", type=Path, metavar="FILE", help="a new file")
     what = record.add_argument_group("what is recorded")
-    what.add_argument(
-        "-e", "--topics", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
-        help="only topics with one of these, such as GCM_RobotState",
-    )  # fmt: skip
-    what.add_argument(
-        "-x", "--exclude", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
-        help="no topics with one of these",
-    )  # fmt: skip
+    add_topics(what)
     what.add_argument(
         "--pictures", type=reader(words.rate_of), default=5.0, metavar="RATE",
         help="pictures a second of each camera; 0: none (5/s)",
@@ -138,14 +131,7 @@ def add_play(commands: Commands) -> None:
     )  # fmt: skip
     play.add_argument("--loop", action="store_true", help="begin again at the end")
     play.add_argument("--paused", action="store_true", help="stand still at the start")
-    play.add_argument(
-        "-e", "--topics", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
-        help="only topics with one of these",
-    )  # fmt: skip
-    play.add_argument(
-        "-x", "--exclude", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
-        help="no topics with one of these",
-    )  # fmt: skip
+    add_topics(play)
     play.add_argument("--robot", default="", help="which, if it has several")
     play.add_argument(
         "--port", type=number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}"),
@@ -190,6 +176,18 @@ def _add_orders(record: CommandParser) -> None:
     orders.add_argument(
         "--after", type=reader(words.seconds_of), default=10.0, metavar="TIME",
         help="how much is after it (10 s)",
+    )  # fmt: skip
+
+
+def add_topics(options: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
+    """Add the options that choose topics, as `rune-hub record`, `play` and `log` share them."""
+    options.add_argument(
+        "-e", "--topics", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
+        help="only topics with one of these, such as GCM_RobotState",
+    )  # fmt: skip
+    options.add_argument(
+        "-x", "--exclude", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
+        help="no topics with one of these",
     )  # fmt: skip
 
 

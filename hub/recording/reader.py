@@ -13,7 +13,6 @@ from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -30,6 +29,7 @@ from hub.recording.chunks import (
     message_at,
     without,
 )
+from hub.recording.open_recording import OpenRecording
 from hub.recording.order import ChannelChunks, WaitingMessages, by_channel
 from hub.recording.records import ATTACHMENT, RECORD
 from hub.recording.summary import MOST_FAULTS, AttachmentPlace, Summary, summary_of
@@ -43,7 +43,7 @@ _MOST_ATTACHMENT = 1024**3
 _MOST_STAMP = 2**64 - 1
 
 
-class Recording:
+class Recording(OpenRecording):
     """An MCAP file that is read; for one thread.
 
     Attributes:
@@ -103,17 +103,6 @@ class Recording:
                 text = f"{path} cannot be read: {reason}"
                 raise RecordingError(text) from error
             raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Close the file; once."""

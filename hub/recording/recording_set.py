@@ -13,12 +13,12 @@ import heapq
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
 from hub.recording.chunks import LoggedMessage
+from hub.recording.open_recording import OpenRecording
 from hub.recording.reader import AttachmentPlace
 from hub.recording.ros.bag import Bag
 from hub.recording.topics import RecordedTopic
@@ -28,7 +28,7 @@ MOST = 100
 """Most recordings that are open at once."""
 
 
-class RecordingSet:
+class RecordingSet(OpenRecording):
     """Several recordings; the attributes and methods are those of `Recording`.
 
     Equal topics of two recordings are two channels, for both may have the same messages.
@@ -48,6 +48,9 @@ class RecordingSet:
         self.path = recordings[0].path
         self.recordings = tuple(recordings)
         self.shifts = _shifts(recordings)
+        placed = [each for each in zip(recordings, self.shifts, strict=True) if each[0].end]
+        self.start = min((each.start + shift for each, shift in placed), default=0)
+        self.end = max((each.end + shift for each, shift in placed), default=0)
         self.channels: dict[int, RecordedTopic] = {}
         self.counts: dict[int, int] = {}
         self._own: list[dict[int, int]] = []  # of each recording: its number, and the one here
@@ -78,33 +81,10 @@ class RecordingSet:
             opened.pop_all()
         return made
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
-
     def close(self) -> None:
         """Close all files."""
         for recording in self.recordings:
             recording.close()
-
-    @property
-    def start(self) -> int:
-        """Stamp of the first message [ns]; 0 without messages."""
-        pairs = zip(self.recordings, self.shifts, strict=True)
-        return min((each.start + shift for each, shift in pairs if each.end), default=0)
-
-    @property
-    def end(self) -> int:
-        """Stamp of the last message [ns]; 0 without messages."""
-        pairs = zip(self.recordings, self.shifts, strict=True)
-        return max((each.end + shift for each, shift in pairs if each.end), default=0)
 
     @property
     def faults(self) -> list[str]:

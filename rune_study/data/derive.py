@@ -24,6 +24,8 @@ from rune_study.plan.folder import arena_of, participant_folder
 from rune_study.plan.steps import TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.answers import GivenAnswer, read_answers
+from rune_study.questionnaires.questionnaire import find
+from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.session.interruptions import ANSWERS
 from rune_study.session.journal import (
     BEGIN,
@@ -40,19 +42,6 @@ from rune_study.trial_data.truth import truth_of
 
 _OPEN = "it was not completed"
 _NO_WORDS = {"n", "attempt", "moment_s", "trial"}
-SART = (
-    "instability",
-    "complexity",
-    "variability",
-    "arousal",
-    "concentration",
-    "division",
-    "spare",
-    "information-quantity",
-    "information-quality",
-    "familiarity",
-)
-"""Items of SART in the order that its score counts them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -242,7 +231,9 @@ def questionnaires(trial: int, answers: Sequence[GivenAnswer]) -> Questionnaires
         sus=tuple(_marks(usability, [f"q{number}" for number in range(1, SUS_ITEMS + 1)]))
         if usability is not None
         else None,
-        sart=tuple(_marks(awareness, SART)) if awareness is not None else None,
+        sart=tuple(_marks(awareness, [item.id for item in read_questionnaire(find("sart")).items]))
+        if awareness is not None
+        else None,
     )
 
 

@@ -120,7 +120,7 @@ class DesignSpec:
         whole_number(0, 100), 0, "how often a condition comes in a row at most", without="any"
     )
     apart: tuple[str, ...] = key(
-        _NAMES, (), "factors of which no level comes twice in a row", without="none"
+        _NAMES, (), "factors whose levels never come twice in a row", without="none"
     )
     blind: bool = key(truth, default=False, meaning="whether files and screens name codes only")
 

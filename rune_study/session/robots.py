@@ -12,12 +12,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from hub.gcm.ground_truth import GROUND_TRUTH, SIMULATION_PAUSE, GroundTruth, SimulationPause
+from hub.gcm.ground_truth import GROUND_TRUTH, GroundTruth
 from hub.gcm.mapping import INTEREST_POINTS, InterestPoints, PointKind
 from hub.gcm.navigation import STOP, Stop
+from hub.gcm.simulation import SIMULATION_PAUSE, SimulationPause
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
-from hub.sim.arena import Arena
 from rune_tui.commands.demo import DemoHubs
 
 _START_S = 20.0
@@ -82,14 +82,20 @@ class WatchedRobot:
     """
 
     def __init__(
-        self, hub: str, number: int, arena: Arena | None, radius: float, *, real: bool
+        self,
+        hub: str,
+        number: int,
+        victims: Sequence[tuple[float, float]],
+        radius: float,
+        *,
+        real: bool,
     ) -> None:
         """Connect.
 
         Args:
             hub: The endpoint.
             number: Of the robot, from 0.
-            arena: Where its victims are; None: not known.
+            victims: Where victims are in its `map` [m]; none: not known.
             radius: Largest distance of a mark from its victim [m].
             real: Whether it is no simulated robot.
 
@@ -104,7 +110,7 @@ class WatchedRobot:
         self._still_since = math.inf
         self._radius = radius
         self._real = real
-        self._victims = [] if arena is None else victims_in_map(arena)
+        self._victims = victims
         self._client = Client(f"study-{os.getpid()}-{number}", hub)
         try:
             self._client.define(STOP, *([] if real else [SIMULATION_PAUSE]))
@@ -170,19 +176,6 @@ class WatchedRobot:
             any(math.dist(mark, victim) <= self._radius for mark in marks)
             for victim in self._victims
         )
-
-
-def victims_in_map(arena: Arena) -> list[tuple[float, float]]:
-    """Where victims are, in the frame of a map that began at the arena's start [m]."""
-    start = arena.start
-    turned = math.cos(start.theta), math.sin(start.theta)
-    return [
-        (
-            (victim.x - start.x) * turned[0] + (victim.y - start.y) * turned[1],
-            (victim.y - start.y) * turned[0] - (victim.x - start.x) * turned[1],
-        )
-        for victim in arena.victims
-    ]
 
 
 def state_of(robot: WatchedRobot) -> dict[str, Any]:

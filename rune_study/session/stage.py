@@ -8,13 +8,13 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from hub.shaper.shaped_link import ShapedLink
-from hub.sim.arena import load_arena
 from hub.values import dataclass
 from rune_study.plan.folder import arena_of, hub_settings, layout_of, link_of, robot_of
 from rune_study.plan.steps import Step
 from rune_study.plan.study_spec import ConditionSpec, StudySpec
 from rune_study.session.conducting import ConsoleProcess, console_options
 from rune_study.session.robots import WatchedRobot, recorded, simulated
+from rune_study.trial_data.truth import truth_of
 
 LOG = "session.log"
 """What hubs and recorders said, in the participant's folder."""
@@ -70,7 +70,7 @@ def stage(
     """
     log = folder / LOG
     *recordings, of_console = names_of_files(folder, step.name, attempt, spec.robots)
-    arena = load_arena(arena_of(study, spec)) if spec.arena else None
+    victims = truth_of(arena_of(study, spec)).victims_in_map() if spec.arena else []
     with contextlib.ExitStack() as stack:
         if hubs:
             own = list(hubs)
@@ -86,7 +86,7 @@ def stage(
             seen = [link.endpoint for link in links]
         radius = study.metrics.victim_radius_m
         watched = tuple(
-            stack.enter_context(WatchedRobot(hub, number, arena, radius, real=bool(hubs)))
+            stack.enter_context(WatchedRobot(hub, number, victims, radius, real=bool(hubs)))
             for number, hub in enumerate(own)
         )
         part = of_console.with_suffix(".part")

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from hub.pose import Pose
 from hub.sim.arena import Footprints, arena_path, load_arena
 from hub.sim.arena_file import read_arena_file
 from hub.values import dataclass
@@ -27,24 +28,28 @@ class Truth:
     Attributes:
         grid: Its ground.
         victims: Places of its victims [m] (victims, 2).
-        start: Where a rover starts [m].
+        start: Where a rover starts; a `map` begins there.
     """
 
     grid: TrueGrid
     victims: Floats
-    start: tuple[float, float]
+    start: Pose
 
     @functools.cached_property
     def reachable(self) -> Flags:
         """Cells that a robot can reach from the start (height, width)."""
-        return reachable(self.grid, self.start, RADIUS)
+        return reachable(self.grid, (self.start.x, self.start.y), RADIUS)
 
     @functools.cached_property
     def surface(self) -> Floats:
         """Middles of the surfaces that face the space of the start [m] (n, 2)."""
-        space = reachable(self.grid, self.start, 0.0)
+        space = reachable(self.grid, (self.start.x, self.start.y), 0.0)
         cells = surface(self.grid, space)
         return middles(cells, RESOLUTION, self.grid.origin_x, self.grid.origin_y)
+
+    def victims_in_map(self) -> list[tuple[float, float]]:
+        """Places of its victims in the `map` of a robot that began at the start [m]."""
+        return [self.start.inward(x, y) for x, y in self.victims.tolist()]
 
 
 @functools.lru_cache(maxsize=8)
@@ -59,7 +64,7 @@ def truth_of(arena: str) -> Truth:
     return Truth(
         grid=grid_of(made.footprints),
         victims=np.array([victim.at for victim in spec.victims], float).reshape(-1, 2),
-        start=(made.start.x, made.start.y),
+        start=made.start,
     )
 
 

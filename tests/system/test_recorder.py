@@ -125,12 +125,12 @@ def test_orders_begin_split_mark_and_end_a_recording(
     observer.client.wait_published(5.0)
     files = [folder / "trial-7.mcap", folder / "trial-7_1.mcap"]
 
-    def told() -> bool:
+    def reported() -> bool:
         """Publish until the recorder has subscribed to what it did not know before."""
         observer.client.publish(COUNT, Count(value=2))
         return len(set(counts(files[1:]))) > 0
 
-    observer.wait(told, 20.0)
+    observer.wait(reported, 20.0)
     assert "messages" in ask(observer, action=RecordAction.STOP).text
     observer.wait(lambda: not state_of(observer).recording, 10.0)
     assert state_of(observer).lost == 0

@@ -22,7 +22,7 @@ from hub.gcm import (
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
-from hub.gcm.ground_truth import SimulationPause
+from hub.gcm.simulation import SIMULATION_PAUSE, SimulationPause
 from hub.gcm.standard import Time
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -84,7 +84,7 @@ class Driver:
         )
         self._paused = False
         if robot.simulated:
-            client.subscribe(navigation.SIMULATION_PAUSE, self._pause)
+            client.subscribe(SIMULATION_PAUSE, self._pause)
         self._vehicle_rate = PublishingRate(vehicle.VEHICLE_STATE.rate_hz)
         self._problems_rate = PublishingRate(diagnostics.DIAGNOSTICS.rate_hz)
         self._joints_rate = PublishingRate(1.0, joints.JOINT_STATES.rate_hz)

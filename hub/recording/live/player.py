@@ -14,7 +14,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol
+from typing import Any
 
 from hub.errors import CodecError, HandlerFailedError, HubError, RecordingError
 from hub.gcm.body import ROBOT_DESCRIPTION
@@ -30,6 +30,7 @@ from hub.ipc.wire import control
 from hub.ipc.wire.definition_listing import from_listing
 from hub.recording.chunks import LoggedMessage
 from hub.recording.live.bus_tap import DEFINITION
+from hub.recording.open_recording import OpenRecording
 from hub.recording.topics import RecordedTopic, topic_of
 
 MOST_LATE_S = 0.05
@@ -40,40 +41,7 @@ _OWN = frozenset(each.name for each in (CONTROL_STATE, CONTROL_REFUSAL, RECORD_S
 _ANSWERS = frozenset({IMAGE.name, MAP.name})
 
 
-class Log(Protocol):
-    """What the player needs of recordings."""
-
-    @property
-    def channels(self) -> Any:  # noqa: ANN401 - of one recording or of several
-        """Topics by number."""
-
-    @property
-    def counts(self) -> Any:  # noqa: ANN401
-        """Number of messages by channel."""
-
-    @property
-    def start(self) -> int:
-        """Stamp of the first message [ns]."""
-
-    @property
-    def end(self) -> int:
-        """Stamp of the last message [ns]."""
-
-    def newest(self, stamp: int, channels: Any = None) -> dict[int, LoggedMessage]:  # noqa: ANN401
-        """The last message of each channel at or before a time [ns]."""
-
-    def messages(
-        self,
-        start: int | None = None,
-        end: int | None = None,
-        channels: Any = None,  # noqa: ANN401
-        *,
-        reverse: bool = False,
-    ) -> Iterator[LoggedMessage]:
-        """All messages by stamp."""
-
-
-def robots_of(log: Log) -> list[str]:
+def robots_of(log: OpenRecording) -> list[str]:
     """The robots in a recording, those with the most messages first."""
     found: Counter[str] = Counter()
     for channel, topic in log.channels.items():
@@ -96,7 +64,7 @@ class Player:
     def __init__(
         self,
         client: Client,
-        log: Log,
+        log: OpenRecording,
         robot: str,
         *,
         chosen: Callable[[str], bool],

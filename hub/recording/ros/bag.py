@@ -20,7 +20,6 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from pathlib import Path
-from types import TracebackType
 from typing import Final, Self
 
 import numpy as np
@@ -29,6 +28,7 @@ import zstandard
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
 from hub.recording.chunks import LoggedMessage, MessageFacts
+from hub.recording.open_recording import OpenRecording
 from hub.recording.reader import AttachmentPlace, Recording
 from hub.recording.ros.sqlite_bag import MAGIC, SqliteBag
 from hub.recording.topics import RecordedTopic
@@ -46,7 +46,7 @@ _MOST_MESSAGE: Final = 1 << 28
 _LISTED = re.compile(r"relative_file_paths:[ ]*\n((?:[ ]*-[^\n]*\n?)+)")
 
 
-class Bag:
+class Bag(OpenRecording):
     """A file or a folder of splits; the attributes and methods are those of `Recording`.
 
     Equal topics of several splits are one channel.
@@ -124,17 +124,6 @@ class Bag:
         made = cls(path, splits, faults)
         made._folder = folder
         return made
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Close all files."""

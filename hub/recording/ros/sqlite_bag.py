@@ -8,7 +8,6 @@ import threading
 from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Final, Self
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy.typing as npt
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
 from hub.recording.chunks import LoggedMessage
+from hub.recording.open_recording import OpenRecording
 from hub.recording.topics import RecordedTopic
 
 MAGIC: Final = b"SQLite format 3\0"
@@ -29,7 +29,7 @@ _BLOCK: Final = 10_000
 _INDEX: Final = np.dtype([("channel", np.int64), ("stamp", np.int64), ("row", np.int64)])
 
 
-class SqliteBag:
+class SqliteBag(OpenRecording):
     """A .db3 file that is read; the attributes are those of `Recording`."""
 
     def __init__(self, path: Path, database: sqlite3.Connection) -> None:
@@ -76,17 +76,6 @@ class SqliteBag:
                 database.close()
             text = f"{path} cannot be read: {error}"
             raise RecordingError(text) from error
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Close the file."""

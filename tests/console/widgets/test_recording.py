@@ -1,4 +1,4 @@
-"""The robot's own recorder on a console: its key, its words, what is told of it."""
+"""The robot's own recorder on a console: its key, its words, what is said of it."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def on(recording: RecordState | None) -> ConsoleState:
     if recording is None:
         return state
     robot = state.robots["magellan"]
-    told = {**robot.messages, RECORD_STATE.name: received(recording)}
-    return dataclasses.replace(state, robots={"magellan": robot.with_(messages=told)})
+    messages = {**robot.messages, RECORD_STATE.name: received(recording)}
+    return dataclasses.replace(state, robots={"magellan": robot.with_(messages=messages)})
 
 
 def ordered(recording: RecordState | None, **options: Any) -> RecordCommand:

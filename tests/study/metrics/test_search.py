@@ -27,7 +27,7 @@ MARKS = [
 
 
 def grid_of(*rows: str, resolution: float = 1.0) -> TrueGrid:
-    """A grid of which the last row is at the smallest y; # is blocked."""
+    """A grid whose last row is at the smallest y; # is blocked."""
     cells = np.array([[each == "#" for each in row] for row in reversed(rows)])
     return TrueGrid(blocked=cells, resolution=resolution)
 

@@ -43,7 +43,7 @@ YELLOW = truth_of("yellow")
 
 def test_the_true_ground_has_the_start_but_no_wall() -> None:
     reached = YELLOW.reachable
-    row, column = (int(each) for each in YELLOW.grid.cells(*YELLOW.start))
+    row, column = (int(each) for each in YELLOW.grid.cells(YELLOW.start.x, YELLOW.start.y))
     assert reached[row, column]
     assert not (reached & YELLOW.grid.blocked).any()
     assert 5.0 < np.count_nonzero(reached) * RESOLUTION**2 < 200.0
@@ -168,3 +168,8 @@ def picture() -> Image:
         channels=3,
         data=np.zeros(3, np.uint8),
     )
+
+
+def test_a_session_and_its_metrics_know_the_same_places_of_victims() -> None:
+    for here, there in zip(YELLOW.victims_in_map(), YELLOW.victims.tolist(), strict=True):
+        assert YELLOW.start.outward(*here) == pytest.approx(there)
