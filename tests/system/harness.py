@@ -464,7 +464,14 @@ def expect_stop(observer: Observer) -> None:
 
 def gone(processes: Sequence[psutil.Process]) -> bool:
     """Whether all of them have ended."""
-    return not any(p.is_running() and p.status() != psutil.STATUS_ZOMBIE for p in processes)
+    return not any(map(_runs, processes))
+
+
+def _runs(process: psutil.Process) -> bool:
+    try:
+        return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:  # it ended between the two looks
+        return False
 
 
 def family(pid: int) -> list[psutil.Process]:

@@ -38,6 +38,7 @@ from tests.system.stale_stick_actions import (
     nothing,
     release_dead_man,
     replug,
+    resumed,
     rival_gives_up,
     rival_pushes,
     rival_takes_over,
@@ -111,7 +112,7 @@ def with_gaps(case: Case) -> Case:
 
 
 ASLEEP = Case(name="asleep", strike=send_signal(signal.SIGSTOP), mend=awake, covered=True)
-SUSPENDED = Case(name="suspended", strike=send_signal(signal.SIGTSTP), mend=awake)
+SUSPENDED = Case(name="suspended", strike=send_signal(signal.SIGTSTP), mend=resumed)
 STOPPED = Case(name="stopped from elsewhere", strike=stop_from_elsewhere, covered=True)
 KILLED = Case(name="killed", strike=send_signal(signal.SIGKILL), mend=start_again, covered=True)
 UNPLUGGED = Case(name="unplugged", strike=lambda scene: scene.robot.unplug(), mend=replug)

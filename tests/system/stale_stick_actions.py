@@ -69,6 +69,14 @@ def awake(scene: Scene) -> None:
     scene.robot.console.process.send_signal(signal.SIGCONT)
 
 
+def resumed(scene: Scene) -> None:
+    """A console that suspends itself goes on after a while; a shell waits until it has stopped."""
+    process = psutil.Process(scene.robot.console.process.pid)
+    stopped = psutil.STATUS_STOPPED
+    scene.robot.wait(lambda: process.status() == stopped, "the console does not stop")
+    awake(scene)
+
+
 def kill_hub(scene: Scene) -> None:
     scene.robot.hub.process.kill()
 
