@@ -10,24 +10,26 @@ from rune_study.errors import DataError
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
+_LARGEST = 1e150
 
-def floats(values: npt.ArrayLike, what: str, dimensions: int = 1) -> Floats:
+
+def floats(values: npt.ArrayLike, what: str, dimensions: int | None = 1) -> Floats:
     """Numbers as an array.
 
     Args:
-        values: Numbers; None and NaN are missing ones.
+        values: Numbers; None, NaN and masked ones are missing.
         what: Their name, for the message of the error.
-        dimensions: Number of axes they must have.
+        dimensions: Number of axes they must have; None: any.
 
     Raises:
         DataError: They are no numbers, or have other axes.
     """
     try:
-        array = np.asarray(values, np.float64)
+        array = np.ma.filled(np.ma.asarray(values, np.float64), np.nan)
     except (TypeError, ValueError):
         text = f"{what}: these are not all numbers"
         raise DataError(text) from None
-    if array.ndim != dimensions:
+    if dimensions is not None and array.ndim != dimensions:
         text = f"{what}: the array has {array.ndim} axes and not {dimensions}"
         raise DataError(text)
     return array
@@ -40,10 +42,13 @@ def complete_cases(values: Floats) -> tuple[Floats, tuple[int, ...]]:
         values: One row for each participant.
 
     Raises:
-        DataError: A value is infinite.
+        DataError: A value is infinite, or too large to be squared.
     """
     if np.isinf(values).any():
         text = "a value is infinite: use ranks or a restricted mean for times that never end"
+        raise DataError(text)
+    if (np.abs(values) > _LARGEST).any():
+        text = f"a value is beyond {_LARGEST:g}, where squares are no numbers any more"
         raise DataError(text)
     whole = (
         ~np.isnan(values).reshape(len(values), -1).any(axis=1) if len(values) else np.ones(0, bool)

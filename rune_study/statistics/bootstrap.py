@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from rune_study.errors import DataError
 from rune_study.estimate import LEVEL, Estimate, unknown
-from rune_study.statistics.arrays import Floats, complete_cases
-from rune_study.statistics.distributions import normal_quantile, normal_tails
+from rune_study.statistics.arrays import Floats, complete_cases, floats
+from rune_study.statistics.distributions import normal_quantile, normal_tails, upper_share
 
 SAMPLES = 9999
 
@@ -40,43 +40,55 @@ def bootstrap(
         seed: Of the draws: the same seed gives the same interval.
 
     Raises:
-        DataError: A value is infinite, or there is no axis of participants.
+        DataError: A value is infinite or no number, there is no axis of participants, or a method,
+            level or number of samples is none.
     """
-    given = np.asarray(values, np.float64)
+    given = floats(values, "values", None)
     if given.ndim == 0 or samples < 1:
         text = "a bootstrap needs a row for each participant and at least one sample"
         raise DataError(text)
+    if method not in ("bca", "percentile"):
+        text = f"a bootstrap's interval is by 'bca' or 'percentile', not by {method!r}"
+        raise DataError(text)
+    upper = upper_share(level)
     whole, _ = complete_cases(given)
     n = len(whole)
     if n == 0:
         return unknown("no participant is complete")
     value = float(statistic(whole))
+    if math.isnan(value):
+        return unknown("the statistic of the data is NaN", n)
     if n == 1:
         return Estimate(value=value, n=1, note="one participant has no interval")
     random = np.random.default_rng(seed)
     drawn = np.array([statistic(whole[random.integers(0, n, n)]) for _ in range(samples)], float)
-    finite = drawn[~np.isnan(drawn)]
+    finite = drawn[np.isfinite(drawn)]
     if not finite.size:
-        return Estimate(value=value, n=n, note="the statistic of every sample is NaN")
-    tails = (0.5 - 0.5 * level, 0.5 + 0.5 * level)
+        return Estimate(value=value, n=n, note="no sample has a finite value")
+    tails, notes = (1.0 - upper, upper), []
     if method == "bca":
         left_one_out = [statistic(np.delete(whole, row, axis=0)) for row in range(n)]
-        tails = _corrected(tails, value, finite, np.array(left_one_out, float))
-    low, high = np.quantile(finite, tails)
+        corrected = _corrected(tails, value, finite, np.array(left_one_out, float))
+        tails = corrected or tails
+        notes += [] if corrected else ["by percentiles, since bias or acceleration is not known"]
+    low, high = np.quantile(finite, tails).tolist()
     lost = len(drawn) - len(finite)
-    note = f"{lost} of {samples} samples have no value" if lost else ""
-    return Estimate(value=value, low=float(low), high=float(high), n=n, note=note)
+    notes += [f"{lost} of {samples} samples have no finite value"] if lost else []
+    notes += ["all samples are equal, so the interval says nothing"] if low == high else []
+    return Estimate(value=value, low=low, high=high, n=n, note="; ".join(notes))
 
 
 def _corrected(
     tails: tuple[float, float], value: float, drawn: Floats, left_one_out: Floats
-) -> tuple[float, float]:
-    """The shares to cut off, corrected for bias and acceleration if both are known."""
+) -> tuple[float, float] | None:
+    """The shares to cut off, corrected for bias and acceleration; None: one is not known."""
     below = (np.count_nonzero(drawn < value) + np.count_nonzero(drawn <= value)) / (2 * len(drawn))
+    if not 0.0 < below < 1.0 or not np.isfinite(left_one_out).all():
+        return None
     away = left_one_out.mean() - left_one_out
     squares = float((away**2).sum())
-    if not 0.0 < below < 1.0 or not math.isfinite(squares) or squares <= 0.0:
-        return tails
+    if squares <= 0.0:
+        return None
     bias = normal_quantile(below)
     speed = float((away**3).sum()) / (6.0 * squares**1.5)
 

@@ -25,6 +25,18 @@ def normal_quantile(share: float) -> float:
     return NormalDist().inv_cdf(share)
 
 
+def upper_share(level: float) -> float:
+    """The share below the upper end of a two-sided interval: 0.975 for a level of 0.95.
+
+    Raises:
+        DataError: The confidence level is not between 0 and 1.
+    """
+    if not 0.0 < level < 1.0:
+        text = f"a confidence level lies between 0 and 1, such as 0.95, and is not {level:g}"
+        raise DataError(text)
+    return 0.5 + 0.5 * level
+
+
 def t_tails(t: float, df: float) -> float:
     """P(|T| >= |t|) of Student's distribution.
 

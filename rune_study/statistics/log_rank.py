@@ -59,7 +59,8 @@ def log_rank(
             none.
 
     Raises:
-        DataError: Lengths differ, or a duration is negative, infinite or missing.
+        DataError: Lengths differ, a label is missing, or a duration is negative, infinite or
+            missing.
     """
     times, seen = durations_of(durations, observed)
     labels = np.asarray(groups)
@@ -67,12 +68,19 @@ def log_rank(
     if labels.shape != times.shape or layers.shape != times.shape:
         text = "each duration needs the label of its group, and of its stratum if there are any"
         raise DataError(text)
+    if any(_missing(each) for each in (*labels.tolist(), *layers.tolist())):
+        text = "the label of a group or stratum is missing; leave those durations out"
+        raise DataError(text)
     known, member = np.unique(labels, return_inverse=True)
     sums = _Sums(len(known))
     for layer in np.unique(layers):
         here = layers == layer
         sums.add(times[here], seen[here], member[here])
     return sums.test(tuple(known.tolist()), len(times))
+
+
+def _missing(label: object) -> bool:
+    return label is None or label != label  # NaN differs from itself
 
 
 class _Sums:

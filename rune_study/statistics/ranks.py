@@ -10,10 +10,10 @@ import numpy.typing as npt
 from hub.values import dataclass
 from rune_study.estimate import LEVEL, Estimate, unknown
 from rune_study.statistics.arrays import Floats, complete_cases, floats
-from rune_study.statistics.distributions import chi_square_tail, normal_quantile
+from rune_study.statistics.distributions import chi_square_tail, normal_quantile, upper_share
 
 _MOST_EXACT = 1000
-"""Most differences with an exact interval; for more the normal approximation is."""
+"""Most differences with an exact interval; for more it is by the normal approximation."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,10 +60,14 @@ def friedman(values: npt.ArrayLike) -> FriedmanTest:
         spread = float(((ranks - middle) ** 2).sum())
         between = float(((ranks.sum(axis=0) - n * middle) ** 2).sum())
     if spread == 0.0:
-        why = "no participant is complete" if not n else "no participant ranks one condition higher"
+        why = "no participant ranks one condition higher"
+        if k < 2:
+            why = "it needs two conditions"
+        elif not n:
+            why = "no participant is complete"
         return FriedmanTest(
             square=math.nan,
-            df=k - 1,
+            df=max(k - 1, 0),
             p=math.nan,
             concordance=math.nan,
             n=n,
@@ -100,17 +104,46 @@ def hodges_lehmann(differences: npt.ArrayLike, level: float = LEVEL) -> Estimate
         level: Confidence level.
 
     Raises:
-        DataError: A difference is infinite or no number.
+        DataError: A difference is infinite or no number, or the level is not between 0 and 1.
     """
     given, _ = complete_cases(floats(differences, "differences"))
+    tail = 1.0 - upper_share(level)
     n = len(given)
     if n == 0:
         return unknown("there is no complete pair")
-    first, second = np.triu_indices(n)
-    means = np.sort(0.5 * (given[first] + given[second]))
-    cut = _signed_rank_cut(n, 0.5 * (1.0 - level))
-    low, high = (float(means[cut - 1]), float(means[-cut])) if cut else (-math.inf, math.inf)
-    return Estimate(value=float(np.median(means)), low=low, high=high, n=n)
+    count, cut = n * (n + 1) // 2, _signed_rank_cut(n, tail)
+    ends = (cut, count + 1 - cut) if cut else ()
+    middle = ((count + 1) // 2, count // 2 + 1)
+    values = _pair_means(np.sort(given), (*middle, *ends))
+    low, high = values[2:] if cut else (-math.inf, math.inf)
+    note = "" if cut else f"too few differences ({n}) for a level of {level:g}"
+    return Estimate(value=0.5 * (values[0] + values[1]), low=low, high=high, n=n, note=note)
+
+
+def _pair_means(ordered: Floats, places: tuple[int, ...]) -> list[float]:
+    """Means of pairs of differences, each with itself too, by their place in ascending order.
+
+    Args:
+        ordered: The differences, ascending.
+        places: From 1 to n (n + 1) / 2.
+    """
+    n = len(ordered)
+    if n <= _MOST_EXACT:
+        first, second = np.triu_indices(n)
+        means = np.sort(0.5 * (ordered[first] + ordered[second]))
+        return [float(means[place - 1]) for place in places]
+    return [_pair_mean(ordered, place) for place in places]
+
+
+def _pair_mean(ordered: Floats, place: int) -> float:
+    """One of them by bisection of the numbers, since all of them would need much memory."""
+    before = np.arange(len(ordered))
+    low, high = float(ordered[0]), float(ordered[-1])
+    while low < (middle := 0.5 * (low + high)) < high:
+        reached = np.searchsorted(ordered, 2.0 * middle - ordered, side="right")
+        enough = np.maximum(reached - before, 0).sum() >= place
+        low, high = (low, middle) if enough else (middle, high)
+    return high
 
 
 def _signed_rank_cut(n: int, tail: float) -> int:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from hub.values import dataclass
 from rune_study.errors import DataError
-from rune_study.statistics.arrays import Floats, complete_cases
+from rune_study.statistics.arrays import Floats, complete_cases, floats
 from rune_study.statistics.distributions import f_tail
 
 _NOTHING = 1e-14
@@ -98,7 +98,7 @@ def rm_anova(values: npt.ArrayLike, factors: Sequence[str] = ("condition",)) -> 
     Raises:
         DataError: Axes and names do not fit, a factor has one level, or a value is infinite.
     """
-    given = np.asarray(values, np.float64)
+    given = floats(values, "values", None)
     if given.ndim != len(factors) + 1 or not factors:
         text = f"{len(factors)} factors need {len(factors) + 1} axes, but there are {given.ndim}"
         raise DataError(text)

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.values import dataclass
+from rune_study.errors import DataError
 from rune_study.statistics.arrays import Floats, complete_cases, floats
 
 MOST_EXACT = 20
@@ -55,8 +56,11 @@ def sign_flips(
         seed: Of the draw.
 
     Raises:
-        DataError: A difference is infinite or no number.
+        DataError: A difference is infinite or no number, or there is no sample.
     """
+    if samples < 1:
+        text = f"sign flips need at least one sample, not {samples}"
+        raise DataError(text)
     given, _ = complete_cases(floats(differences, "differences"))
     n = len(given)
     if n == 0:

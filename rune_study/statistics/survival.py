@@ -16,7 +16,7 @@ from hub.values import dataclass
 from rune_study.errors import DataError
 from rune_study.estimate import LEVEL, Estimate, unknown
 from rune_study.statistics.arrays import Flags, Floats, floats
-from rune_study.statistics.distributions import normal_quantile, t_quantile
+from rune_study.statistics.distributions import normal_quantile, t_quantile, upper_share
 
 MEDIAN_RULE = "first time of an event at which S <= 0.5 (+ 1e-12)"
 """Which time is the median; where S is 0.5 exactly, R takes the middle up to the next event."""
@@ -82,6 +82,11 @@ class Survival:
         """Share of the observations whose event was seen."""
         return float(self.events.sum()) / self.n
 
+    @property
+    def last(self) -> float:
+        """The last observation, an event or a censoring."""
+        return float(max(self.times.max(initial=0.0), self.censored.max(initial=0.0)))
+
     def quantile(self, share: float = 0.5) -> Estimate:
         """First time at which this share had its event; infinity: not that many had.
 
@@ -136,7 +141,7 @@ class Survival:
         half = math.nan
         if error > 0.0 and count > 1.0:
             wider = math.sqrt(count / (count - 1.0))
-            half = t_quantile(0.5 + 0.5 * self.level, count - 1.0) * wider * error
+            half = t_quantile(upper_share(self.level), count - 1.0) * wider * error
         return RestrictedMean(
             value=value,
             tau=tau,
@@ -157,8 +162,10 @@ def kaplan_meier(
         level: Confidence level of the limits.
 
     Raises:
-        DataError: There is no duration, or one is negative, infinite or missing.
+        DataError: There is no duration, or one is negative, infinite or missing, or the level is
+            not between 0 and 1.
     """
+    upper = upper_share(level)
     times, seen = durations_of(durations, observed)
     if not times.size:
         text = "a survival curve needs at least one duration"
@@ -168,7 +175,7 @@ def kaplan_meier(
     at_risk = (len(times) - np.searchsorted(ordered, at, side="left")).astype(float)
     events = np.diff(np.searchsorted(of_events, np.append(at, np.inf), side="left")).astype(float)
     survival = np.cumprod(1.0 - events / at_risk)
-    z = normal_quantile(0.5 + 0.5 * level)
+    z = normal_quantile(upper)
     with np.errstate(divide="ignore", invalid="ignore"):
         greenwood = np.cumsum(events / (at_risk * (at_risk - events)))
         half = z * np.sqrt(greenwood) / np.abs(np.log(survival))
@@ -205,14 +212,20 @@ def durations_of(durations: npt.ArrayLike, observed: npt.ArrayLike) -> tuple[Flo
 
 
 def restricted_mean_estimate(curve: Survival, tau: float) -> Estimate:
-    """The restricted mean as an estimate that names its bound."""
+    """The restricted mean as an estimate that names its bound.
+
+    It also names the last observation, if the curve is not known up to the bound.
+    """
     if tau <= 0.0:
         return unknown("every time is 0", curve.n)
     found = curve.restricted_mean(tau)
+    note = f"restricted to {tau:g} s"
+    if curve.at(tau) > 0.0 and curve.last < tau:
+        note += f", but nothing is known beyond {curve.last:g} s"
     return Estimate(
         value=found.value,
         low=found.low,
         high=found.high,
         n=curve.n,
-        note=f"restricted to {tau:g} s",
+        note=note,
     )

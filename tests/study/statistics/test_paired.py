@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rune_study.errors import DataError
 from rune_study.statistics.holm import holm
-from rune_study.statistics.means import mean, share, step_mean
+from rune_study.statistics.means import mean, share
 from rune_study.statistics.paired import paired_effect
 from rune_study.statistics.ranks import friedman, hodges_lehmann
 from rune_study.statistics.sign_flips import sign_flips
@@ -201,11 +201,3 @@ def test_shares() -> None:
     assert not share(0, 0).known
     with pytest.raises(DataError, match="6 of 5"):
         share(6, 5)
-
-
-def test_step_means() -> None:
-    assert step_mean([0, 10, 30], [1, 2, 3], 60) == pytest.approx(140 / 60)
-    assert math.isnan(step_mean([], [], 60))
-    assert math.isnan(step_mean([5], [1], 5))
-    with pytest.raises(DataError, match="ascending"):
-        step_mean([5, 3], [1, 2], 9)
