@@ -4,7 +4,7 @@
 | --- | --- |
 | `*.mcap`, `*.db3` | a split |
 | `*.mcap.zstd`, `*.db3.zstd` | a split that is packed as a whole: it is unpacked beside the log |
-| `metadata.yaml` | read only to say which splits are missing: the splits have all facts |
+| `metadata.yaml` | says which splits are missing, and counts the messages of large databases |
 
 A message that rosbag2 packed alone is unpacked when it is read.
 """
@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import heapq
 import itertools
-import re
 import shutil
 import tempfile
 from collections import Counter
@@ -30,20 +29,18 @@ from hub.recording.anchor import TimeAnchor
 from hub.recording.chunks import LoggedMessage, MessageFacts
 from hub.recording.open_recording import OpenRecording
 from hub.recording.reader import AttachmentPlace, Recording
+from hub.recording.ros.metadata import METADATA, BagMetadata
 from hub.recording.ros.sqlite_bag import MAGIC, SqliteBag
 from hub.recording.topics import RecordedTopic
 
-METADATA: Final = "metadata.yaml"
 _ZSTD: Final = b"\x28\xb5\x2f\xfd"
 _MOST_SPLITS: Final = 10_000
-_MOST_METADATA: Final = 1 << 24
 LEAST_FREE: Final = 1 << 30
 """What unpacking leaves free on the disk [bytes]."""
 _BATCH: Final = 10_000
 """Messages of a database that are counted at once."""
 _MOST_MESSAGE: Final = 1 << 28
 """Longest unpacked message [bytes]."""
-_LISTED = re.compile(r"relative_file_paths:[ ]*\n((?:[ ]*-[^\n]*\n?)+)")
 
 
 class Bag(OpenRecording):
@@ -61,7 +58,11 @@ class Bag(OpenRecording):
     """
 
     def __init__(
-        self, path: Path, splits: Sequence[Recording | SqliteBag], faults: list[str]
+        self,
+        path: Path,
+        splits: Sequence[Recording | SqliteBag],
+        faults: list[str],
+        metadata: BagMetadata,
     ) -> None:
         """Use `open`."""
         self.path = path
@@ -87,6 +88,7 @@ class Bag(OpenRecording):
                 if channel in split.counts:
                     counts[own[channel]] += split.counts[channel]
             self._numbers.append(own)
+        self._count(metadata)
 
     @classmethod
     def open(cls, path: Path) -> Self:
@@ -98,13 +100,20 @@ class Bag(OpenRecording):
         if not path.exists():
             text = f"{path} does not exist"
             raise RecordingError(text)
+        metadata = BagMetadata.of(path if path.is_dir() else path.parent)
+        if not path.is_dir() and path.suffix != ".zstd":
+            return cls(path, [_opened(path)], [], metadata)
+        return cls._of_several(path, metadata)
+
+    @classmethod
+    def _of_several(cls, path: Path, metadata: BagMetadata) -> Self:
+        """Open the splits of a folder, or what is packed in a file.
+
+        Raises:
+            RecordingError: Nothing of it can be read.
+        """
+        files, faults = _files(path, metadata) if path.is_dir() else ([path], [])
         folder = None
-        if not path.is_dir():
-            if path.suffix != ".zstd":
-                return cls(path, [_opened(path)], [])
-            files, faults = [path], list[str]()
-        else:
-            files, faults = _files(path)
         splits: list[Recording | SqliteBag] = []
         for file in files:
             try:
@@ -121,9 +130,21 @@ class Bag(OpenRecording):
             reason = "; ".join(faults[:3]) or "there is no .mcap or .db3 file in it"
             text = f"{path} cannot be read: {reason}"
             raise RecordingError(text)
-        made = cls(path, splits, faults)
+        made = cls(path, splits, faults, metadata)
         made._folder = folder
         return made
+
+    def _count(self, metadata: BagMetadata) -> None:
+        """Take the number of messages from the metadata, where a split does not say it."""
+        files = sorted(Path(name).name.removesuffix(".zstd") for name in metadata.files)
+        if files != sorted(split.path.name for split in self._splits):
+            return
+        if all(split.counts for split in self._splits):
+            return
+        names = Counter(topic.name for topic in self.channels.values())
+        for channel, topic in self.channels.items():
+            if names[topic.name] == 1 and topic.name in metadata.counts:
+                self.counts[channel] = metadata.counts[topic.name]
 
     def close(self) -> None:
         """Close all files."""
@@ -238,15 +259,10 @@ class Bag(OpenRecording):
         return heapq.merge(*parts, key=lambda message: message.stamp, reverse=reverse)
 
 
-def _files(folder: Path) -> tuple[list[Path], list[str]]:
+def _files(folder: Path, metadata: BagMetadata) -> tuple[list[Path], list[str]]:
     """The splits in a folder, and which ones are missing, in sentences."""
     try:
         names = sorted(each.name for each in folder.iterdir())
-        metadata = folder / METADATA
-        text = ""
-        if metadata.is_file():
-            with metadata.open("rb") as file:
-                text = file.read(_MOST_METADATA).decode("utf-8", "replace")
     except OSError as error:
         text = f"{folder} cannot be read: {error.strerror}"
         raise RecordingError(text) from error
@@ -258,10 +274,9 @@ def _files(folder: Path) -> tuple[list[Path], list[str]]:
         for name in names
         if name.endswith(endings) and not (name.endswith(".zstd") and name[:-5] in names)
     ][:_MOST_SPLITS]
-    listed = _LISTED.search(text.replace("\r\n", "\n"))
-    lines = listed[1].splitlines() if listed else []
-    wanted = [line.strip().removeprefix("-").strip().strip("\"'") for line in lines]
-    missing = [name for name in wanted if Path(name).name.removesuffix(".zstd") not in packed]
+    missing = [
+        name for name in metadata.files if Path(name).name.removesuffix(".zstd") not in packed
+    ]
     return found, [f"{METADATA} names {name[:80]}, which is missing" for name in missing]
 
 

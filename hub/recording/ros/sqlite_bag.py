@@ -8,15 +8,13 @@ import threading
 from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from pathlib import Path
-from typing import Any, Final, Self
-
-import numpy as np
-import numpy.typing as npt
+from typing import Final, Self
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
 from hub.recording.chunks import LoggedMessage
 from hub.recording.open_recording import OpenRecording
+from hub.recording.ros.sqlite_rows import MessageRows, RowPlace
 from hub.recording.topics import RecordedTopic
 
 MAGIC: Final = b"SQLite format 3\0"
@@ -24,9 +22,6 @@ _LONGEST: Final = 1 << 29
 """Longest value that is read [bytes]."""
 _MOST_TOPICS: Final = 65_536
 _MOST_FAULTS: Final = 20
-_MOST_MESSAGES: Final = 20_000_000
-_BLOCK: Final = 10_000
-_INDEX: Final = np.dtype([("channel", np.int64), ("stamp", np.int64), ("row", np.int64)])
 
 
 class SqliteBag(OpenRecording):
@@ -44,15 +39,9 @@ class SqliteBag(OpenRecording):
         self._lock = threading.Lock()
         self._check_tables()
         self.channels: Mapping[int, RecordedTopic] = dict(self._topics())
-        self._rows = rows = self._read_index()
-        self.start, self.end = (int(rows[at]["stamp"]) if len(rows) else 0 for at in (0, -1))
-        order = np.argsort(rows["channel"], kind="stable")
-        channels, begins, counts = np.unique(
-            rows["channel"][order], return_index=True, return_counts=True
-        )
-        self.counts: Mapping[int, int] = dict(zip(channels.tolist(), counts.tolist(), strict=True))
-        parts = np.split(order, begins[1:])
-        self._places = dict(zip(channels.tolist(), parts, strict=False))
+        self._rows = MessageRows(database, self._lock, self._note)
+        self.start, self.end = self._rows.start, self._rows.end
+        self.counts: Mapping[int, int] = self._rows.counts()
 
     @classmethod
     def open(cls, path: Path) -> Self:
@@ -61,21 +50,42 @@ class SqliteBag(OpenRecording):
         Raises:
             RecordingError: It cannot be read, or is no bag.
         """
-        # Without a journal beside it nothing changes it, so no lock is needed.
-        fixed = not Path(f"{path}-wal").exists()
+        journal = Path(f"{path}-wal")
+        journaled = journal.is_file()
+        # Without a journal beside it nothing changes it, so no lock is needed. With one, the
+        # system may forbid to write what readers share.
+        reason: object = ""
+        for fixed in (False, True) if journaled else (True,):
+            try:
+                made = cls._connected(path, fixed=fixed)
+            except (sqlite3.Error, OverflowError, RecordingError) as error:
+                reason = reason or error
+            else:
+                if reason:
+                    made.faults.append(f"{journal.name} cannot be read; its messages are missing")
+                return made
+        text = f"{path} cannot be read: {reason}"
+        raise RecordingError(text)
+
+    @classmethod
+    def _connected(cls, path: Path, *, fixed: bool) -> Self:
+        """Open a file with or without its journal.
+
+        Raises:
+            RecordingError: It is no bag.
+            sqlite3.Error: It cannot be read.
+            OverflowError: Its numbers are too large.
+        """
         location = f"{path.absolute().as_uri()}?mode=ro{'&immutable=1' * fixed}"
-        database = None
+        database = sqlite3.connect(location, uri=True, check_same_thread=False)
         try:
-            database = sqlite3.connect(location, uri=True, check_same_thread=False)
             database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LONGEST)
             database.execute("PRAGMA trusted_schema=OFF")
             database.execute("PRAGMA cell_size_check=ON")
             return cls(path, database)
-        except (sqlite3.Error, OverflowError, RecordingError) as error:
-            if database is not None:
-                database.close()
-            text = f"{path} cannot be read: {error}"
-            raise RecordingError(text) from error
+        except BaseException:
+            database.close()
+            raise
 
     def close(self) -> None:
         """Close the file."""
@@ -85,17 +95,20 @@ class SqliteBag(OpenRecording):
         self, stamp: int, channels: AbstractSet[int] | None = None
     ) -> dict[int, LoggedMessage]:
         """The last message of each channel at or before a time [ns]; see `Recording.newest`."""
-        found = {}
-        for channel in self.channels.keys() if channels is None else channels:
-            places = self._places.get(channel)
-            if places is None:
-                continue
-            at = int(np.searchsorted(self._rows["stamp"][places], _signed(stamp), "right"))
-            while at > 0 and channel not in found:
-                at -= 1
-                message = self._message(int(places[at]))
-                if message is not None:
-                    found[channel] = message
+        found: dict[int, LoggedMessage] = {}
+        left = set(self.channels) if channels is None else channels & self.channels.keys()
+        for place in self._rows.recent(_signed(stamp), left):
+            if place.channel in left and (message := self._message(place)) is not None:
+                found[place.channel] = message
+                left = left - {place.channel}
+                if not left:
+                    return found
+        self._rows.learn(left)
+        for channel in left:
+            places = self._rows.places(0, _signed(stamp), {channel}, reverse=True)
+            message = next(filter(None, map(self._message, places)), None)
+            if message is not None:
+                found[channel] = message
         return found
 
     def messages(
@@ -107,23 +120,18 @@ class SqliteBag(OpenRecording):
         reverse: bool = False,
     ) -> Iterator[LoggedMessage]:
         """All messages by stamp; see `Recording.messages`."""
-        stamps = self._rows["stamp"]
-        first = 0 if start is None else int(np.searchsorted(stamps, _signed(start), "left"))
-        last = len(stamps) if end is None else int(np.searchsorted(stamps, _signed(end), "right"))
-        places = np.arange(first, last)
-        if channels is not None:
-            places = places[np.isin(self._rows["channel"][first:last], sorted(channels))]
-        for place in places[::-1] if reverse else places:
-            message = self._message(int(place))
-            if message is not None:
-                yield message
+        first = self.start if start is None else _signed(start)
+        last = self.end if end is None else _signed(end)
+        places = self._rows.places(first, last, channels, reverse=reverse)
+        return filter(None, map(self._message, places))
 
-    def _message(self, place: int) -> LoggedMessage | None:
-        """The message at a place of the index; None: it cannot be read."""
-        channel, stamp, row = self._rows[place].tolist()
+    def _message(self, place: RowPlace) -> LoggedMessage | None:
+        """The message at a place; None: it cannot be read."""
         try:
             with self._lock:
-                query = self._database.execute("SELECT data FROM messages WHERE id = ?", (row,))
+                query = self._database.execute(
+                    "SELECT data FROM messages WHERE id = ?", (place.row,)
+                )
                 found = query.fetchone()
         except (sqlite3.Error, MemoryError) as error:
             self._note(f"a part of it cannot be read: {error}")
@@ -131,23 +139,7 @@ class SqliteBag(OpenRecording):
         if found is None or not isinstance(found[0], bytes):
             self._note("it has messages without bytes")
             return None
-        return LoggedMessage(channel, stamp, stamp, 0, found[0])
-
-    def _read_index(self) -> npt.NDArray[np.void]:
-        """Channel, stamp and row of all messages, by stamp; as far as they can be read."""
-        blocks: list[npt.NDArray[np.void]] = []
-        try:
-            query = self._database.execute("SELECT topic_id, timestamp, id FROM messages")
-            while rows := query.fetchmany(_BLOCK):
-                if sum(len(block) for block in blocks) > _MOST_MESSAGES:
-                    self._note(f"only its first {_MOST_MESSAGES} messages are read")
-                    break
-                whole = [row for row in rows if _is_index(row)]
-                blocks.append(np.array(whole, _INDEX))
-        except sqlite3.Error as error:
-            self._note(f"a part of it cannot be read: {error}")
-        rows_of_all = np.concatenate(blocks) if blocks else np.zeros(0, _INDEX)
-        return rows_of_all[np.lexsort((rows_of_all["row"], rows_of_all["stamp"]))]
+        return LoggedMessage(place.channel, place.stamp, place.stamp, 0, found[0])
 
     def _note(self, fault: str) -> None:
         if len(self.faults) < _MOST_FAULTS and fault not in self.faults:
@@ -189,11 +181,6 @@ class SqliteBag(OpenRecording):
                     {"offered_qos_profiles": str(offered)} if offered else {},
                 ),
             )
-
-
-def _is_index(row: tuple[Any, ...]) -> bool:
-    """Whether a row has the numbers of a message; SQLite checks no types."""
-    return all(isinstance(each, int) for each in row) and row[1] >= 0 and 0 <= row[0] < 1 << 32
 
 
 def _signed(stamp: int) -> int:

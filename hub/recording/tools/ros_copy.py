@@ -16,7 +16,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.recording.chunks import LoggedMessage
 from hub.recording.live.ros_names import QOS, RosTopics
 from hub.recording.new_recording import NewRecording
-from hub.recording.ros.bag import METADATA
+from hub.recording.ros.metadata import METADATA
 from hub.recording.topics import RecordedTopic, topic_of
 
 _VERSION: Final = 5

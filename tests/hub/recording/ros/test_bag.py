@@ -17,6 +17,7 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 from hub.errors import RecordingError
 from hub.recording.ros.bag import Bag
 from hub.recording.ros.decoding import RosDecoder
+from hub.recording.ros.sqlite_rows import MessageRows
 from tests.support import ros_bags
 from tests.support.ros_bags import START, Entry
 
@@ -210,6 +211,68 @@ def test_strange_rows_are_left_out(whole: Path, tmp_path: Path, orders: str) -> 
         messages = [*bag.messages()]
         assert len(messages) >= 5
         assert bag.newest(bag.end)
+
+
+def test_large_databases_are_not_read_to_open_them(
+    whole: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hub.recording.ros.sqlite_rows.MOST_COUNTED", 5)
+    monkeypatch.setattr("hub.recording.ros.sqlite_rows.MOST_BACK", 3)
+    check(whole)
+    database = next(whole.glob("*.db3"))
+    check(database)
+    counted = Counter(each[0] for each in CONTENT)
+    for path in (whole, database):
+        with Bag.open(path) as bag:  # metadata.yaml says it
+            assert {bag.channels[n].name: count for n, count in bag.counts.items()} == counted
+    monkeypatch.setattr(MessageRows, "learn", None)
+    with Bag.open(whole) as bag:
+        assert next(bag.messages(bag.end)).stamp == bag.end
+
+
+@pytest.mark.parametrize("counted", [5, 10**9])
+def test_databases_without_an_index_are_read(
+    whole: Path, tmp_path: Path, counted: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hub.recording.ros.sqlite_rows.MOST_COUNTED", counted)
+    check(changed(whole, tmp_path, "DROP INDEX timestamp_idx"))
+
+
+@pytest.mark.parametrize("damage", [b"\xff", b"\x00", b"\x0a"])
+def test_a_damaged_index_loses_no_message(whole: Path, tmp_path: Path, damage: bytes) -> None:
+    path = changed(whole, tmp_path, "")
+    with sqlite3.connect(path) as database:
+        query = "SELECT rootpage FROM sqlite_master WHERE name = 'timestamp_idx'"
+        (page,) = database.execute(query).fetchone()
+        (size,) = database.execute("PRAGMA page_size").fetchone()
+    database.close()
+    data = bytearray(path.read_bytes())
+    data[(page - 1) * size + 12 : page * size] = damage * (size - 12)
+    path.write_bytes(data)
+    with Bag.open(path) as bag:
+        assert Counter(read(bag)) == Counter(CONTENT)
+
+
+@pytest.mark.parametrize("whole_journal", [True, False])
+def test_messages_in_a_journal_are_read(
+    whole: Path, tmp_path: Path, *, whole_journal: bool
+) -> None:
+    path = changed(whole, tmp_path, "PRAGMA journal_mode = WAL")
+    with sqlite3.connect(path) as writer:
+        writer.execute("PRAGMA wal_autocheckpoint = 0")
+        writer.execute("DELETE FROM messages WHERE id = 1")
+        writer.commit()
+        journal = tmp_path / f"{path.name}-wal"
+        copied = tmp_path / "copy" / path.name
+        copied.parent.mkdir()
+        shutil.copy(path, copied)
+        (copied.parent / journal.name).write_bytes(
+            journal.read_bytes() if whole_journal else b"nothing"
+        )
+    writer.close()
+    with Bag.open(copied) as bag:
+        assert len(read(bag)) == len(CONTENT) - whole_journal
+        assert bag.faults == []
 
 
 def test_a_packed_bomb_is_not_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
