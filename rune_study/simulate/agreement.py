@@ -13,6 +13,7 @@ from rune_study.simulate.script import TrueEpisode, mean_length
 from rune_study.trial_data.track import Track
 
 EPISODES, EFFORT, TOLERANCE = "episodes", "ie_mean", "nt_median"
+ATTENTION, ACTIVE = "rad_mission", "fo_measured"
 _WIDTH = 28
 
 
@@ -41,13 +42,15 @@ def findings(
     episodes: Sequence[TrueEpisode],
     metrics: Iterable[MetricRow],
     tolerances: Mapping[tuple[int, int], float],
+    lengths: Mapping[tuple[int, int], float],
 ) -> list[Finding]:
     """Each trial's metrics that a script knows the truth of.
 
     Args:
         episodes: What the operator did.
         metrics: What was found.
-        tolerances: True neglect tolerance [s] by participant and trial, from `stopped_after`.
+        tolerances: True neglect tolerance [s] by participant and trial.
+        lengths: Of trials [s], by the same.
     """
     rows = {(row.participant, row.trial, row.attempt, row.metric): row for row in metrics}
     trials = sorted({key[:3] for key in rows})
@@ -58,6 +61,8 @@ def findings(
             EPISODES: float(len(own)),
             EFFORT: mean_length(own),
             TOLERANCE: tolerances.get(trial[:2], math.nan),
+            ATTENTION: sum(each.end - each.begin for each in own) / lengths[trial[:2]],
+            ACTIVE: sum(each.until - each.begin for each in own) / lengths[trial[:2]],
         }
         for metric, truth in truths.items():
             row = rows[(*trial, metric)]
@@ -66,15 +71,15 @@ def findings(
     return found
 
 
-def stopped_after(track: Track, ends: Sequence[float]) -> float:
-    """Median time in which a robot falls to half its speed after the last input [s].
+def stops_after(track: Track, ends: Sequence[float]) -> list[float]:
+    """How long a robot works after the last input of each episode, down to half its speed [s].
 
     Args:
         track: Its true motion.
         ends: Last input of each episode [s of the trial].
 
     Returns:
-        NaN if it never drove, or never stopped.
+        Those after which it stopped.
     """
     speed = np.abs(track.linear)
     times = []
@@ -84,7 +89,12 @@ def stopped_after(track: Track, ends: Sequence[float]) -> float:
         if before.size:
             slow = track.times[after][speed[after] < 0.5 * np.median(before)]
             times += [float(slow[0]) - end] if slow.size else []
-    return float(np.median(times)) if times else math.nan
+    return times
+
+
+def middle(times: Sequence[float]) -> float:
+    """The median, the lower of two as Kaplan and Meier have it; NaN without times."""
+    return float(np.percentile(times, 50.0, method="lower")) if times else math.nan
 
 
 def agreement_lines(found: Sequence[Finding]) -> list[str]:

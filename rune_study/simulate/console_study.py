@@ -19,11 +19,11 @@ from rune_study.plan.steps import plan
 from rune_study.plan.study_file import read_study
 from rune_study.plan.study_spec import StudySpec
 from rune_study.session.journal import JOURNAL, read_journal
-from rune_study.simulate.agreement import Finding, findings, stopped_after
+from rune_study.simulate.agreement import Finding, findings, middle, stops_after
 from rune_study.simulate.operator_model import OperatorModel
 from rune_study.simulate.script import TrueEpisode, check_playable, write_truth
 from rune_study.simulate.study_terminal import StudyTerminal
-from rune_study.simulate.typing_operator import TypingOperator
+from rune_study.simulate.typing_operator import DRIVING_KEYS, TypingOperator
 from rune_study.trial_data.track import track_of
 from rune_study.trial_data.trial_log import TrialLog
 
@@ -70,7 +70,7 @@ def play_on_consoles(
     Raises:
         StudyError: The study cannot be played, or a session does not do what it should.
     """
-    check_playable(study)
+    check_playable(study, len(DRIVING_KEYS))
     copy = _copied(study, folder)
     episodes: list[TrueEpisode] = []
     wrong: list[str] = []
@@ -98,7 +98,8 @@ def play_on_consoles(
         for row in data.trials
         if not row.excluded
     }
-    found = findings(episodes, data.metrics, tolerances)
+    lengths = {(row.participant, row.trial): row.seconds for row in data.trials}
+    found = findings(episodes, data.metrics, tolerances, lengths)
     return Played(study=copy, data=data, found=tuple(found), wrong=tuple(wrong), answers=answers)
 
 
@@ -119,22 +120,26 @@ def _copied(study: StudySpec, folder: Path) -> StudySpec:
 def _tolerance(
     study: StudySpec, participant: int, trial: int, episodes: list[TrueEpisode]
 ) -> float:
-    """How long the robot went on after the last input, by its true speed [s]."""
+    """How long robots went on after the last input, by their true speed [s]."""
     own = [each for each in episodes if (each.participant, each.trial) == (participant, trial)]
     files = [
         file
         for file in recordings_of(study, participant, trial)
         if not file.name.endswith(".console.mcap")
     ]
+    stops: list[float] = []
     try:
-        with RecordingSet.open(files) as recordings:
-            if recordings.anchor is None:
-                return math.nan
-            begin = recordings.anchor.stamp(_begin_of(study, participant, trial))
-            log = TrialLog(recordings, begin)
-            return stopped_after(track_of(log, log.robots[0]), [each.end for each in own])
+        begin = _begin_of(study, participant, trial)
+        for robot, file in enumerate(files, 1):
+            with RecordingSet.open([file]) as recordings:
+                if recordings.anchor is None:
+                    return math.nan
+                log = TrialLog(recordings, recordings.anchor.stamp(begin))
+                ends = [each.end for each in own if each.robot == robot]
+                stops += stops_after(track_of(log, log.robots[0]), ends)
     except HubError:
         return math.nan
+    return middle(stops)
 
 
 def _begin_of(study: StudySpec, participant: int, trial: int) -> float:

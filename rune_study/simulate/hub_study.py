@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -29,10 +29,17 @@ from rune_study.plan.steps import TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.session.robots import recorded, simulated
 from rune_study.session.stage import LOG, names_of_files
-from rune_study.simulate.agreement import findings, stopped_after
+from rune_study.simulate.agreement import findings, middle, stops_after
 from rune_study.simulate.console_study import TRUTH, Played
 from rune_study.simulate.operator_model import OperatorModel
-from rune_study.simulate.script import TrueEpisode, check_playable, script, write_truth
+from rune_study.simulate.script import (
+    Service,
+    TrueEpisode,
+    check_playable,
+    script,
+    true_episode,
+    write_truth,
+)
 from rune_study.trial_data.measured import Surroundings, trial_data
 from rune_study.trial_data.track import track_of
 from rune_study.trial_data.trial_log import TrialLog
@@ -45,22 +52,23 @@ _PERIOD_S: Final = 0.05
 _NEUTRAL_S: Final = 0.1
 """A robot whose commands fell silent wants neutral for this time first [s]."""
 _START_S: Final = 20.0
-_ROBOT: Final = "robot"
+MOST_ROBOTS: Final = 16
+"""As many as a condition has."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Driven:
-    """What the operator did in a trial, on the monotonic clock [s].
+    """What the operator did in a trial.
 
     Attributes:
-        begin: Begin of the trial.
+        begin: Begin of the trial on the monotonic clock [s].
         end: Its end.
-        episodes: Begin and end of each episode.
+        services: The episodes as they were [s of the trial].
     """
 
     begin: float
     end: float
-    episodes: tuple[tuple[float, float], ...]
+    services: tuple[Service, ...]
 
 
 def play_on_hubs(
@@ -82,7 +90,7 @@ def play_on_hubs(
     Raises:
         HubError: The study cannot be played, or a part does not start.
     """
-    check_playable(study)
+    check_playable(study, MOST_ROBOTS)
     if folder.exists() and any(folder.glob("sub-*")):
         text = f"{folder} has sessions; name another folder with -o, or remove it"
         raise StudyError(text)
@@ -96,37 +104,46 @@ def play_on_hubs(
         for step in plan(study, participant):
             if step.kind != TRIAL:
                 continue
-            file = names_of_files(of, step.name, 1, 1)[0]
-            driven = _drive(study, step, file, model)
+            robots = study.conditions[step.condition].robots
+            recordings = names_of_files(of, step.name, 1, robots)[:-1]
+            driven = _drive(study, step, recordings, model)
             own: dict[str, Any] = {"participant": participant, "trial": step.trial, "attempt": 1}
-            for begin, end in driven.episodes:
-                at = begin - driven.begin, end - driven.begin
-                episodes.append(TrueEpisode(**own, begin=at[0], end=at[1]))
-            rows, tolerance = _measured(study, step, file, driven, {**own, "code": step.code})
+            episodes += [true_episode(own, each) for each in driven.services]
+            rows, tolerance = _measured(study, step, recordings, driven, {**own, "code": step.code})
             metrics += rows
             tolerances[participant, step.trial] = tolerance
             seconds = driven.end - driven.begin
             trials.append(TrialRow(**own, code=step.code, seconds=seconds, ended="time"))
         write_truth(folder / TRUTH, episodes)
         tell(f"participant {participant}: {len(trials)} trials so far")
-    found = findings(episodes, metrics, tolerances)
+    lengths = {(row.participant, row.trial): row.seconds for row in trials}
+    found = findings(episodes, metrics, tolerances, lengths)
     data = StudyData(trials=tuple(trials), metrics=tuple(metrics))
     return Played(study=study, data=data, found=tuple(found), wrong=())
 
 
-def _drive(study: StudySpec, step: Step, file: Path, model: OperatorModel) -> _Driven:
-    """A trial on a hub of its own; the hub's recording goes into a file."""
+def _drive(
+    study: StudySpec, step: Step, recordings: Sequence[Path], model: OperatorModel
+) -> _Driven:
+    """A trial on hubs of its own; their recordings go into files."""
     spec = study.conditions[step.condition]
-    log = file.parent / LOG
+    log = recordings[0].parent / LOG
     with contextlib.ExitStack() as stack:
         settings = hub_settings(study, spec, step.seed)
-        (hub,) = stack.enter_context(simulated([robot_of(study, spec)], settings, log))
-        stack.enter_context(recorded([hub], [file], log))
+        hubs = stack.enter_context(simulated([robot_of(study, spec)] * spec.robots, settings, log))
+        stack.enter_context(recorded(hubs, recordings, log))
         if spec.link:
-            hub = stack.enter_context(
-                ShapedLink(hub, link_of(study, spec), step.link_seed)
-            ).endpoint
-        client = stack.enter_context(contextlib.closing(Client("scripted-operator", hub)))
+            profile, seed = link_of(study, spec), step.link_seed
+            links = [stack.enter_context(ShapedLink(hub, profile, seed)) for hub in hubs]
+            hubs = [link.endpoint for link in links]
+        clients = [stack.enter_context(contextlib.closing(_client(hub, log))) for hub in hubs]
+        return _play(clients, step, script(model, step, study.metrics.gap_s, spec.robots))
+
+
+def _client(hub: str, log: Path) -> Client:
+    """A connection to a hub whose simulated robot reports."""
+    client = Client("scripted-operator", hub)
+    try:
         seen: list[float] = []
         client.define(VELOCITY_COMMAND)
         client.subscribe(GROUND_TRUTH, lambda _, info: seen.append(info.measured))
@@ -137,52 +154,79 @@ def _drive(study: StudySpec, step: Step, file: Path, model: OperatorModel) -> _D
             if time.monotonic() > late:
                 text = f"the simulated robot does not report; {log} says why"
                 raise StudyError(text)
-        return _play(client, step, script(model, step, study.metrics.gap_s))
+    except BaseException:
+        client.close()
+        raise
+    return client
 
 
-def _play(client: Client, step: Step, spans: tuple[tuple[float, float], ...]) -> _Driven:
+def _play(clients: Sequence[Client], step: Step, services: Sequence[Service]) -> _Driven:
+    """Drive robots during their episodes, and further until their work ends."""
     zero = time.monotonic()
-    done = []
-    for begin, end in spans:
-        _listen(client, zero + begin - _NEUTRAL_S)
-        client.publish(VELOCITY_COMMAND, TwistStamped.planar(0.0, 0.0))
-        _listen(client, zero + begin)
-        began = time.monotonic()
-        while time.monotonic() < zero + end:
-            client.publish(VELOCITY_COMMAND, TwistStamped.planar(_SPEED, _TURN))
-            last = time.monotonic()
-            _listen(client, min(last + _PERIOD_S, zero + end))
-        done.append((began, time.monotonic()))
-    _listen(client, zero + step.seconds)
-    return _Driven(begin=zero, end=time.monotonic(), episodes=tuple(done))
+    began: dict[Service, float] = {}
+    while (now := time.monotonic() - zero) < step.seconds:
+        for each in services:
+            if each.begin <= now < each.until:
+                began.setdefault(each, now)
+                clients[each.robot].publish(VELOCITY_COMMAND, TwistStamped.planar(_SPEED, _TURN))
+            elif each.begin - _NEUTRAL_S <= now < each.begin:
+                clients[each.robot].publish(VELOCITY_COMMAND, TwistStamped.planar(0.0, 0.0))
+        begins = (each.begin for each in services if each.begin > now)
+        until = min(now + _PERIOD_S, min(begins, default=step.seconds), step.seconds)
+        _listen(clients, zero + until)
+    end = time.monotonic()
+    done = (
+        dataclasses.replace(each, begin=at, until=min(each.until, end - zero))
+        for each, at in began.items()
+    )
+    return _Driven(begin=zero, end=end, services=tuple(done))
 
 
-def _listen(client: Client, until: float) -> None:
-    while (left := until - time.monotonic()) > 0.0:
-        client.listen(left)
+def _listen(clients: Sequence[Client], until: float) -> None:
+    for left, client in zip(range(len(clients), 0, -1), clients, strict=True):
+        client.listen(max(0.0, until - time.monotonic()) / left)
 
 
 def _measured(
-    study: StudySpec, step: Step, file: Path, driven: _Driven, own: dict[str, object]
+    study: StudySpec,
+    step: Step,
+    recordings: Sequence[Path],
+    driven: _Driven,
+    own: dict[str, object],
 ) -> tuple[list[MetricRow], float]:
-    """Metrics of a trial, from the hub's recording and the operator's own inputs."""
+    """Metrics of a trial, from the hubs' recordings and the operator's own inputs."""
     arena = arena_of(study, study.conditions[step.condition])
     around = Surroundings(
         time=trial_time(0.0, driven.end - driven.begin),
         truth=truth_of(arena) if arena else None,
         effectiveness=study.metrics.effectiveness,
     )
-    held = np.array(driven.episodes).reshape(-1, 2) - driven.begin
-    with RecordingSet.open([file]) as recordings:
-        anchor = recordings.anchor
-        if anchor is None:
-            text = f"{file} does not say its clock"
-            raise DataError(text)
-        log = TrialLog(recordings, anchor.stamp(driven.begin), anchor.stamp(driven.end))
-        data = trial_data({_ROBOT: log}, around)
-        tolerance = stopped_after(track_of(log, log.robots[0]), held[:, 1].tolist())
+    held = [
+        np.array([(each.begin, each.end) for each in driven.services if each.robot == robot])
+        for robot in range(len(recordings))
+    ]
+    with contextlib.ExitStack() as stack:
+        logs = {
+            f"robot {number}": _log(stack.enter_context(RecordingSet.open([file])), driven)
+            for number, file in enumerate(recordings, 1)
+        }
+        data = trial_data(logs, around)
+        stops = [
+            stop
+            for log, spans in zip(logs.values(), held, strict=True)
+            for stop in stops_after(track_of(log, log.robots[0]), [end for _, end in spans])
+        ]
     robots = tuple(
-        dataclasses.replace(each, inputs=np.sort(held.ravel()), held=held) for each in data.robots
+        dataclasses.replace(each, inputs=np.sort(spans.ravel()), held=spans.reshape(-1, 2))
+        for each, spans in zip(data.robots, held, strict=True)
     )
     found = measure(dataclasses.replace(data, robots=robots), measures(study))
-    return metric_rows(own, found), tolerance
+    return metric_rows(own, found), middle(stops)
+
+
+def _log(recordings: RecordingSet, driven: _Driven) -> TrialLog:
+    anchor = recordings.anchor
+    if anchor is None:
+        text = f"{recordings.path.name} does not say its clock"
+        raise DataError(text)
+    return TrialLog(recordings, anchor.stamp(driven.begin), anchor.stamp(driven.end))

@@ -18,6 +18,10 @@ from typing import Final, Self
 
 from rune_study.errors import StudyError
 
+ARROW_UP: Final = "A"
+ARROW_LEFT: Final = "D"
+"""Arrows, by the letters that end their sequences."""
+_ARROWS: Final = {ARROW_UP, ARROW_LEFT}
 _AS_ITS_TERMINAL: Final = (
     "import fcntl, os, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0); "
     "os.execvp(sys.argv[1], sys.argv[1:])"
@@ -102,12 +106,12 @@ class StudyTerminal:
         self._write(keys.encode())
 
     def press(self, key: str) -> None:
-        """Press a key that types a character, and hold it."""
-        self.type(f"\x1b[{ord(key)};;{ord(key)}u")
+        """Press a key that types a small letter, or an arrow, and hold it."""
+        self.type(f"\x1b[1;1:1{key}" if key in _ARROWS else f"\x1b[{ord(key)};;{ord(key)}u")
 
     def release(self, key: str) -> None:
         """Release a key."""
-        self.type(f"\x1b[{ord(key)};1:3u")
+        self.type(f"\x1b[1;1:3{key}" if key in _ARROWS else f"\x1b[{ord(key)};1:3u")
 
     def close(self) -> None:
         """End the command, by force if it must be."""

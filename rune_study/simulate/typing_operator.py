@@ -23,12 +23,12 @@ from rune_study.session.interruptions import ANSWERS
 from rune_study.session.journal import BEGIN, DONE, JOURNAL, Record, read_journal
 from rune_study.session.warnings import PRIVATE
 from rune_study.simulate.operator_model import OperatorModel
-from rune_study.simulate.script import TrueEpisode, script
-from rune_study.simulate.study_terminal import StudyTerminal
+from rune_study.simulate.script import Service, TrueEpisode, script, true_episode
+from rune_study.simulate.study_terminal import ARROW_LEFT, ARROW_UP, StudyTerminal
 from rune_study.simulate.typed_answers import ENTER, typed_answer
 
-FORWARD, TURN = "w", "a"
-"""Keys that drive in the layouts that come with Rune."""
+DRIVING_KEYS: Final = (("w", "a"), (ARROW_UP, ARROW_LEFT))
+"""Keys that drive and turn each robot in the layouts that come with Rune."""
 _LOOK_S: Final = 0.02
 _READY_S: Final = 0.3
 _AGAIN_S: Final = 2.0
@@ -156,29 +156,31 @@ class TypingOperator:
         if begin is None:
             return
         zero = float(begin.data["moment_s"])
-        for first, last in script(self._model, step, self._study.metrics.gap_s):
-            while time.monotonic() < zero + first:
+        robots = self._study.conditions[step.condition].robots if step.trial else 1
+        for each in script(self._model, step, self._study.metrics.gap_s, robots):
+            while time.monotonic() < zero + each.begin:
                 if of_this("trial-end") is not None:
                     return
                 time.sleep(_LOOK_S)
             own = {"participant": self._participant, "trial": step.trial, "attempt": attempt}
-            done = self._hold(zero, zero + last)
+            done = self._hold(zero, each)
             if step.trial:
-                self.episodes.append(TrueEpisode(**own, begin=done[0], end=done[1]))
+                self.episodes.append(true_episode(own, done))
         if not step.trial and self._study.practice and not self._study.practice.criterion:
             self._terminal.type(_WAY_OUT)
 
-    def _hold(self, zero: float, until: float) -> tuple[float, float]:
-        """Hold keys until a moment; returns the first and the last input from `zero` on [s]."""
-        began = time.monotonic()
-        self._terminal.press(FORWARD)
+    def _hold(self, zero: float, service: Service) -> Service:
+        """Hold keys until an episode's end; returns it as it was."""
+        forward, turn = DRIVING_KEYS[service.robot]
+        began = time.monotonic() - zero
+        self._terminal.press(forward)
         time.sleep(_TURN_AFTER_S)
-        self._terminal.press(TURN)
-        time.sleep(max(0.0, until - time.monotonic()))
-        self._terminal.release(TURN)
-        ended = time.monotonic()
-        self._terminal.release(FORWARD)
-        return began - zero, ended - zero
+        self._terminal.press(turn)
+        time.sleep(max(0.0, zero + service.end - time.monotonic()))
+        self._terminal.release(turn)
+        ended = time.monotonic() - zero
+        self._terminal.release(forward)
+        return Service(robot=service.robot, begin=began, end=ended, until=ended)
 
     def _type_until(
         self, keys: str, done: Callable[[], bool], why: str, seconds: float = 0.0

@@ -231,10 +231,13 @@ class InputEvents:
     def release_all(self) -> None:
         """Release all inputs."""
         now = time.monotonic()
-        self.keyboard.release_all(now)
-        released = self.joysticks.release_all(now)
-        self._execute(self._current.dispatch.released(self._state()))
-        self._handle(released)
+        keys, axes = self.keyboard.release_all(now), self.joysticks.release_all(now)
+        state = self._state()
+        effects = self._current.dispatch.released(state)
+        for each in keys:
+            self._note(each, effects, state, now)
+        self._execute(effects)
+        self._handle(axes)
 
     def _notify(self, text: str) -> None:
         self._execute((Notify.now(self._state(), text),))

@@ -31,16 +31,20 @@ KEYS = {
 ITEMS = [item for path in sorted(SHIPPED.glob("*.toml")) for item in read(path).items]
 
 
-@given(st.integers(0, 1 << 31), st.floats(1.0, 600.0), st.floats(0.1, 10.0))
+@given(st.integers(0, 1 << 31), st.floats(1.0, 600.0), st.floats(0.1, 10.0), st.integers(1, 4))
 def test_pauses_end_episodes_and_all_end_within_the_trial(
-    seed: int, seconds: float, gap: float
+    seed: int, seconds: float, gap: float, robots: int
 ) -> None:
     step = Step(kind="trial", seconds=seconds, seed=seed)
-    spans = script(IN_REAL_TIME, step, gap)
-    assert spans == script(IN_REAL_TIME, step, gap)
-    assert all(last - first >= 1.0 for first, last in spans)
-    assert all(after[0] - before[1] > gap + 1.0 for before, after in pairwise(spans))
-    assert all(gap < first and last < seconds for first, last in spans)
+    plan = script(IN_REAL_TIME, step, gap, robots)
+    assert plan == script(IN_REAL_TIME, step, gap, robots)
+    assert all(each.end - each.begin >= 1.0 for each in plan)
+    assert all(after.begin > before.end for before, after in pairwise(plan))
+    assert all(gap < each.begin and each.end < seconds and each.end <= each.until for each in plan)
+    for robot in range(robots):
+        own = [each for each in plan if each.robot == robot]
+        assert own == list(plan[robot::robots])
+        assert all(after.begin - before.until > gap + 1.0 for before, after in pairwise(own))
 
 
 @pytest.mark.parametrize("item", ITEMS, ids=lambda item: str(item.id))
@@ -68,4 +72,11 @@ def pressed(entry: object, typed: str) -> Answer | None:
 def test_what_a_script_cannot_play_is_refused_in_one_sentence(tmp_path: Path) -> None:
     study = study_of(tmp_path, "[freeze]\n[trial]\nends = ['victims']\nseconds = 600\n")
     with pytest.raises(StudyError, match=r"cannot play \[freeze\], ends other than .*; simulate"):
-        check_playable(study)
+        check_playable(study, most_robots=1)
+
+
+def test_more_robots_than_a_script_can_serve_are_refused(tmp_path: Path) -> None:
+    study = study_of(tmp_path, "[defaults]\nrobots = 3\n")
+    check_playable(study, most_robots=3)
+    with pytest.raises(StudyError, match="cannot play more than 2 robots; simulate"):
+        check_playable(study, most_robots=2)
