@@ -147,24 +147,27 @@ def _status(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    from rune_study.data.store import compute
+    from rune_study.data.store import checksums, compute
     from rune_study.plan.study_file import read_study
     from rune_study.report.making import make_page, unblinded
     from rune_study.session.journal import participants_of
+    from rune_study.session.status import progress_of, state_words
 
     study = read_study(options.folder)
-    warnings = _warn(study, participants_of(study))
+    begun = participants_of(study)
+    warnings = _warn(study, begun)
     data = compute(study, _progress("computing metrics"))
     if options.unblind:
         unblinded(study)
     page = make_page(
         study,
-        data.trials,
-        data.metrics,
+        data,
         made=f"{datetime.datetime.now().astimezone():%Y-%m-%d %H:%M}",
         source=f"rune study report {options.folder} computes all of it from the recordings.",
         unblind=options.unblind,
         warnings=warnings,
+        sessions={each: state_words(progress_of(study, each)) for each in begun},
+        checksums=checksums(study),
     )
     return _written(options.output or study.folder / "report.html", page)
 
@@ -205,12 +208,12 @@ def _simulate(options: argparse.Namespace) -> int:
     operators = options.operators or study.participants
     trials, metrics = simulated(study, operators, OperatorModel(check_s=40.0), effects)
     folder = options.output or study.folder / "simulated"
-    write_tables(folder, StudyData(trials=tuple(trials), metrics=tuple(metrics)))
+    data = StudyData(trials=tuple(trials), metrics=tuple(metrics))
+    write_tables(folder, data)
     words = "; ".join(options.effect) or "no effect of any condition"
     page = make_page(
         study,
-        trials,
-        metrics,
+        data,
         made="by models",
         source=f"Models took the place of people ({words}); nobody drove a robot.",
         unblind=True,
@@ -240,8 +243,7 @@ def _simulate_in_real_time(study: StudySpec, options: argparse.Namespace) -> int
     write_tables(folder / DERIVED, played.data)
     page = make_page(
         played.study,
-        played.data.trials,
-        played.data.metrics,
+        played.data,
         made=f"by a script on {options.on}",
         source=f"A script took the place of people, on {options.on}.",
         unblind=True,

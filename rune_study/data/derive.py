@@ -14,11 +14,12 @@ from typing import Any
 from hub.errors import ArenaError, RecordingError
 from hub.recording.recording_set import RecordingSet
 from hub.values import dataclass
+from rune_study.data.overlay import TrialOverlay, overlay_of
 from rune_study.data.rows import EventRow, MetricRow, TrialRow, metric_rows
 from rune_study.errors import DataError
 from rune_study.metrics.questionnaires import SUS_ITEMS, TLX_SCALES
 from rune_study.metrics.registry import measure, scores
-from rune_study.metrics.trial import MeasureSpec, Questionnaires
+from rune_study.metrics.trial import MeasureSpec, Questionnaires, TrialData
 from rune_study.metrics.trial_time import TrialTime, trial_time
 from rune_study.plan.folder import arena_of, participant_folder
 from rune_study.plan.steps import TRIAL, Step, plan
@@ -52,11 +53,13 @@ class ParticipantData:
         trials: All trials that were begun.
         metrics: Of the trials that count, and of the session as a whole.
         events: Of the whole session.
+        overlays: What maps show of the trials that count.
     """
 
     trials: tuple[TrialRow, ...]
     metrics: tuple[MetricRow, ...]
     events: tuple[EventRow, ...]
+    overlays: tuple[TrialOverlay, ...]
 
 
 def derive(study: StudySpec, participant: int) -> ParticipantData:
@@ -74,17 +77,22 @@ def derive(study: StudySpec, participant: int) -> ParticipantData:
     answers = read_answers(folder / ANSWERS) if (folder / ANSWERS).exists() else []
     trials: list[TrialRow] = []
     metrics: list[MetricRow] = []
+    overlays: list[TrialOverlay] = []
     for attempt in _attempts(records, steps):
-        row, measured = _measured(study, participant, replaces, folder, attempt, answers)
+        row, measured, overlay = _measured(study, participant, replaces, folder, attempt, answers)
         if row.excluded == _OPEN and damaged:
             why = f"{_OPEN}, or its end is in a damaged line of {JOURNAL}"
             row = dataclasses.replace(row, excluded=why)
         trials.append(row)
         metrics += measured
+        overlays += overlay
     of_session = {"participant": participant, "trial": 0, "code": ""}
     metrics += metric_rows(of_session, scores(questionnaires(0, answers)))
     return ParticipantData(
-        trials=tuple(trials), metrics=tuple(metrics), events=tuple(_events(records, steps))
+        trials=tuple(trials),
+        metrics=tuple(metrics),
+        events=tuple(_events(records, steps)),
+        overlays=tuple(overlays),
     )
 
 
@@ -120,7 +128,7 @@ def _measured(
     folder: Path,
     attempt: _Attempt,
     answers: Sequence[GivenAnswer],
-) -> tuple[TrialRow, list[MetricRow]]:
+) -> tuple[TrialRow, list[MetricRow], list[TrialOverlay]]:
     step, done = attempt.step, attempt.first(DONE)
     begin, result = attempt.first("trial-begin"), done.data["result"] if done is not None else {}
     own: dict[str, Any] = {"participant": participant, "trial": step.trial, "code": step.code}
@@ -133,18 +141,27 @@ def _measured(
         "ended": str(result.get("ended", "")),
     }
     if done is None or begin is None:
-        return TrialRow(**row, excluded=_OPEN), []
+        return TrialRow(**row, excluded=_OPEN), [], []
     files = sorted(folder.glob(f"{step.name}-a{attempt.number}*.mcap"))
     try:
-        found = _metrics(study, attempt, files, answers)
+        data = _trial_data(study, attempt, files, answers)
+        found = metric_rows(own, measure(data, measures(study)))
     except (RecordingError, ArenaError, DataError) as fault:
-        return TrialRow(**row, excluded=str(fault)), []
-    return TrialRow(**row), metric_rows(own, found)
+        return TrialRow(**row, excluded=str(fault)), [], []
+    overlay = overlay_of(
+        data,
+        participant=participant,
+        trial=step.trial,
+        code=step.code,
+        arena=arena_of(study, study.conditions[step.condition]),
+        radius=study.metrics.victim_radius_m,
+    )
+    return TrialRow(**row), found, [overlay]
 
 
-def _metrics(
+def _trial_data(
     study: StudySpec, attempt: _Attempt, files: Sequence[Path], answers: Sequence[GivenAnswer]
-) -> Mapping[str, Any]:
+) -> TrialData:
     if not files:
         text = "its recordings are missing"
         raise DataError(text)
@@ -171,8 +188,7 @@ def _metrics(
         ]
         roles = roles_of(logs[0]) if consoles else []
         roles += [f"robot {number + 1}" for number in range(len(roles), len(logs))]
-        data = trial_data(dict(zip(roles, logs, strict=False)), around)
-    return measure(data, measures(study))
+        return trial_data(dict(zip(roles, logs, strict=False)), around)
 
 
 def _log(recordings: RecordingSet, time: TrialTime) -> TrialLog:
@@ -191,6 +207,7 @@ def measures(study: StudySpec) -> MeasureSpec:
         gap=chosen.gap_s,
         fraction=chosen.threshold,
         hold=chosen.hold_s,
+        tau=chosen.tau_s,
         radius=chosen.victim_radius_m,
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 from hub import files
 from hub.values import dataclass
 from rune_study.data.derive import derive
+from rune_study.data.overlay import TrialOverlay
 from rune_study.data.rows import MetricRow, TrialRow
 from rune_study.data.tables import dictionary, write
 from rune_study.errors import DataError
@@ -29,10 +31,12 @@ class StudyData:
     Attributes:
         trials: All trials that were begun.
         metrics: Of those that count.
+        overlays: What maps show of those; empty: there are no recordings.
     """
 
     trials: tuple[TrialRow, ...]
     metrics: tuple[MetricRow, ...]
+    overlays: tuple[TrialOverlay, ...] = ()
 
 
 def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:
@@ -51,13 +55,15 @@ def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:
         raise DataError(text)
     trials: list[TrialRow] = []
     metrics: list[MetricRow] = []
+    overlays: list[TrialOverlay] = []
     for count, participant in enumerate(begun, 1):
         data = derive(study, participant)
         trials += data.trials
         metrics += data.metrics
+        overlays += data.overlays
         write(participant_folder(study.folder, participant), "events.tsv", data.events)
         progress(count / len(begun))
-    found = StudyData(trials=tuple(trials), metrics=tuple(metrics))
+    found = StudyData(trials=tuple(trials), metrics=tuple(metrics), overlays=tuple(overlays))
     write_tables(study.folder / DERIVED, found)
     return found
 
@@ -85,6 +91,23 @@ def write_tables(folder: Path, data: StudyData) -> list[Path]:
         text = f"{folder} cannot be written: {fault.strerror or fault}"
         raise DataError(text) from fault
     return paths
+
+
+def checksums(study: StudySpec) -> dict[str, str]:
+    """SHA-256 of the tables that `compute` wrote, by their files.
+
+    Raises:
+        DataError: One cannot be read.
+    """
+    found = {}
+    for name in ("trials.csv", "metrics.csv"):
+        path = study.folder / DERIVED / name
+        try:
+            found[f"{DERIVED}/{name}"] = f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}"
+        except OSError as fault:
+            text = f"{path} cannot be read: {fault.strerror or fault}"
+            raise DataError(text) from fault
+    return found
 
 
 def wide(data: StudyData) -> str:

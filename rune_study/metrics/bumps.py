@@ -79,15 +79,31 @@ def bumps(
         text = "contacts, bumpers and speeds need one value for each time"
         raise DataError(text)
     sides = {"front": 0, "rear": 0, "side": 0}
-    last = -math.inf
-    for place in (np.flatnonzero(np.diff(count) > 0.0) + 1).tolist():
-        if at[place] - last < rearm - _EQUAL:
-            continue
-        last = float(at[place])
-        first = int(np.searchsorted(at, last - GRACE_S - _EQUAL))
+    for place in bump_moments(at, count, rearm=rearm):
+        first = int(np.searchsorted(at, at[place] - GRACE_S - _EQUAL))
         pressed = next((int(each) for each in bits[first : place + 1][::-1] if each), 0)
         sides[_side(pressed, np.array(directions), float(speed[place]))] += 1
     return Bumps(**sides)
+
+
+def bump_moments(times: Floats, contacts: Floats, *, rearm: float = REARM_S) -> list[int]:
+    """Which of some moments are the begin of a bump, as `bumps` counts them.
+
+    Args:
+        times: Ascending [s], shape (n,).
+        contacts: Contacts so far, shape (n,).
+        rearm: Shortest time between two bumps [s].
+
+    Returns:
+        Indices of `times`.
+    """
+    found: list[int] = []
+    last = -math.inf
+    for place in (np.flatnonzero(np.diff(contacts) > 0.0) + 1).tolist():
+        if times[place] - last >= rearm - _EQUAL:
+            last = float(times[place])
+            found.append(place)
+    return found
 
 
 def _side(pressed: int, directions: Floats, speed: float) -> str:

@@ -229,6 +229,12 @@ class MetricsSpec:
     )
     gap_s: float = key(number(0.1, 600.0), 2.0, "pause between inputs that ends an episode [s]")
     hold_s: float = key(number(0.1, 600.0), 3.0, "how long effectiveness stays low [s]")
+    tau_s: float = key(
+        number(0.0, 86_400.0),
+        0.0,
+        "bound of restricted means of neglect tolerance [s]",
+        without="the longest neglect of each trial",
+    )
     victim_radius_m: float = key(number(0.01, 100.0), 1.0, "how near a mark is to its victim [m]")
 
 

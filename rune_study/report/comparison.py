@@ -64,21 +64,25 @@ class MetricResult:
 
     Attributes:
         metric: Its name.
+        participants: Numbers of the participants.
         values: Mean of each participant under each condition (participants, conditions).
         means: Of each condition.
         contrasts: Effects of each factor's levels, first of all results.
         tests: Analysis of variance; None: it needs two participants and two conditions.
         reasons: Why trials have no value, with how many.
+        missing: Trials without a value of each condition that has some, by its code.
         censored: For times that are partly lower bounds; then means and effects are none. None:
             all values are exact.
     """
 
     metric: str
+    participants: tuple[int, ...]
     values: npt.NDArray[np.float64]
     means: tuple[Estimate, ...]
     contrasts: tuple[Contrast, ...]
     tests: WithinAnalysis | None
     reasons: Mapping[str, int]
+    missing: Mapping[str, int]
     censored: CensoredResult | None = None
 
 
@@ -160,12 +164,20 @@ def asked_once(rows: Iterable[MetricRow]) -> dict[str, Estimate]:
 
 
 def corrected(results: Sequence[MetricResult], primary: Sequence[str]) -> dict[str, float]:
-    """p-values of the primary metrics' main tests by "METRIC: FACTOR", after Holm together."""
+    """p-values of the primary metrics' tests by "METRIC: FACTOR", after Holm together.
+
+    Of a metric whose times are partly lower bounds, that is the log-rank test of all conditions.
+    """
     tests = {
         f"{result.metric}: {effect.name}": effect.p_corrected
         for result in results
         if result.metric in primary and result.tests is not None
         for effect in result.tests.effects
+    }
+    tests |= {
+        f"{result.metric}: {CONDITION}": result.censored.test.p
+        for result in results
+        if result.metric in primary and result.censored is not None and result.censored.test
     }
     return dict(zip(tests, holm(list(tests.values())).tolist(), strict=True)) if tests else {}
 
@@ -177,12 +189,14 @@ def _result(
         return _censored(name, rows, conditions, people)
     gathered: dict[tuple[int, str], list[float]] = {}
     reasons: dict[str, int] = {}
+    missing: dict[str, int] = {}
     for row in rows:
         if math.isfinite(row.value):
             gathered.setdefault((row.participant, row.code), []).append(row.value)
         else:
             why = row.why or ("it is infinite" if math.isinf(row.value) else "it has no value")
             reasons[why] = reasons.get(why, 0) + 1
+            missing[row.code] = missing.get(row.code, 0) + 1
     values = np.array(
         [
             [float(np.mean(gathered.get((person, code), [math.nan]))) for code in conditions.codes]
@@ -191,11 +205,13 @@ def _result(
     ).reshape(len(people), len(conditions.codes))
     return MetricResult(
         metric=name,
+        participants=tuple(people),
         values=values,
         means=tuple(mean(values[:, number]) for number in range(len(conditions.codes))),
         contrasts=tuple(_contrasts(values, conditions)),
         tests=_tests(values, conditions),
         reasons=reasons,
+        missing=missing,
     )
 
 
@@ -218,6 +234,7 @@ def _censored(
     nothing = np.full((len(people), len(conditions.codes)), math.nan)
     return MetricResult(
         metric=name,
+        participants=tuple(people),
         values=nothing,
         means=tuple(
             restricted_mean_estimate(curves[code], tau)
@@ -228,6 +245,7 @@ def _censored(
         contrasts=(),
         tests=None,
         reasons={},
+        missing={},
         censored=CensoredResult(curves=curves, tau=tau, test=test),
     )
 

@@ -1,22 +1,35 @@
-"""Makes the page of a study from its tables."""
+"""Makes the page of a study from its data."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+import dataclasses
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from importlib.metadata import version
 
-from rune_study.data.rows import MetricRow, TrialRow
+import numpy as np
+
+from hub.command_line import DISTRIBUTION
+from hub.errors import ArenaError
+from hub.sim.arena import Footprints, load_arena
+from rune_study.data.overlay import TrialOverlay
+from rune_study.data.store import StudyData
 from rune_study.metrics.registry import METRICS
 from rune_study.plan.checking import design_report
 from rune_study.plan.steps import codes
 from rune_study.plan.study_spec import StudySpec
 from rune_study.report.comparison import Conditions, asked_once, compare
-from rune_study.report.page import MetricWords, StudyReport, html_page
+from rune_study.report.maps import ConditionMap, colours_of, condition_map, longest_stay
+from rune_study.report.page import StudyReport, html_page
+from rune_study.report.results import MetricWords, Results
 from rune_study.session.journal import Journal
 
 UNBLINDED = "unblinded.log"
 """Journal in the folder of a blind study: when its conditions were named."""
 _BETTER = {"higher": "more", "lower": "less"}
+_OF_TAU = ("nt_restricted_mean", "rad", "ft", "fo")
+"""Metrics that stand on the restricted mean of neglect tolerance."""
 
 
 def conditions_of(study: StudySpec, *, unblind: bool) -> Conditions:
@@ -30,30 +43,32 @@ def conditions_of(study: StudySpec, *, unblind: bool) -> Conditions:
 
 def make_page(
     study: StudySpec,
-    trials: Sequence[TrialRow],
-    metrics: Sequence[MetricRow],
+    data: StudyData,
     *,
     made: str,
     source: str,
     unblind: bool = False,
     warnings: Sequence[str] = (),
+    sessions: Mapping[int, str] | None = None,
+    checksums: Mapping[str, str] | None = None,
 ) -> str:
     """The page.
 
     Args:
         study: The study.
-        trials: All trials that were begun.
-        metrics: Of the trials that count.
+        data: Trials, metrics and overlays.
         made: When it is made, in words.
         source: How the figures can be computed again, in a sentence.
         unblind: Whether to name the conditions of a blind study.
         warnings: What is wrong with the data, a sentence each.
+        sessions: How far each participant came, by number.
+        checksums: SHA-256 of files that the page stands on, by their names.
     """
     conditions = conditions_of(study, unblind=unblind)
     chosen = study.metrics
     others = chosen.secondary or tuple(name for name in METRICS if name not in chosen.primary)
-    of_trials = [row for row in metrics if row.trial]
-    once = asked_once(metrics)
+    of_trials = [row for row in data.metrics if row.trial]
+    once = asked_once(data.metrics)
     with_data = {row.metric for row in of_trials if not row.why}
     shown = [*chosen.primary, *(name for name in others if name in with_data or chosen.secondary)]
     return html_page(
@@ -62,25 +77,86 @@ def make_page(
             digest=study.digest,
             made=made,
             design=design_report(study),
-            conditions=conditions,
-            trials=trials,
-            primary=chosen.primary,
-            results=compare(of_trials, conditions, shown),
-            words={name: _words(name) for name in (*shown, *once) if name in METRICS},
-            once=once,
-            maps={},
+            results=Results(
+                conditions=conditions,
+                trials=data.trials,
+                primary=chosen.primary,
+                results=compare(of_trials, conditions, shown),
+                words={name: _words(study, name) for name in (*shown, *once) if name in METRICS},
+                once=once,
+            ),
+            fixed=dict(_fixed(study)),
+            maps=maps_of(data.overlays, conditions),
+            colours=colours_of(each.participant for each in data.overlays),
             source=source,
+            software={**_software(study), **(checksums or {})},
+            sessions=sessions or {},
             warnings=warnings,
         )
     )
 
 
-def _words(name: str) -> MetricWords:
+def maps_of(overlays: Sequence[TrialOverlay], conditions: Conditions) -> dict[str, ConditionMap]:
+    """A map of each condition in which robots drove, by its title."""
+    groups: dict[str, list[TrialOverlay]] = {}
+    for each in overlays:
+        groups.setdefault(each.code, []).append(each)
+    colours = colours_of(each.participant for each in overlays)
+    most = longest_stay(groups.values())
+    maps: dict[str, ConditionMap] = {}
+    for number, (code, levels) in enumerate(
+        zip(conditions.codes, conditions.levels, strict=True), 1
+    ):
+        group = groups.get(code)
+        if group is not None:
+            what = ", ".join(f"{name} {level}" for name, level in levels.items())
+            title = f"{code}: {what}" if what else f"Condition {code}"
+            walls = _walls(group[0].arena)
+            maps[title] = condition_map(title, group, walls, colours, number=number, most=most)
+    return maps
+
+
+def _walls(arena: str) -> Footprints | None:
+    if not arena:
+        return None
+    try:
+        return load_arena(arena).footprints
+    except ArenaError:
+        return None
+
+
+def _words(study: StudySpec, name: str) -> MetricWords:
     metric = METRICS[name]
     unit = f" [{metric.unit}]" if metric.unit else ""
+    caution = ""
+    if name in _OF_TAU and not study.metrics.tau_s:
+        caution = (
+            "the bound of the restricted mean is that of each trial, so trials are not quite "
+            "comparable; 'tau_s' in [metrics] gives all of them the same one."
+        )
     return MetricWords(
-        label=f"{name}{unit}", meaning=metric.words, better=_BETTER.get(metric.better, "")
+        label=f"{name}{unit}",
+        meaning=metric.words,
+        better=_BETTER.get(metric.better, ""),
+        caution=caution,
     )
+
+
+def _fixed(study: StudySpec) -> Iterator[tuple[str, str]]:
+    """The table [metrics] of a study, by its keys."""
+    for field in dataclasses.fields(study.metrics):
+        value = getattr(study.metrics, field.name)
+        text = ", ".join(value) if isinstance(value, tuple) else f"{value}"
+        yield field.name, text or "none"
+
+
+def _software(study: StudySpec) -> dict[str, str]:
+    return {
+        DISTRIBUTION: version(DISTRIBUTION),
+        "Python": platform.python_version(),
+        "NumPy": np.__version__,
+        "study.toml and its folders": f"SHA-256 {study.digest}",
+    }
 
 
 def unblinded(study: StudySpec) -> None:

@@ -89,8 +89,8 @@ class Chart:
                 continue
             if len(run) > 1:
                 self._parts.append(
-                    f'<polyline points="{" ".join(run)}" fill="none" stroke="{colour}" '
-                    f'stroke-width="{wide}"/>'
+                    f'<polyline class="data" points="{" ".join(run)}" fill="none" '
+                    f'stroke="{colour}" stroke-width="{wide}"/>'
                 )
             run = []
 
@@ -106,8 +106,8 @@ class Chart:
         if math.isfinite(x) and math.isfinite(y):
             inner = f"<title>{escape(title)}</title>" if title else ""
             self._parts.append(
-                f'<circle cx="{self._across(x):.1f}" cy="{self._down(y):.1f}" r="{size}" '
-                f'fill="{colour}">{inner}</circle>'
+                f'<circle class="data" cx="{self._across(x):.1f}" cy="{self._down(y):.1f}" '
+                f'r="{size}" fill="{colour}">{inner}</circle>'
             )
 
     def upright(self, x: float, colour: str) -> None:
@@ -131,7 +131,7 @@ class Chart:
         left, right = self._across(begin), self._across(end)
         top, bottom = self._down(y + high / 2), self._down(y - high / 2)
         self._parts.append(
-            f'<rect x="{left:.1f}" y="{top:.1f}" width="{max(1.0, right - left):.1f}" '
+            f'<rect class="data" x="{left:.1f}" y="{top:.1f}" width="{max(1.0, right - left):.1f}" '
             f'height="{bottom - top:.1f}" fill="{colour}"/>'
         )
 
@@ -153,7 +153,7 @@ class Chart:
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
             f'role="img" font-size="11" font-family="sans-serif" style="max-width:{width}px">'
             f"<title>{escape(title)}</title>"
-            f'<rect width="{width}" height="{height}" fill="#fff"/>'
+            f'<rect width="{width}" height="{height}" fill="#fff" class="paper"/>'
             f"{self._frame()}{''.join(self._parts)}</svg>"
         )
 
@@ -168,7 +168,7 @@ class Chart:
     def _dashed(self, first: tuple[float, float], last: tuple[float, float], colour: str) -> None:
         (x1, y1), (x2, y2) = first, last
         self._parts.append(
-            f'<line x1="{self._across(x1):.1f}" y1="{self._down(y1):.1f}" '
+            f'<line class="axis" x1="{self._across(x1):.1f}" y1="{self._down(y1):.1f}" '
             f'x2="{self._across(x2):.1f}" y2="{self._down(y2):.1f}" '
             f'stroke="{colour}" stroke-dasharray="4 3"/>'
         )
@@ -179,7 +179,7 @@ class Chart:
         left, right = _MARGIN_LEFT, width - _MARGIN_RIGHT
         top, bottom = _MARGIN_TOP, height - _MARGIN_BOTTOM
         parts = [
-            f'<path d="M{left} {top}V{bottom}H{right}" fill="none" stroke="#555b63"/>',
+            f'<path class="axis" d="M{left} {top}V{bottom}H{right}" fill="none" stroke="#555b63"/>',
             f'<text x="{(left + right) / 2}" y="{height - 6}" text-anchor="middle">'
             f"{escape(self._x.label)}</text>",
             f'<text x="12" y="{(top + bottom) / 2}" text-anchor="middle" '
@@ -188,13 +188,13 @@ class Chart:
         for value, words in self._x.ticks():
             x = self._across(value)
             parts.append(
-                f'<path d="M{x:.1f} {bottom}v4" stroke="#555b63"/>'
+                f'<path class="axis" d="M{x:.1f} {bottom}v4" stroke="#555b63"/>'
                 f'<text x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{escape(words)}</text>'
             )
         for value, words in self._y.ticks():
             y = self._down(value)
             parts.append(
-                f'<path d="M{left} {y:.1f}h-4" stroke="#555b63"/>'
+                f'<path class="axis" d="M{left} {y:.1f}h-4" stroke="#555b63"/>'
                 f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{escape(words)}</text>'
             )
         return "".join(parts)

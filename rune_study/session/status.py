@@ -94,6 +94,19 @@ def _passed(done: Record) -> bool:
     return not isinstance(result, dict) or result.get("passed") is not False
 
 
+def state_words(progress: Progress) -> str:
+    """How far a participant is, in words."""
+    done, steps = progress.done, progress.steps
+    what = "complete" if done == steps else f"{done} of {steps} steps"
+    notes = ["declined" if progress.declined else what]
+    notes += [f"replaces {progress.replaces}"] if progress.replaces else []
+    notes += [f"at {progress.now}"] if progress.now and not progress.declined else []
+    notes += [f"{progress.attempts} begun again"] if progress.attempts else []
+    notes += ["with another study"] if progress.other_study else []
+    notes += [] if progress.passed else ["practice not passed"]
+    return ", ".join(notes)
+
+
 def status_lines(study: StudySpec) -> Iterator[str]:
     """A line for each participant, and what is next."""
     known = participants_of(study)
@@ -104,14 +117,7 @@ def status_lines(study: StudySpec) -> Iterator[str]:
         each = progress_of(study, participant)
         complete += each.done == each.steps
         (declined if each.declined else taken).add(each.replaces or participant)
-        notes = [f"replaces {each.replaces}"] if each.replaces else []
-        notes += [f"at {each.now}"] if each.now and not each.declined else []
-        notes += [f"{each.attempts} begun again"] if each.attempts else []
-        notes += ["with another study"] if each.other_study else []
-        notes += [] if each.passed else ["practice not passed"]
-        what = "complete" if each.done == each.steps else f"{each.done} of {each.steps} steps"
-        what = "declined" if each.declined else what
-        yield f"{participant:3}  {each.order}  {', '.join([what, *notes])}"
+        yield f"{participant:3}  {each.order}  {state_words(each)}"
     yield f"{complete} of {study.participants} participants are complete"
     line = f"next: rune study run {study.folder} --participant {next_participant(known)}"
     free = declined - taken

@@ -9,6 +9,7 @@ import os
 import re
 from pathlib import Path
 
+from rune_study.data.store import StudyData
 from rune_study.plan.checking import design_report, missing
 from rune_study.plan.study_file import read_study
 from rune_study.report.making import make_page
@@ -30,7 +31,8 @@ def test_its_report_is_the_one_in_the_docs() -> None:
     effects = [effect_of("link=threshold:interaction=1.25")]
     trials, metrics = simulated(study, study.participants, OperatorModel(check_s=40.0), effects)
     source = "Models took the place of people; nobody drove a robot."
-    page = make_page(study, trials, metrics, made="by models", source=source, unblind=True)
+    data = StudyData(trials=tuple(trials), metrics=tuple(metrics))
+    page = make_page(study, data, made="by models", source=source, unblind=True)
     if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
         _PAGE.write_text(page)
     # Last digits of numbers depend on the processor.

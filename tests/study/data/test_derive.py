@@ -12,7 +12,7 @@ from hub.recording.anchor import TimeAnchor
 from hub.recording.topics import topic_of
 from hub.recording.writer import RecordingWriter, WriterLimits
 from rune_study.data.rows import MetricRow
-from rune_study.data.store import compute, recordings_of
+from rune_study.data.store import StudyData, compute, recordings_of
 from rune_study.data.tables import read
 from rune_study.errors import DataError
 from rune_study.plan.folder import participant_folder
@@ -112,7 +112,7 @@ def test_a_questionnaire_at_the_end_has_a_score_of_the_session(study: StudySpec)
     metrics = compute(study, nothing).metrics
     rows = [row for row in metrics if row.trial == 0]
     assert [(row.metric, row.value, row.code) for row in rows] == [("sus", 55.0, "")]
-    page = make_page(study, (), metrics, made="today", source="again")
+    page = make_page(study, StudyData(trials=(), metrics=metrics), made="today", source="again")
     assert "Asked once per session" in page
     assert '<td class="number">55</td>' in page
 
@@ -147,7 +147,7 @@ def test_a_session_that_only_began_has_no_trials(study: StudySpec, kept: int) ->
     path.write_bytes(path.read_bytes() * kept)
     data = compute(study, nothing)
     assert data.trials == data.metrics == ()
-    page = make_page(study, data.trials, data.metrics, made="", source="", warnings=["a <b>"])
+    page = make_page(study, data, made="", source="", warnings=["a <b>"])
     assert "<p>Note: a &lt;b&gt;.</p>" in page
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from rune_study.data.rows import MetricRow, TrialRow
 from rune_study.plan.checking import DesignReport
 from rune_study.report.comparison import Conditions, compare
-from rune_study.report.page import MetricWords, StudyReport, html_page
+from rune_study.report.page import StudyReport, html_page
+from rune_study.report.results import MetricWords, Results
 
 CONDITIONS = Conditions(codes=("A", "B"), levels=({"layout": "search"}, {"layout": "robobot-2004"}))
 DESIGN = DesignReport(
@@ -59,15 +60,28 @@ def report(conditions: Conditions = CONDITIONS) -> StudyReport:
         digest="f" * 64,
         made="today",
         design=DESIGN,
-        conditions=conditions,
-        trials=trials,
-        primary=("IE",),
-        results=compare(rows, conditions, ["IE", "NT"]),
-        words={"IE": MetricWords(label="interaction effort [s]", meaning="Mean.", better="less")},
+        results=Results(
+            conditions=conditions,
+            trials=trials,
+            primary=("IE",),
+            results=compare(rows, conditions, ["IE", "NT"]),
+            words={
+                "IE": MetricWords(label="interaction effort [s]", meaning="Mean.", better="less")
+            },
+            once={},
+        ),
+        fixed={"primary": "IE"},
         maps={},
-        once={},
+        colours={},
         source="rune study report",
+        software={"NumPy": "2"},
+        sessions={},
     )
+
+
+def changed(whole: StudyReport, **fields: object) -> StudyReport:
+    """The report with other results."""
+    return dataclasses.replace(whole, results=dataclasses.replace(whole.results, **fields))
 
 
 class Balance(HTMLParser):
@@ -106,7 +120,7 @@ def test_it_says_who_was_left_out_and_why() -> None:
     assert "7 trials that count of 8 that were begun" in words
     assert "the hub's recording is cut" in words.replace("&#x27;", "'")
     assert "1 x the trial does not count" in words
-    assert "Left out for missing values: 1 participants" in words
+    assert "The analysis of variance has the 3 complete participants; participant 4 had" in words
 
 
 def test_effects_come_with_intervals_and_before_tests() -> None:
@@ -121,10 +135,10 @@ def test_a_metric_without_values_says_so() -> None:
 
 def test_each_reason_for_no_test_has_its_own_sentence() -> None:
     whole = report()
-    first = [trial for trial in whole.trials if trial.participant == 1]
-    none = words_of(html_page(dataclasses.replace(whole, primary=())))
-    empty = words_of(html_page(dataclasses.replace(whole, primary=("NT",))))
-    early = words_of(html_page(dataclasses.replace(whole, trials=first)))
+    first = [trial for trial in whole.results.trials if trial.participant == 1]
+    none = words_of(html_page(changed(whole, primary=())))
+    empty = words_of(html_page(changed(whole, primary=("NT",))))
+    early = words_of(html_page(changed(whole, trials=first)))
     assert "No metric was chosen to decide" in none
     assert "NT was chosen to decide, but no trial has a value of it" in empty
     assert "It is too early for tests" in early
@@ -152,7 +166,7 @@ def test_times_with_lower_bounds_are_drawn_as_curves() -> None:
         for trial, code in enumerate("AB", 1)
     ]
     results = compare(rows, CONDITIONS, ["first_victim"])
-    page = html_page(dataclasses.replace(report(), results=results))
+    page = html_page(changed(report(), results=results))
     words = words_of(page)
     assert "mean up to 300 s" in words
     assert "Log-rank test within participants" in words

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from rune_study.data.store import StudyData
 from rune_study.errors import StudyError
 from rune_study.plan.study_file import read_study
 from rune_study.plan.study_spec import StudySpec
@@ -58,7 +59,8 @@ def test_the_same_study_gives_the_same_data(study: StudySpec) -> None:
 
 def test_a_page_is_made_of_it(study: StudySpec) -> None:
     trials, metrics = simulated(study, 4, MODEL)
-    page = make_page(study, trials, metrics, made="by models", source="Models did it.")
+    data = StudyData(trials=tuple(trials), metrics=tuple(metrics))
+    page = make_page(study, data, made="by models", source="Models did it.")
     assert "ie_mean [s] (chosen to decide)" in page
     assert "Models did it." in page
 
