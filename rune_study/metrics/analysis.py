@@ -5,6 +5,8 @@ from __future__ import annotations
 import functools
 import math
 
+import numpy as np
+
 from hub.values import dataclass
 from rune_study.estimate import Estimate, unknown
 from rune_study.metrics.effectiveness import Signal, rate_of_progress
@@ -69,10 +71,29 @@ class TrialAnalysis:
 
     @functools.cached_property
     def effort(self) -> Estimate:
-        """IE: mean length of an episode [s]."""
+        """IE: mean length of an episode [s].
+
+        A return within the pause that ends an episode makes one of two. Where the operator chose
+        the robot again in between, the interval is wider: it also holds the mean of both apart.
+        """
         if not self.episodes:
             return unknown("there was no interaction")
-        return mean([each.length for each in self.episodes])
+        found = mean([each.length for each in self.episodes])
+        split = [
+            span.length for robot in self.robots for span in self._spans(robot.log, split=True)
+        ]
+        returns = len(split) - len(self.episodes)
+        if not returns:
+            return found
+        apart = mean(split)
+        note = f"returns within the pause that ends an episode: {returns}; counted apart, IE is"
+        return Estimate(
+            value=found.value,
+            low=float(np.fmin(found.low, apart.low)),
+            high=float(np.fmax(found.high, apart.high)),
+            n=found.n,
+            note=f"{note} {apart.value:.3g} s, and the interval holds both",
+        )
 
     @functools.cached_property
     def seen(self) -> Estimate:
@@ -160,16 +181,20 @@ class TrialAnalysis:
             return "no progress was recorded"
         return "not identifiable: there was no progress while the operator attended"
 
-    def _analysed(self, log: RobotData) -> RobotAnalysis:
-        spec, until = self.spec, self.trial.length
-        spans = episodes(
+    def _spans(self, log: RobotData, *, split: bool = False) -> tuple[Episode, ...]:
+        return episodes(
             log.inputs,
             log.selections,
             held=log.held,
-            gap=spec.gap,
-            least=spec.least,
-            until=until,
+            gap=self.spec.gap,
+            least=self.spec.least,
+            until=self.trial.length,
+            split_at_selections=split,
         )
+
+    def _analysed(self, log: RobotData) -> RobotAnalysis:
+        spec, until = self.spec, self.trial.length
+        spans = self._spans(log)
         if log.progress is None:
             return RobotAnalysis(log=log, episodes=spans, rate=None, below=math.nan, neglects=())
         rate = rate_of_progress(

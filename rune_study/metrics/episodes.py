@@ -53,6 +53,7 @@ def episodes(
     gap: float = GAP_S,
     least: float = LEAST_S,
     until: float = math.inf,
+    split_at_selections: bool = False,
 ) -> tuple[Episode, ...]:
     """Group the inputs of one robot.
 
@@ -65,6 +66,9 @@ def episodes(
         gap: A pause longer than this ends an episode [s].
         least: Shortest time from the first input to the end [s].
         until: End of the trial [s]; no episode lasts longer.
+        split_at_selections: Whether the choice of the robot between two inputs ends an episode too.
+            A return within the pause is then an episode of its own, and not a part of the one
+            before.
 
     Raises:
         DataError: A time is not finite.
@@ -74,9 +78,12 @@ def episodes(
     if not times.size:
         return ()
     spans = _finite(np.ravel(held), "held").reshape(-1, 2)
+    apart = np.diff(times) > gap + _EQUAL
+    if split_at_selections:
+        apart |= np.diff(np.searchsorted(chosen, times, side="right")) > 0
     pauses = [
         place
-        for place in np.flatnonzero(np.diff(times) > gap + _EQUAL).tolist()
+        for place in np.flatnonzero(apart).tolist()
         if not ((spans[:, 0] <= times[place]) & (spans[:, 1] >= times[place + 1])).any()
     ]
     made: list[Episode] = []

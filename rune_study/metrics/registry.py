@@ -52,7 +52,8 @@ _ROWS = (
          "while a key is held there is none."),
     _row("ie_mean", "s", "lower", lambda it: it.effort,
          "Interaction effort IE: mean length of an episode. It begins when the robot is "
-         "chosen, at most 2 s before the first input, and lasts at least 0.5 s."),
+         "chosen, at most 2 s before the first input, and lasts at least 0.5 s. If the robot is "
+         "chosen again within an episode, the interval also holds the mean of both parts apart."),
     _row("ie_inputs", "inputs", "lower", of.inputs_per_episode, "Inputs per episode."),
     _row("rad_mission", "share", "lower", of.mission_demand,
          "Attention demand of the mission: union of all episodes over the trial."),

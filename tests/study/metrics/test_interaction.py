@@ -76,6 +76,24 @@ def test_ends_of_episodes(inputs, chosen, wanted) -> None:
     assert [(each.begin, pytest.approx(each.end)) for each in made] == wanted
 
 
+@for_each(
+    ("chosen", "held", "wanted"),
+    [
+        ([], [], [(10, 14)]),
+        ([9, 12], [], [(9, 11), (12, 14)]),  # the input at the very choice comes after it
+        ([12.4, 13.9], [], [(10, 12), (12.4, 13.5), (13.9, 14.5)]),
+        ([12], [(11, 13)], [(10, 14)]),  # a key that is held is no return
+        ([20], [], [(10, 14)]),
+    ],
+)
+def test_a_choice_within_an_episode_can_split_it(chosen, held, wanted) -> None:
+    inputs = [10, 11, 12, 13, 14]
+    made = episodes(inputs, chosen, held=held, split_at_selections=True)
+    assert [(each.begin, pytest.approx(each.end)) for each in made] == wanted
+    (whole,) = episodes(inputs, chosen, held=held)
+    assert whole.end == 14
+
+
 def test_a_held_key_is_no_pause() -> None:
     inputs = [1.0, 1.3, 9.0, 14.0, 14.2]
     made = episodes(inputs, held=[(1.0, 9.0)])

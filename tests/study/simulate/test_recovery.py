@@ -31,6 +31,17 @@ def test_the_truth_lies_in_the_stated_interval(name: str, trials: int) -> None:
     assert effort.mean == pytest.approx(effort.truth, rel=0.04)
 
 
+@pytest.mark.parametrize("trials", [60, *in_soak(200)])
+@pytest.mark.parametrize("check_s", [25.0, 10.0])
+def test_the_interval_of_effort_holds_where_early_returns_merge_episodes(
+    check_s: float, trials: int
+) -> None:
+    found = recovery(OperatorModel(check_s=check_s), range(trials))
+    (effort,) = (each for each in found if each.metric == "ie_mean")
+    assert effort.mean > effort.truth * 1.03
+    assert effort.coverage >= 0.93
+
+
 def test_an_operator_who_returns_at_each_stand_leaves_nothing_to_know() -> None:
     for each in measured(OperatorModel(notice_s=0.0), range(5)):
         assert not each["nt_median"].known
