@@ -6,7 +6,7 @@ import argparse
 import datetime
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from hub import files
@@ -157,6 +157,7 @@ def _report(options: argparse.Namespace) -> int:
     begun = participants_of(study)
     warnings = _warn(study, begun)
     data = compute(study, _progress("computing metrics"))
+    warnings += _say(data.partial)
     if options.unblind:
         unblinded(study)
     page = make_page(
@@ -180,6 +181,7 @@ def _export(options: argparse.Namespace) -> int:
     study = read_study(options.folder)
     _warn(study, participants_of(study))
     data = compute(study, _progress("computing metrics"))
+    _say(data.partial)
     for path in write_tables(options.output or study.folder / DERIVED, data):
         sys.stdout.write(f"{plain(str(path))}\n")
     return ExitCode.OK
@@ -259,9 +261,13 @@ def _warn(study: StudySpec, participants: Sequence[int]) -> list[str]:
     """Say on stderr what is wrong with participants' files; returns the same."""
     from rune_study.session.warnings import warnings_of
 
-    warnings = [plain(each) for each in warnings_of(study, participants)]
-    sys.stderr.writelines(f"note: {each}\n" for each in warnings)
-    return warnings
+    return _say(warnings_of(study, participants))
+
+
+def _say(notes: Iterable[str]) -> list[str]:
+    said = [plain(each) for each in notes]
+    sys.stderr.writelines(f"note: {each}\n" for each in said)
+    return said
 
 
 def _written(path: Path, text: str) -> int:

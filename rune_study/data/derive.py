@@ -14,6 +14,7 @@ from typing import Any
 from hub.errors import ArenaError, RecordingError
 from hub.recording.recording_set import RecordingSet
 from hub.values import dataclass
+from rune_study.data.lacking import lacking_files, lacking_time
 from rune_study.data.overlay import TrialOverlay, overlay_of
 from rune_study.data.rows import EventRow, MetricRow, TrialRow, metric_rows
 from rune_study.errors import DataError
@@ -144,7 +145,7 @@ def _measured(
         return TrialRow(**row, excluded=_OPEN), [], []
     files = sorted(folder.glob(f"{step.name}-a{attempt.number}*.mcap"))
     try:
-        data = _trial_data(study, attempt, files, answers)
+        data, lacks = _trial_data(study, attempt, files, answers)
         found = metric_rows(own, measure(data, measures(study)))
     except (RecordingError, ArenaError, DataError) as fault:
         return TrialRow(**row, excluded=str(fault)), [], []
@@ -156,12 +157,13 @@ def _measured(
         arena=arena_of(study, study.conditions[step.condition]),
         radius=study.metrics.victim_radius_m,
     )
-    return TrialRow(**row), found, [overlay]
+    return TrialRow(**row, partial="; ".join(lacks)), found, [overlay]
 
 
 def _trial_data(
     study: StudySpec, attempt: _Attempt, files: Sequence[Path], answers: Sequence[GivenAnswer]
-) -> TrialData:
+) -> tuple[TrialData, list[str]]:
+    """The data of a trial, and what its recordings lack."""
     if not files:
         text = "its recordings are missing"
         raise DataError(text)
@@ -182,13 +184,18 @@ def _trial_data(
     consoles = [file for file in files if file.name.endswith(".console.mcap")]
     hubs = [file for file in files if file not in consoles]
     with contextlib.ExitStack() as stack:
-        logs = [
-            _log(stack.enter_context(RecordingSet.open([*consoles, *hub])), time)
+        opened = [
+            stack.enter_context(RecordingSet.open([*consoles, *hub]))
             for hub in ([[each] for each in hubs] or [[]])
         ]
+        logs = [_log(each, time) for each in opened]
         roles = roles_of(logs[0]) if consoles else []
         roles += [f"robot {number + 1}" for number in range(len(roles), len(logs))]
-        return trial_data(dict(zip(roles, logs, strict=False)), around)
+        data = trial_data(dict(zip(roles, logs, strict=False)), around)
+        lacks = [*lacking_files(consoles, hubs, spec.robots)]
+        for log, recordings in zip(logs, opened, strict=True):
+            lacks += lacking_time(recordings, log.begin, log.end)
+    return data, list(dict.fromkeys(lacks))
 
 
 def _log(recordings: RecordingSet, time: TrialTime) -> TrialLog:

@@ -35,6 +35,7 @@ class TrialRow:
     seconds: float = column("its length without freezes and pauses", "s", math.nan)
     ended: str = column("what ended it", default="")
     excluded: str = column("why it does not count; empty: it counts", default="")
+    partial: str = column("what its recordings lack; empty: they are whole", default="")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

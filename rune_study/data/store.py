@@ -38,6 +38,16 @@ class StudyData:
     metrics: tuple[MetricRow, ...]
     overlays: tuple[TrialOverlay, ...] = ()
 
+    @property
+    def partial(self) -> list[str]:
+        """Trials that count and whose recordings lack something, a sentence each."""
+        return [
+            f"the metrics of participant {each.participant}, trial {each.trial} are partial: "
+            f"{each.partial}"
+            for each in self.trials
+            if each.partial and not each.excluded
+        ]
+
 
 def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:
     """Compute all data from the files of the participants, and write them.

@@ -22,6 +22,9 @@ from rune_study.metrics.trial import MeasureSpec, RobotData, TrialData
 from rune_study.statistics.means import mean, share
 from rune_study.statistics.survival import Survival, kaplan_meier, restricted_mean_estimate
 
+INPUTS_NOT_KNOWN = "the operator's inputs were not recorded"
+"""Why there is no number of what the operator did."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotAnalysis:
@@ -77,7 +80,7 @@ class TrialAnalysis:
         the robot again in between, the interval is wider: it also holds the mean of both apart.
         """
         if not self.episodes:
-            return unknown("there was no interaction")
+            return self.no_episode
         found = mean([each.length for each in self.episodes])
         split = [
             span.length for robot in self.robots for span in self._spans(robot.log, split=True)
@@ -156,6 +159,8 @@ class TrialAnalysis:
             for each in self.robots
             if each.rate is not None
         ]
+        if not self.trial.inputs_known:
+            return unknown(INPUTS_NOT_KNOWN)
         if not team or len(team) < len(self.robots):
             return unknown("the progress of a robot was not recorded")
         value = active_robots(team)
@@ -174,9 +179,15 @@ class TrialAnalysis:
         why = f"not identifiable: only {drops} of {self.seen.n} neglects ended with a drop"
         return unknown(why, self.seen.n)
 
+    @property
+    def no_episode(self) -> Estimate:
+        """Why there is no episode of interaction."""
+        known = self.trial.inputs_known
+        return unknown("there was no interaction" if known else INPUTS_NOT_KNOWN)
+
     def _why_no_neglect(self) -> str:
         if not self.episodes:
-            return "there was no interaction"
+            return self.no_episode.why
         if all(each.rate is None for each in self.robots):
             return "no progress was recorded"
         return "not identifiable: there was no progress while the operator attended"

@@ -155,6 +155,7 @@ class TrialData:
     Attributes:
         length: Its duration without freezes and pauses [s].
         robots: Its robots.
+        inputs_known: Whether the operator's inputs were recorded, if there were any.
         marks: Marks of victims, in the frame of the true places.
         victims: True places of victims [m], shape (victims, 2).
         seen: Cells of the true grid that were seen or mapped, shape (height, width).
@@ -169,6 +170,7 @@ class TrialData:
 
     length: float
     robots: tuple[RobotData, ...] = ()
+    inputs_known: bool = True
     marks: tuple[Mark, ...] | None = None
     victims: Floats | None = None
     seen: Flags | None = None

@@ -11,7 +11,7 @@ import numpy as np
 from rune_study.estimate import Estimate, unknown
 from rune_study.metrics import bumps as bumping
 from rune_study.metrics import driving, fan_out, questionnaires, steering, victims
-from rune_study.metrics.analysis import TrialAnalysis
+from rune_study.metrics.analysis import INPUTS_NOT_KNOWN, TrialAnalysis
 from rune_study.metrics.awareness import awareness
 from rune_study.metrics.coverage import coverage
 from rune_study.metrics.effectiveness import Signal, signal
@@ -52,13 +52,15 @@ def completion(it: TrialAnalysis) -> Estimate:
 
 def episode_count(it: TrialAnalysis) -> Estimate:
     """Number of episodes of interaction."""
+    if not it.trial.inputs_known:
+        return unknown(INPUTS_NOT_KNOWN)
     return Estimate(value=len(it.episodes), n=len(it.episodes))
 
 
 def inputs_per_episode(it: TrialAnalysis) -> Estimate:
     """Mean number of inputs of an episode."""
     if not it.episodes:
-        return unknown("there was no interaction")
+        return it.no_episode
     return mean([each.inputs for each in it.episodes])
 
 
@@ -66,6 +68,8 @@ def mission_demand(it: TrialAnalysis) -> Estimate:
     """Share of the trial with at least one robot."""
     if it.trial.length <= 0.0:
         return unknown("the trial has no length")
+    if not it.trial.inputs_known:
+        return unknown(INPUTS_NOT_KNOWN)
     return Estimate(value=it.attended / it.trial.length, n=len(it.episodes))
 
 
@@ -257,6 +261,8 @@ def command_rate(it: TrialAnalysis) -> Estimate:
     """Inputs per second; an input is a change of intention."""
     if it.trial.length <= 0.0:
         return unknown("the trial has no length")
+    if not it.trial.inputs_known:
+        return unknown(INPUTS_NOT_KNOWN)
     count = sum(each.inputs.size for each in it.trial.robots)
     return Estimate(value=count / it.trial.length, n=count)
 

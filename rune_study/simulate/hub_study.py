@@ -220,7 +220,8 @@ def _measured(
         dataclasses.replace(each, inputs=np.sort(spans.ravel()), held=spans.reshape(-1, 2))
         for each, spans in zip(data.robots, held, strict=True)
     )
-    found = measure(dataclasses.replace(data, robots=robots), measures(study))
+    data = dataclasses.replace(data, robots=robots, inputs_known=True)
+    found = measure(data, measures(study))
     return metric_rows(own, found), middle(stops)
 
 

@@ -97,6 +97,7 @@ def trial_data(logs: Mapping[str, TrialLog], around: Surroundings) -> TrialData:
     return TrialData(
         length=around.time.length,
         robots=tuple(robots),
+        inputs_known=any(log.has_console for log in logs.values()),
         marks=tuple(marks),
         victims=truth.victims if truth is not None else None,
         seen=seen,

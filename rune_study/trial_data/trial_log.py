@@ -41,6 +41,11 @@ class TrialLog:
         return max(0.0, (self.end - self.begin) / _SECOND)
 
     @property
+    def has_console(self) -> bool:
+        """Whether the recordings have a console's records of itself."""
+        return any(topic.robot == CONSOLE for topic in self._recordings.channels.values())
+
+    @property
     def robots(self) -> tuple[str, ...]:
         """Names of the robots that the recordings have messages of."""
         return tuple(

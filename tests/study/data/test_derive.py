@@ -9,8 +9,10 @@ import pytest
 
 from hub.gcm.ground_truth import GROUND_TRUTH
 from hub.recording.anchor import TimeAnchor
+from hub.recording.recording_set import RecordingSet
 from hub.recording.topics import topic_of
 from hub.recording.writer import RecordingWriter, WriterLimits
+from rune_study.data.lacking import lacking_time
 from rune_study.data.rows import MetricRow
 from rune_study.data.store import StudyData, compute, recordings_of
 from rune_study.data.tables import read
@@ -122,6 +124,34 @@ def test_a_trial_without_its_recording_is_excluded_with_the_reason(study: StudyS
     data = compute(study, nothing)
     assert [row.excluded for row in data.trials] == ["", "its recordings are missing"]
     assert len(of_metric(data.metrics, "driven")) == 1
+
+
+def test_what_recordings_lack_is_said_of_their_trial(study: StudySpec) -> None:
+    play(study)
+    cut = participant_folder(study.folder, 1) / "t2-a1.mcap"
+    content = cut.read_bytes()
+    cut.write_bytes(content[: len(content) // 2])
+    data = compute(study, nothing)
+    whole, part = (row.partial for row in data.trials)
+    assert "the console's recording is missing" in whole
+    assert "cut" not in whole
+    assert "t2-a1.mcap: " in part
+    assert data.partial[1].startswith("the metrics of participant 1, trial 2 are partial: the con")
+    # Without a console's recording the operator did not do nothing: it is not known.
+    rows = [row for row in data.metrics if row.metric in ("episodes", "ie_mean", "command_rate")]
+    assert {row.why for row in rows} == {"the operator's inputs were not recorded"}
+
+
+def test_a_recording_that_ends_early_is_said(study: StudySpec) -> None:
+    play(study)
+    with RecordingSet.open([participant_folder(study.folder, 1) / "t1-a1.mcap"]) as recordings:
+        begin, end = recordings.start, recordings.end
+        at = 3_000_000_000
+        assert list(lacking_time(recordings, begin, end)) == []
+        assert list(lacking_time(recordings, begin - at, end + at)) == [
+            "t1-a1.mcap begins 3.0 s after the trial",
+            "t1-a1.mcap ends 3.0 s before the trial",
+        ]
 
 
 def test_the_last_attempt_is_replayed(study: StudySpec) -> None:
