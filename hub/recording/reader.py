@@ -74,6 +74,8 @@ class Recording(OpenRecording):
             (place for place in summary.chunks if place.start <= place.end),
             key=lambda place: (place.start, place.offset),
         )
+        self._starts = np.array([place.start for place in self._places], np.uint64)
+        self._ends = np.array([place.end for place in self._places], np.uint64)
         self.start = self._places[0].start if self._places else 0
         self.end = max((place.end for place in self._places), default=0)
         self._loaded: OrderedDict[int, LoadedChunk] = OrderedDict()
@@ -176,11 +178,8 @@ class Recording(OpenRecording):
         wanted = None if channels is None else channels & self.channels.keys()
         chosen = None if wanted is None else np.array(sorted(wanted), np.uint16)
         waiting = WaitingMessages(reverse=reverse)
-        places = [
-            number
-            for number, place in enumerate(self._places)
-            if place.end >= first and place.start <= last
-        ]
+        meeting = (self._ends >= first) & (self._starts <= last)
+        places = np.flatnonzero(meeting).tolist() if last >= 0 else []
         if wanted is not None and len(places) > 1:
             known = self._chunks_of_channels()
             having = {n for each in wanted & known.keys() for n in known[each].numbers.tolist()}

@@ -12,7 +12,7 @@ from textual.app import ComposeResult
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.replay.desk import HELP, Desk, no_urgencies
-from rune_tui.replay.player import Player
+from rune_tui.replay.player import Knowledge, Player
 from rune_tui.replay.source import Overview
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
@@ -27,8 +27,10 @@ from rune_tui.ui.view_pane import ViewPane, ViewScreen
 
 _BUSY_S = 0.025
 """Longest time to take frames before the next one is drawn [s]."""
-_SPARE_S = 0.012
-"""Time for frames that may be asked for later, at each turn [s]."""
+_LATER_S = 0.2 * FRAME_S
+"""Time for frames that later jumps need, at each turn [s]: a fifth of a processor."""
+_NOW_S = 0.6 * FRAME_S
+"""Time for frames that the shown one needs to be exact, at each turn of a pause [s]."""
 
 
 class ReplayApp(MouseApp, inherit_bindings=False):
@@ -58,7 +60,6 @@ class ReplayApp(MouseApp, inherit_bindings=False):
         self._pane = ViewPane(traits.glyphs.half)
         self._painter = Painter(self, self._pane, traits, round_trip)
         self._look: tuple[int, int, object, Cells | None] = (0, 0, None, None)
-        self._more = True
         self._found: Overview | None = None
 
     def get_default_screen(self) -> ViewScreen:
@@ -127,9 +128,8 @@ class ReplayApp(MouseApp, inherit_bindings=False):
         player.tick(now, time.monotonic, _BUSY_S)
         if self._painter.ready(now):
             self._paint(now)
-        if self._more:
-            spare = _SPARE_S if player.playing else 2 * _SPARE_S
-            self._more = player.prepare(time.monotonic, spare)
+        waits = player.knows is not Knowledge.ALL and not player.playing
+        player.prepare(time.monotonic, _NOW_S if waits else _LATER_S)
 
     def _paint(self, now: float) -> None:
         columns, rows = self.size

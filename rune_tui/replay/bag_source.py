@@ -85,8 +85,17 @@ class BagSource:
         """What cannot be shown, and why, in sentences."""
         return [*self._bag.faults, *self._robot.values.faults, *self._picture_faults]
 
-    def frames(self, after: int, until: int) -> Iterator[ReplayFrame]:
-        """The frames later than `after` and at the latest `until`, in the order of time."""
+    def frames(self, after: int, until: int, apart: int = 0) -> Iterator[ReplayFrame]:
+        """Some or all frames, in the order of time; see `ReplaySource`."""
+        free = after + apart
+        for stamp in self._taken(after, until):
+            if stamp >= free:
+                free = stamp + apart
+                yield self._frame(stamp)
+        self._at = until
+
+    def _taken(self, after: int, until: int) -> Iterator[int]:
+        """The times of frames; at each, the messages before it are taken."""
         if self._at != after:
             self._robot.seek(after)
         self._at = -1
@@ -95,13 +104,10 @@ class BagSource:
         last = due - STEP_NS if begin is None else self._after(begin)
         for message in self._bag.messages(after + 1, until):
             frame = self._after(message.stamp)
-            for stamp in range(due, min(frame, last + (_AFTER + 1) * STEP_NS), STEP_NS):
-                yield self._frame(stamp)
+            yield from range(due, min(frame, last + (_AFTER + 1) * STEP_NS), STEP_NS)
             due, last = max(due, frame), frame
             self._robot.take(message)
-        for stamp in range(due, min(until, last + _AFTER * STEP_NS, self.end) + 1, STEP_NS):
-            yield self._frame(stamp)
-        self._at = until
+        yield from range(due, min(until, last + _AFTER * STEP_NS, self.end) + 1, STEP_NS)
 
     def frame_before(self, stamp: int) -> int | None:
         """Stamp of the newest frame at or before a time; None: there is none."""

@@ -98,14 +98,15 @@ class ConsoleLog:
         """What cannot be shown, and why."""
         return [*self._recording.faults, *self._decoder.faults]
 
-    def frames(self, after: int, until: int) -> Iterator[ReplayFrame]:
-        """The frames later than `after` and at the latest `until`, in the order of time."""
+    def frames(self, after: int, until: int, apart: int = 0) -> Iterator[ReplayFrame]:
+        """Some or all frames, in the order of time; see `ReplaySource`."""
         if self._at != after:
             self._moment.begin(after)
+        due = after + apart
         for message in self._recording.messages(after + 1, until):
-            frame = self._moment.frame(message)
+            frame = self._moment.frame(message, build=message.stamp >= due)
             if frame is not None:
-                self._at = frame.stamp
+                self._at, due = frame.stamp, frame.stamp + apart
                 yield frame
         self._at = until
 
@@ -169,9 +170,11 @@ class _Moment:
             if message.number and topic.robot:
                 self._messages[topic.robot][message.number] = message
             return None
+        if not build and topic.message == RUNE_FRAME.name:
+            return None
         value = self._decoder.value(message)
         if isinstance(value, FrameRecord):
-            return self._frame(message.stamp, value) if build else None
+            return self._frame(message.stamp, value)
         if isinstance(value, StateRecord):
             self._take_field(value)
         elif isinstance(value, LinkRecord):

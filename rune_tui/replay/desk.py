@@ -13,7 +13,8 @@ import numpy as np
 from rune_tui.compositor.cells import Cells
 from rune_tui.controls.keyboard import name_of_key
 from rune_tui.replay import screen, timeline
-from rune_tui.replay.player import Player
+from rune_tui.replay.drawing import FrameCheck
+from rune_tui.replay.player import Knowledge, Player
 from rune_tui.replay.source import Overview, ReplayFrame
 from rune_tui.widgets.listeners import Listeners
 
@@ -132,8 +133,10 @@ class Desk:
         said = f" RECORDING {moment_text(player.position)}  {does} {rate}"
         if player.loop:
             said += "  loop"
-        if not player.complete:
-            said += "  (trails and plots of the last seconds only)"
+        if player.knows is not Knowledge.ALL:
+            said += f"  filling trails and plots ({player.ready:.0%})"
+        elif (check := self._checked()).value:
+            said += f"  {check.value}"
         if self._entry is not None:
             said += f"  go to :{self._entry}_"
         elif self._clock() - self._noticed < _NOTICE_S:
@@ -143,6 +146,12 @@ class Desk:
         elif columns - len(said) > len(player.source.title) + 2:
             said += f"{player.source.title:>{columns - len(said) - 1}}"
         return said
+
+    def _checked(self) -> FrameCheck:
+        """Whether the frame is that of then; not looked at while it plays."""
+        check = self.player.drawer.check
+        looked = check is FrameCheck.OTHER_SIZE or not self.player.playing
+        return check if looked else FrameCheck.UNKNOWN
 
     def _time_forms(self) -> tuple[str, str]:
         source = self.player.source

@@ -4,11 +4,29 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import enum
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.replay.source import ReplayFrame
 from rune_tui.view import View
+
+
+class FrameCheck(enum.Enum):
+    """Whether a frame is the one that the console drew; the value says it in words.
+
+    Attributes:
+        SAME: It is, by its checksum.
+        OTHER: It is not.
+        OTHER_SIZE: It is drawn at another size, so it cannot be.
+        UNKNOWN: The recording does not say.
+    """
+
+    SAME = "same as then"
+    OTHER = "not as then"
+    OTHER_SIZE = "not compared: other size"
+    UNKNOWN = ""
+
 
 USUAL = (120, 40)
 """Columns and rows where neither a terminal nor the recording has a size [cells]."""
@@ -29,6 +47,19 @@ class FrameDrawer:
         self._size = size
         self._opened: tuple[object, int] = None, 0
         self._arranged = 0
+        self._checksum: int | None = None
+        self._recorded_size: tuple[int, int] | None = None
+
+    @property
+    def check(self) -> FrameCheck:
+        """Whether what is shown is what the console drew."""
+        if self._recorded_size is None or self.cells is None:
+            return FrameCheck.UNKNOWN
+        if (self.cells.columns, self.cells.rows) != self._recorded_size:
+            return FrameCheck.OTHER_SIZE
+        if self._checksum is None:
+            return FrameCheck.UNKNOWN
+        return FrameCheck.SAME if self.cells.checksum == self._checksum else FrameCheck.OTHER
 
     def draw(self, frame: ReplayFrame) -> Cells | None:
         """The cells of a frame; None if they did not change."""
@@ -49,6 +80,9 @@ class FrameDrawer:
         return twin
 
     def _prepared(self, frame: ReplayFrame) -> tuple[View, ConsoleState]:
+        self._recorded_size = frame.size
+        if frame.checksum is not None:
+            self._checksum = frame.checksum
         view, opened = self.view, (frame.layout, frame.opened)
         size = self._size or frame.size or USUAL
         if view is None or opened != self._opened:

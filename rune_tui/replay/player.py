@@ -1,72 +1,62 @@
 """Plays a recording: where it is, how fast it goes, and which frame is shown; pure.
 
 A frame is drawn from what the view remembers of the frames before. So the player keeps copies of
-the view, `EVERY_NS` apart, and goes to a time from the last copy before it. Where there is no copy
-near, it takes the frames of the last `WARM_NS`; then `since` says from when on it remembers, until
-`prepare` gets there.
+the view, and goes to a time from the last copy before it.
+
+| before a time | what is shown of it |
+| --- | --- |
+| there is a copy near | all: `Knowledge.ALL` |
+| there is none | the frames of the last `WARM_NS`: `Knowledge.SECONDS` |
+| that, and `prepare` had a little time | some frames of the view's `memory_s`: `Knowledge.SOME` |
+| that, and `prepare` has read the recording up to there | all |
 """
 
 from __future__ import annotations
 
-import bisect
+import enum
 import math
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable, Iterator
+from itertools import chain
 from typing import Final
 
 from rune_tui.compositor.cells import Cells
 from rune_tui.replay.drawing import FrameDrawer
 from rune_tui.replay.source import Overview, ReplayFrame, ReplaySource
+from rune_tui.replay.view_copies import EVERY_NS, FrameReader, ViewCopies
 
-EVERY_NS: Final = 3_000_000_000
-"""Log time between two copies of the view [ns]."""
 WARM_NS: Final = 3_000_000_000
 """Log time of the frames that are taken where there is no copy [ns]."""
+THIN_NS: Final = 200_000_000
+"""Log time between frames that fill a memory, and of those between drawn ones at high rates [ns].
+
+Lines of plots and trails have no gaps then.
+"""
 SLOWEST: Final = 0.1
 FASTEST: Final = 100.0
 _RATES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 _NEAR: Final = 15
 """Frames between two copies on the way back."""
-_MOST_NEAR: Final = 40
+_FAR_NS: Final = 60_000_000_000
+"""Log time from a copy, from which all frames are taken in a little time [ns]."""
+_REACH_NS: Final = 12_000_000_000
+"""Longest log time that a jump takes all frames of before it draws [ns]."""
 _MEASURED_S: Final = 1.0
 _SECOND: Final = 1_000_000_000
 
 
-class Memory:
-    """Copies of a drawer by the time of their last frame."""
+class Knowledge(enum.Enum):
+    """What the view remembers of the frames before the one that is shown.
 
-    def __init__(self) -> None:
-        self._stamps: list[int] = []
-        self._drawers: list[FrameDrawer] = []
-        self._near: OrderedDict[int, FrameDrawer] = OrderedDict()
+    Attributes:
+        SECONDS: Those of the last seconds.
+        SOME: Some of all that visualizers can show.
+        ALL: All: the picture is that of then.
+    """
 
-    def keep(self, stamp: int, drawer: FrameDrawer) -> None:
-        """Keep a copy of a drawer that remembers all frames up to a time."""
-        place = bisect.bisect_left(self._stamps, stamp - EVERY_NS + 1)
-        if place == len(self._stamps) or self._stamps[place] >= stamp + EVERY_NS:
-            place = bisect.bisect_left(self._stamps, stamp)
-            self._stamps.insert(place, stamp)
-            self._drawers.insert(place, drawer.copied())
-
-    def keep_near(self, stamp: int, drawer: FrameDrawer) -> None:
-        """Keep one for the frames that follow it, which are asked for next."""
-        self._near[stamp] = drawer.copied()
-        while len(self._near) > _MOST_NEAR:
-            self._near.popitem(last=False)
-
-    def before(self, stamp: int) -> tuple[int, FrameDrawer] | None:
-        """The last copy at or before a time, and its time; None: there is none."""
-        place = bisect.bisect_right(self._stamps, stamp) - 1
-        found = (self._stamps[place], self._drawers[place]) if place >= 0 else None
-        near = max((each for each in self._near if each <= stamp), default=None)
-        if near is not None and (found is None or near > found[0]):
-            found = near, self._near[near]
-        return (found[0], found[1].copied()) if found is not None else None
-
-    @property
-    def last(self) -> int:
-        """The time of the last copy [ns]; -1: there is none."""
-        return self._stamps[-1] if self._stamps else -1
+    SECONDS = 0
+    SOME = 1
+    ALL = 2
 
 
 class Player:
@@ -80,7 +70,7 @@ class Player:
         backwards: Whether it goes back.
         loop: Whether it begins again at the end.
         rate: Wanted rate: log time over time.
-        since: From when on the view remembers [ns]; the recording's start, if it remembers all.
+        knows: What the view remembers of the frames before.
     """
 
     def __init__(
@@ -106,10 +96,11 @@ class Player:
         self.playing = self.backwards = False
         self.frame: ReplayFrame | None = None
         self._at = self.source.start - 1
-        self.since = self.source.start
+        self.knows = Knowledge.ALL
         self.drawer = FrameDrawer(size)
-        self._memory = Memory()
-        self._builder: _Builder | None = None
+        self._spare: ReplaySource | None = None
+        self._forget()
+        self._thin = False
         self._ticked: float | None = None
         self._target = float(self.source.start)
         self._passed: deque[tuple[float, int]] = deque()
@@ -120,17 +111,26 @@ class Player:
         return self.frame.stamp if self.frame is not None else self.source.start
 
     @property
-    def complete(self) -> bool:
-        """Whether the view remembers all frames since the start."""
-        return self.since <= self.source.start
+    def ready(self) -> float:
+        """How much of the recording before the shown frame is read, 0 to 1."""
+        whole = self.position - self.source.start
+        read = self._whole.at - self.source.start if self._whole is not None else 0
+        return min(1.0, max(0.0, read / whole)) if whole else 1.0
 
     def resize(self, size: tuple[int, int] | None) -> None:
         """Draw at another size from now on."""
         if size != self._size:
-            self._size, self._memory, self._builder = size, Memory(), None
+            self._size = size
+            self._forget()
             self.drawer = FrameDrawer(size)
             self._at, at = -1, self.position
             self.seek(at)
+
+    def _forget(self) -> None:
+        """Forget all copies of the view."""
+        self._copies = ViewCopies(self.source.end - self.source.start)
+        self._whole: FrameReader | None = None
+        self._filler: FrameReader | None = None
 
     def seek(self, stamp: int, *, whole: bool = False) -> Cells | None:
         """Show the newest frame at or before a time.
@@ -142,30 +142,33 @@ class Player:
         Returns:
             The cells; None if there is nothing to show.
         """
-        stamp = min(max(stamp, self.source.start), self.source.end)
+        source = self.source
+        stamp = min(max(stamp, source.start), source.end)
         self._target = float(stamp)
         self._passed.clear()
-        target = self.source.frame_before(stamp)
+        self._thin, self._filler = False, None
+        target = source.frame_before(stamp)
         if target is None:
             return None
-        known = self._memory.before(target - 1)
-        ahead = self._at < target and self.complete
-        if ahead and (known is None or known[0] <= self._at):
-            pass  # it is on the way
-        elif known is not None and (whole or target - known[0] <= 2 * EVERY_NS):
-            self._at, self.drawer = known
-            self.since = self.source.start
-        else:
-            self._at = (
-                self.source.start - 1 if whole else max(target - WARM_NS, self.source.start) - 1
-            )
-            self.drawer = FrameDrawer(self._size)
-            self.since = self._at + 1
-        if not whole and self.complete and target - self._at > 2 * EVERY_NS:
-            self._at, self.drawer = target - WARM_NS, FrameDrawer(self._size)
-            self.since = self._at + 1
+        known = self._copies.before(target - 1)
+        on_the_way = self.knows is Knowledge.ALL and self._at < target
+        if on_the_way and (known is None or known[0] <= self._at) and self._near(self._at, target):
+            pass
+        elif known is not None and (whole or self._near(known[0], target)):
+            self._begin(*known, Knowledge.ALL)
+        elif not (on_the_way and whole):
+            begin = source.start - 1 if whole else max(target - WARM_NS, source.start) - 1
+            knows = Knowledge.ALL if begin < source.start else Knowledge.SECONDS
+            self._begin(begin, FrameDrawer(self._size), knows)
         self._take(target, math.inf, near=True)
         return self.drawer.cells
+
+    def _near(self, begin: int, target: int) -> bool:
+        """Whether a jump may take all frames from one time to another."""
+        return target - begin <= max(2 * EVERY_NS, min(self._copies.every, _REACH_NS) + _SECOND)
+
+    def _begin(self, at: int, drawer: FrameDrawer, knows: Knowledge) -> None:
+        self._at, self.drawer, self.knows = at, drawer, knows
 
     def step(self, count: int) -> Cells | None:
         """Show the next frame, or the one before (-1)."""
@@ -193,7 +196,8 @@ class Player:
             self._back()
         else:
             until = math.inf if clock is None else clock() + busy
-            self._take(int(min(self._target, self.source.end)), until, clock=clock)
+            ended = self._take(int(min(self._target, self.source.end)), until, clock=clock)
+            self._thin = self._thin or not ended
             # What is out of reach is not made up for later.
             self._target = min(self._target, self._at + self.rate * _SECOND)
             if self._at >= self.source.end:
@@ -215,6 +219,7 @@ class Player:
         """Take the next rate, or the one before (-1)."""
         place = min(range(len(_RATES)), key=lambda number: abs(_RATES[number] - self.rate))
         self.rate = _RATES[min(len(_RATES) - 1, max(0, place + steps))]
+        self._thin = False
         self._passed.clear()
 
     def turn(self) -> None:
@@ -224,20 +229,64 @@ class Player:
         self._passed.clear()
 
     def prepare(self, clock: Callable[[], float], busy: float) -> bool:
-        """Take frames of the whole recording for any later jump; returns whether more are left.
+        """Take frames that the shown frame and later jumps need; returns whether more are left.
 
         Args:
             clock: A clock [s].
             busy: Longest time that it may take [s].
         """
-        if self._builder is None:
-            self._builder = _Builder(self._opened, self._memory, self._size)
-        more = self._builder.go_on(clock, clock() + busy)
-        if not self.complete and self._memory.last >= self.position - EVERY_NS:
-            target, self._target = self._target, 0.0
-            self.seek(self.position, whole=True)
-            self._target = target
-        return more
+        end = clock() + busy
+        if self.knows is not Knowledge.ALL and not (self.playing and self._thin):
+            known = self._copies.before(self.position - 1)
+            if known is not None and self._near(known[0], self.position):
+                self._again(*known, Knowledge.ALL)
+            elif self.knows is Knowledge.SECONDS and not self._fill(clock, end):
+                return True
+        if self._spare is None:
+            self._spare = self._opened()
+        if self._whole is None:
+            start = self._spare.start - 1
+            known = self._copies.before(self._copies.end_from(start))
+            self._whole = FrameReader(self._spare, *(known or (start, FrameDrawer(self._size))))
+        return not self._whole.go_on(self._spare.end, clock, end, self._copies)
+
+    def _fill(self, clock: Callable[[], float], end: float) -> bool:
+        """Fill the view's memory; returns whether it is filled."""
+        if self._filler is None:
+            self._filler = self._new_filler()
+        filler = self._filler
+        exact = filler.apart == 0
+        until = self.position - (1 if exact else WARM_NS)
+        if not filler.go_on(until, clock, end, self._copies if exact else None):
+            return False
+        self._filler = None
+        self._whole = None if exact else self._whole
+        filler.pause()
+        self._again(filler.at, filler.drawer, Knowledge.ALL if exact else Knowledge.SOME)
+        return True
+
+    def _new_filler(self) -> FrameReader:
+        """Takes all frames from a time that is not too far, or some of the view's memory."""
+        if self._spare is None:
+            self._spare = self._opened()
+        if self._whole is not None:
+            self._whole.pause()
+        start = self._spare.start - 1, FrameDrawer(self._size)
+        at, drawer = self._copies.before(self.position - 1) or start
+        if self.position - at <= _FAR_NS:
+            return FrameReader(self._spare, at, drawer)
+        view = self.drawer.view
+        begin = self.position - round(_SECOND * (view.memory_s if view is not None else 0.0))
+        if begin > at:
+            at, drawer = min(begin, self.position - WARM_NS), FrameDrawer(self._size)
+        return FrameReader(self._spare, at, drawer, apart=THIN_NS)
+
+    def _again(self, at: int, drawer: FrameDrawer, knows: Knowledge) -> None:
+        """Draw the shown frame again with other memories."""
+        position = self.position
+        self._filler, self._thin = None, False
+        self._begin(at, drawer, knows)
+        self._take(position, math.inf)
 
     def survey(self) -> Overview:
         """What happened in the whole recording; any thread may call it."""
@@ -250,8 +299,8 @@ class Player:
     def close(self) -> None:
         """Close the files."""
         self.source.close()
-        if self._builder is not None:
-            self._builder.close()
+        if self._spare is not None:
+            self._spare.close()
 
     def _take(
         self,
@@ -260,31 +309,42 @@ class Player:
         *,
         clock: Callable[[], float] | None = None,
         near: bool = False,
-    ) -> None:
-        """Take the frames up to a time, and draw the last one."""
+    ) -> bool:
+        """Take the frames up to a time, and draw the last one; returns whether all were taken."""
         waiting: ReplayFrame | None = None
-        for count, frame in enumerate(self.source.frames(self._at, until)):
+        ended = True
+        for count, frame in enumerate(self._frames(until)):
             if waiting is not None:
                 self._feed(waiting)
-                if near and count % _NEAR == 0 and self.complete:
-                    self._memory.keep_near(waiting.stamp, self.drawer)
+                if near and count % _NEAR == 0 and self.knows is Knowledge.ALL:
+                    self._copies.keep_near(waiting.stamp, self.drawer)
             waiting = frame
             if clock is not None and clock() >= end:
-                until = frame.stamp
+                until, ended = frame.stamp, False
                 break
         if waiting is not None:
             self.drawer.draw(waiting)
             self.frame = waiting
             self._note(waiting.stamp)
         self._at = max(self._at, until)
+        return ended
+
+    def _frames(self, until: int) -> Iterator[ReplayFrame]:
+        """The frames up to a time; only some of them at a rate that the machine cannot keep."""
+        last = until - THIN_NS
+        if not self._thin or last <= self._at + THIN_NS:
+            return self.source.frames(self._at, until)
+        if self.knows is Knowledge.ALL:
+            self.knows = Knowledge.SOME
+        return chain(self.source.frames(self._at, last, THIN_NS), self.source.frames(last, until))
 
     def _feed(self, frame: ReplayFrame) -> None:
         self.drawer.feed(frame)
         self._note(frame.stamp)
 
     def _note(self, stamp: int) -> None:
-        if self.complete:
-            self._memory.keep(stamp, self.drawer)
+        if self.knows is Knowledge.ALL:
+            self._copies.keep(stamp, self.drawer)
 
     def _back(self) -> None:
         target = self.source.frame_before(int(max(self._target, self.source.start)))
@@ -302,28 +362,3 @@ class Player:
             self.playing = False
             return
         self.seek(self.source.end if self.backwards else self.source.start)
-
-
-class _Builder:
-    """Takes all frames of a recording from the start, a few at a time, for copies of the view."""
-
-    def __init__(
-        self, opened: Callable[[], ReplaySource], memory: Memory, size: tuple[int, int] | None
-    ) -> None:
-        self._source = opened()
-        self._memory = memory
-        known = memory.before(self._source.end)
-        self._at, self._drawer = known or (self._source.start - 1, FrameDrawer(size))
-        self._frames: Iterator[ReplayFrame] = self._source.frames(self._at, self._source.end)
-
-    def go_on(self, clock: Callable[[], float], end: float) -> bool:
-        while clock() < end:
-            frame = next(self._frames, None)
-            if frame is None:
-                return False
-            self._drawer.feed(frame)
-            self._memory.keep(frame.stamp, self._drawer)
-        return True
-
-    def close(self) -> None:
-        self._source.close()

@@ -122,8 +122,14 @@ class ReplaySource(Protocol):
     def faults(self) -> Sequence[str]:
         """What cannot be shown, and why, in sentences; it grows while frames are read."""
 
-    def frames(self, after: int, until: int) -> Iterator[ReplayFrame]:
-        """The frames later than `after` and at the latest `until`, in the order of time."""
+    def frames(self, after: int, until: int, apart: int = 0) -> Iterator[ReplayFrame]:
+        """Some or all frames, in the order of time.
+
+        Args:
+            after: They are later than this [ns].
+            until: They are not later than this [ns].
+            apart: Least time from `after` to the first, and between two [ns]; 0: all frames.
+        """
 
     def frame_before(self, stamp: int) -> int | None:
         """Stamp of the newest frame at or before a time; None: there is none."""

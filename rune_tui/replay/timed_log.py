@@ -80,24 +80,25 @@ class TimedLog:
         """What cannot be shown, and why."""
         return [*self._recording.faults, *self._faults]
 
-    def frames(self, after: int, until: int) -> Iterator[ReplayFrame]:
-        """The frames later than `after` and at the latest `until`, in the order of time."""
+    def frames(self, after: int, until: int, apart: int = 0) -> Iterator[ReplayFrame]:
+        """Some or all frames, in the order of time; see `ReplaySource`."""
         if self._at != after:
             for robot in self._robots.values():
                 robot.seek(after)
-        due = self.frame_after(after)
+        left_out = max(0, apart - 1)
+        due = self.frame_after(after + left_out)
         last = min(until, self.end)
         for message in self._recording.messages(after + 1, last):
             while due is not None and due < message.stamp:
                 self._at = due
                 yield self._frame(due)
-                due = self.frame_after(due)
+                due = self.frame_after(due + left_out)
             for robot in self._robots.values():
                 robot.take(message)
         while due is not None and due <= last:
             self._at = due
             yield self._frame(due)
-            due = self.frame_after(due)
+            due = self.frame_after(due + left_out)
         self._at = until
 
     def frame_before(self, stamp: int) -> int | None:

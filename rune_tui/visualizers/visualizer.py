@@ -21,7 +21,8 @@ class Visualizer(Protocol):
         whole_cells: Whether it writes characters and so needs a viewport of whole cells.
 
     An optional attribute `urgency` gives stops, drive state and ranges priority on a slow terminal.
-    One with a memory has `__copy__`: a replay of a recording goes back to what it knew then.
+    One with a memory has `__copy__`: a replay of a recording goes back to what it knew then. Its
+    `memory_s` says how long ago what it shows may have been [s].
     A visualizer of pictures may have `camera`, and `interval_s`: the shortest time between two [s].
     """
 

@@ -66,7 +66,7 @@ class Plot:
         """
         self._definition = BY_NAME[spec.message]
         self._field = spec.options.word("field")
-        self._seconds = spec.options.number("seconds")
+        self._seconds = self.memory_s = spec.options.number("seconds")
         self._range = (spec.options.number("least"), spec.options.number("most"))
         self._pause = pause_of(self._definition)
         rate = self._definition.rate_hz

@@ -43,6 +43,8 @@ OLD_MAP_S: Final = 30.0
 _ACROSS_M: Final = 10.0
 _MARGIN: Final = 1.08
 """Size of the whole map, relative to its known part."""
+_SLOW_M_S: Final = 0.1
+"""Mean speed of a robot whose whole trail a replay shows soon [m/s]."""
 _FINEST_M: Final = 1e-3
 """No pixel shows less of the world [m]."""
 _NORTH: Final = math.pi / 2.0
@@ -116,6 +118,7 @@ class MapData:
         self._whole = whole
         self._turns = turns
         self._trail = Trail(trail)
+        self.memory_s = trail / _SLOW_M_S
         self._known: tuple[OccupancyMap | None, Floats] = None, np.empty((0, 2))
 
     @classmethod

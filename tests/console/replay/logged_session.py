@@ -41,7 +41,9 @@ COLUMNS, ROWS = 60, 20
 HERTZ = 10
 
 
-def logged_session(folder: Path, seconds: float, *, begin: float = 1000.0) -> Path:
+def logged_session(
+    folder: Path, seconds: float, *, begin: float = 1000.0, hertz: int = HERTZ
+) -> Path:
     """Record a robot that drives in circles for a time; the file."""
     layout_file, path = folder / "layout.xml", folder / "session.mcap"
     layout_file.write_text(LAYOUT)
@@ -54,9 +56,9 @@ def logged_session(folder: Path, seconds: float, *, begin: float = 1000.0) -> Pa
     view.resize(COLUMNS, ROWS)
     link = LinkState(phase=LinkPhase.CONNECTED, since=begin, endpoint="here")
     state = ConsoleState.at_start(layout, now, "jane")
-    for number in range(1, round(seconds * HERTZ) + 1):
-        now = begin + number / HERTZ
-        angle = number / 15.0
+    for number in range(1, round(seconds * hertz) + 1):
+        now = begin + number / hertz
+        angle = number / 1.5 / hertz
         value = robot_state(
             x=2.0 * math.cos(angle), y=2.0 * math.sin(angle), linear=math.sin(angle * 3.0)
         )
@@ -64,7 +66,7 @@ def logged_session(folder: Path, seconds: float, *, begin: float = 1000.0) -> Pa
         received = Received(value=value, measured=now - 0.02, number=number)
         robot = RobotState(name="blimp", link=link, messages={ROBOT_STATE.name: received})
         state = dataclasses.replace(
-            state, now=now, clock=f"12:00:{number // HERTZ % 60:02d}", robots={"blimp": robot}
+            state, now=now, clock=f"12:00:{number // hertz % 60:02d}", robots={"blimp": robot}
         )
         if number % 70 == 0:
             state = dataclasses.replace(state, zooms={"map": 1.0 + number % 3})

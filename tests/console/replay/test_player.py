@@ -11,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from rune_tui.compositor.cells import Cells
 from rune_tui.replay.console_log import ConsoleLog
-from rune_tui.replay.drawing import FrameDrawer
-from rune_tui.replay.player import Player
+from rune_tui.replay.drawing import FrameCheck, FrameDrawer
+from rune_tui.replay.player import Knowledge, Player
 from tests.console.replay.logged_session import HERTZ, logged_session
 
 SECONDS = 40
@@ -53,6 +54,13 @@ def shown(player: Player) -> int:
     return cells.checksum
 
 
+def different(cells: Cells | None, others: Cells | None) -> int:
+    """Number of half cells whose pixels differ."""
+    assert cells is not None
+    assert others is not None
+    return int((cells.pixels != others.pixels).any(axis=-1).sum())
+
+
 def ticking(steps: float) -> Callable[[], float]:
     """A clock that goes on at each look."""
     times = itertools.count()
@@ -73,14 +81,77 @@ def test_a_jump_into_the_unknown_is_exact_once_the_recording_is_prepared(
     player: Player, drawn: dict[int, int]
 ) -> None:
     player.seek(player.source.end)
-    assert not player.complete
+    assert player.knows is Knowledge.SECONDS
     while player.prepare(ticking(0.001), 0.05):
         pass
-    assert player.complete
+    assert player.knows is Knowledge.ALL
     assert shown(player) == drawn[player.position]
     player.seek(player.source.start + 23 * SECOND)
-    assert player.complete
+    assert player.knows is Knowledge.ALL
     assert shown(player) == drawn[player.position]
+
+
+def test_a_jump_in_a_long_recording_fills_at_once_and_is_exact_later(tmp_path: Path) -> None:
+    opened = partial(ConsoleLog, logged_session(tmp_path, 150, hertz=2))
+    expected = FrameDrawer()
+    with closing(opened()) as log:
+        for frame in log.frames(log.start - 1, log.end):
+            expected.draw(frame)
+    with closing(Player(opened)) as player:
+        cells = player.seek(player.source.end)
+        assert cells is not None
+        assert player.knows is Knowledge.SECONDS
+        short = different(cells, expected.cells)
+        while player.knows is Knowledge.SECONDS:
+            player.prepare(ticking(0.001), 0.05)
+        assert player.ready < 0.1
+        assert different(player.drawer.cells, expected.cells) < short / 2
+        while player.prepare(ticking(0.001), 0.05):
+            pass
+        assert player.prepare(ticking(0.001), 0.05) is False
+        assert player.knows is Knowledge.ALL
+        assert player.ready == 1.0
+        assert different(player.drawer.cells, expected.cells) == 0
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_jumps_on_a_fresh_file_are_exact_when_they_settle(
+    session: Path, drawn: dict[int, int], seed: int
+) -> None:
+    chance = random.Random(seed)
+    with closing(Player(partial(ConsoleLog, session))) as player:
+        for _ in range(50):
+            player.seek(chance.choice(list(drawn)) + chance.randrange(SECOND // HERTZ))
+            while player.knows is not Knowledge.ALL:
+                player.prepare(ticking(0.001), 0.02)
+            assert shown(player) == drawn[player.position]
+            assert player.drawer.check in (FrameCheck.SAME, FrameCheck.UNKNOWN)
+
+
+def test_a_high_rate_is_kept_by_fewer_frames_and_exact_in_a_pause(
+    player: Player, drawn: dict[int, int]
+) -> None:
+    player.seek(player.source.start)
+    player.playing, player.rate = True, 100.0
+    clock = ticking(0.001)  # 25 frames a turn, of 33 that the rate asks for
+    for tick in range(9):
+        player.tick(tick / 30.0, clock, 0.025)
+    assert player.position > player.source.start + 20 * SECOND
+    assert player.knows is Knowledge.SOME
+    while player.playing:
+        tick += 1
+        player.tick(tick / 30.0, clock, 0.025)
+    assert player.position == player.source.end
+    while player.knows is not Knowledge.ALL:
+        player.prepare(clock, 0.05)
+    assert shown(player) == drawn[player.position]
+
+
+def test_another_size_is_said(player: Player) -> None:
+    player.seek(player.source.start + SECOND)
+    assert player.drawer.check is FrameCheck.SAME
+    player.resize((50, 18))
+    assert player.drawer.check is FrameCheck.OTHER_SIZE
 
 
 def test_steps_go_on_and_back_by_one_frame(player: Player, drawn: dict[int, int]) -> None:
