@@ -198,11 +198,6 @@ class View:
         vars(twin).update(parts, panes=panes, _visualizers=shown, _queue=self._queue.copied())
         return twin
 
-    @property
-    def memory_s(self) -> float:
-        """How long ago what the viewports show may have been [s]."""
-        return max((getattr(pane.visualizer, "memory_s", 0.0) for pane in self.panes), default=0.0)
-
     def _refreshed(self, state: ConsoleState, *, draw: bool) -> tuple[ConsoleState, bool]:
         """Refresh all parts; returns the state with its banner, and whether anything changed."""
         self._arrange(state)

@@ -61,6 +61,12 @@ class FrameDrawer:
             return FrameCheck.UNKNOWN
         return FrameCheck.SAME if self.cells.checksum == self._checksum else FrameCheck.OTHER
 
+    @property
+    def memory_s(self) -> float:
+        """How long ago what the viewports show may have been [s]."""
+        shown = [pane.visualizer for pane in self.view.panes] if self.view is not None else []
+        return max((getattr(each, "memory_s", 0.0) for each in shown), default=0.0)
+
     def draw(self, frame: ReplayFrame) -> Cells | None:
         """The cells of a frame; None if they did not change."""
         view, state = self._prepared(frame)

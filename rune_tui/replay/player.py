@@ -21,24 +21,16 @@ from itertools import chain
 from typing import Final
 
 from rune_tui.compositor.cells import Cells
+from rune_tui.replay.background import THIN_NS, WARM_NS, BackgroundReader
 from rune_tui.replay.drawing import FrameDrawer
 from rune_tui.replay.source import Overview, ReplayFrame, ReplaySource
-from rune_tui.replay.view_copies import EVERY_NS, FrameReader, ViewCopies
+from rune_tui.replay.view_copies import EVERY_NS, ViewCopies
 
-WARM_NS: Final = 3_000_000_000
-"""Log time of the frames that are taken where there is no copy [ns]."""
-THIN_NS: Final = 200_000_000
-"""Log time between frames that fill a memory, and of those between drawn ones at high rates [ns].
-
-Lines of plots and trails have no gaps then.
-"""
 SLOWEST: Final = 0.1
 FASTEST: Final = 100.0
 _RATES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 _NEAR: Final = 15
 """Frames between two copies on the way back."""
-_FAR_NS: Final = 60_000_000_000
-"""Log time from a copy, from which all frames are taken in a little time [ns]."""
 _REACH_NS: Final = 12_000_000_000
 """Longest log time that a jump takes all frames of before it draws [ns]."""
 _MEASURED_S: Final = 1.0
@@ -98,7 +90,7 @@ class Player:
         self._at = self.source.start - 1
         self.knows = Knowledge.ALL
         self.drawer = FrameDrawer(size)
-        self._spare: ReplaySource | None = None
+        self._background = BackgroundReader(opened)
         self._forget()
         self._thin = False
         self._ticked: float | None = None
@@ -114,7 +106,7 @@ class Player:
     def ready(self) -> float:
         """How much of the recording before the shown frame is read, 0 to 1."""
         whole = self.position - self.source.start
-        read = self._whole.at - self.source.start if self._whole is not None else 0
+        read = self._background.at - self.source.start
         return min(1.0, max(0.0, read / whole)) if whole else 1.0
 
     def resize(self, size: tuple[int, int] | None) -> None:
@@ -129,8 +121,7 @@ class Player:
     def _forget(self) -> None:
         """Forget all copies of the view."""
         self._copies = ViewCopies(self.source.end - self.source.start)
-        self._whole: FrameReader | None = None
-        self._filler: FrameReader | None = None
+        self._background.begin(self._copies, self._size)
 
     def seek(self, stamp: int, *, whole: bool = False) -> Cells | None:
         """Show the newest frame at or before a time.
@@ -146,7 +137,8 @@ class Player:
         stamp = min(max(stamp, source.start), source.end)
         self._target = float(stamp)
         self._passed.clear()
-        self._thin, self._filler = False, None
+        self._thin = False
+        self._background.drop_fill()
         target = source.frame_before(stamp)
         if target is None:
             return None
@@ -240,51 +232,19 @@ class Player:
             known = self._copies.before(self.position - 1)
             if known is not None and self._near(known[0], self.position):
                 self._again(*known, Knowledge.ALL)
-            elif self.knows is Knowledge.SECONDS and not self._fill(clock, end):
-                return True
-        if self._spare is None:
-            self._spare = self._opened()
-        if self._whole is None:
-            start = self._spare.start - 1
-            known = self._copies.before(self._copies.end_from(start))
-            self._whole = FrameReader(self._spare, *(known or (start, FrameDrawer(self._size))))
-        return not self._whole.go_on(self._spare.end, clock, end, self._copies)
-
-    def _fill(self, clock: Callable[[], float], end: float) -> bool:
-        """Fill the view's memory; returns whether it is filled."""
-        if self._filler is None:
-            self._filler = self._new_filler()
-        filler = self._filler
-        exact = filler.apart == 0
-        until = self.position - (1 if exact else WARM_NS)
-        if not filler.go_on(until, clock, end, self._copies if exact else None):
-            return False
-        self._filler = None
-        self._whole = None if exact else self._whole
-        filler.pause()
-        self._again(filler.at, filler.drawer, Knowledge.ALL if exact else Knowledge.SOME)
-        return True
-
-    def _new_filler(self) -> FrameReader:
-        """Takes all frames from a time that is not too far, or some of the view's memory."""
-        if self._spare is None:
-            self._spare = self._opened()
-        if self._whole is not None:
-            self._whole.pause()
-        start = self._spare.start - 1, FrameDrawer(self._size)
-        at, drawer = self._copies.before(self.position - 1) or start
-        if self.position - at <= _FAR_NS:
-            return FrameReader(self._spare, at, drawer)
-        view = self.drawer.view
-        begin = self.position - round(_SECOND * (view.memory_s if view is not None else 0.0))
-        if begin > at:
-            at, drawer = min(begin, self.position - WARM_NS), FrameDrawer(self._size)
-        return FrameReader(self._spare, at, drawer, apart=THIN_NS)
+            elif self.knows is Knowledge.SECONDS:
+                filled = self._background.fill(self.position, self.drawer.memory_s, clock, end)
+                if filled is None:
+                    return True
+                knows = Knowledge.ALL if filled.exact else Knowledge.SOME
+                self._again(filled.at, filled.drawer, knows)
+        return self._background.read_on(clock, end)
 
     def _again(self, at: int, drawer: FrameDrawer, knows: Knowledge) -> None:
         """Draw the shown frame again with other memories."""
         position = self.position
-        self._filler, self._thin = None, False
+        self._thin = False
+        self._background.drop_fill()
         self._begin(at, drawer, knows)
         self._take(position, math.inf)
 
@@ -299,8 +259,7 @@ class Player:
     def close(self) -> None:
         """Close the files."""
         self.source.close()
-        if self._spare is not None:
-            self._spare.close()
+        self._background.close()
 
     def _take(
         self,

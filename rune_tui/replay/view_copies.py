@@ -1,14 +1,12 @@
-"""Copies of the view along a recording, and what makes them while nothing else is to be done."""
+"""Copies of the view along a recording."""
 
 from __future__ import annotations
 
 import bisect
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
 from typing import Final
 
 from rune_tui.replay.drawing import FrameDrawer
-from rune_tui.replay.source import ReplayFrame, ReplaySource
 
 EVERY_NS: Final = 3_000_000_000
 """Least log time between two copies of the view [ns]."""
@@ -65,57 +63,3 @@ class ViewCopies:
         if near is not None and (found is None or near > found[0]):
             found = near, self._near[near]
         return (found[0], found[1].copied()) if found is not None else None
-
-
-class FrameReader:
-    """Takes the frames of a part of a recording into a drawer, a few at a time.
-
-    Attributes:
-        at: The last time whose frames are taken [ns].
-        drawer: Remembers these frames.
-        apart: Least log time between two frames that are taken [ns]; 0: all are taken.
-    """
-
-    def __init__(
-        self, source: ReplaySource, at: int, drawer: FrameDrawer, *, apart: int = 0
-    ) -> None:
-        """Prepare to take the frames later than `at`; `source` serves one reader at a time."""
-        self.at, self.drawer, self.apart = at, drawer, apart
-        self._source = source
-        self._frames: Iterator[ReplayFrame] | None = None
-        self._until = at
-
-    def go_on(
-        self,
-        until: int,
-        clock: Callable[[], float],
-        end: float,
-        copies: ViewCopies | None = None,
-    ) -> bool:
-        """Take frames; returns whether all up to a time are taken.
-
-        Args:
-            until: The time [ns].
-            clock: A clock [s].
-            end: When to stop [s].
-            copies: Gets copies of the drawer.
-        """
-        while self.at < until:
-            if self._frames is None:
-                self._until = until
-                self._frames = self._source.frames(self.at, until, self.apart)
-            frame = next(self._frames, None)
-            if frame is None:
-                self._frames, self.at = None, self._until
-                continue
-            self.drawer.feed(frame)
-            self.at = frame.stamp
-            if copies is not None:
-                copies.keep(frame.stamp, self.drawer)
-            if clock() >= end:
-                return False
-        return True
-
-    def pause(self) -> None:
-        """Let another reader use the source."""
-        self._frames = None
