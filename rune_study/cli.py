@@ -55,19 +55,27 @@ def _new(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from rune_study.plan.checking import as_json, design_lines, design_report, missing
-    from rune_study.plan.study_file import read_study
+    import json
 
-    study = read_study(options.folder)
-    report, problems = design_report(study), missing(study)
+    from rune_study.plan.checking import check_study, unmeasured
+    from rune_study.plan.design_report import as_data, design_lines, design_report
+    from rune_study.plan.study_file import refuse
+
+    draft = check_study(options.folder)
+    if draft.problems:
+        if options.json:
+            sys.stdout.write(json.dumps({"problems": draft.problems}) + "\n")
+        refuse(options.folder, draft.problems)
+    report = design_report(draft.study)
+    notes = [*report.warnings, *unmeasured(draft.study)]
     if options.json:
-        sys.stdout.write(as_json(report) + "\n")
+        whole = {**as_data(report), "warnings": notes, "problems": []}
+        sys.stdout.write(json.dumps(whole) + "\n")
     else:
         sys.stdout.writelines(f"{plain(line)}\n" for line in design_lines(report))
-    sys.stderr.writelines(f"note: {plain(each)}\n" for each in report.warnings)
-    sys.stderr.writelines(f"rune: {plain(each, lines=True)}\n" for each in problems)
+    sys.stderr.writelines(f"note: {plain(each)}\n" for each in notes)
     unreachable = report.tries and not report.kept
-    return ExitCode.USAGE if problems or unreachable else ExitCode.OK
+    return ExitCode.USAGE if unreachable else ExitCode.OK
 
 
 def _plan(options: argparse.Namespace) -> int:

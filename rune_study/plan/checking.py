@@ -1,167 +1,199 @@
-"""What `rune study check` says of a study: its design in numbers, and what is missing."""
+"""All that is wrong with a study: its file, and the files and metrics that it names."""
 
 from __future__ import annotations
 
-import dataclasses
-import itertools
-import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 
+from hub.errors import HubError
 from hub.nearest import did_you_mean
-from hub.values import dataclass
+from hub.plain_text import plain
+from hub.robots.robot_file import find_robot_file, read_description
+from hub.shaper.profile import load_profile
+from hub.sim.arena import load_arena
+from rune_study.errors import QuestionnaireError
 from rune_study.metrics.registry import METRICS
 from rune_study.plan.folder import (
-    condition_problems,
+    arena_of,
+    hub_settings,
+    layout_of,
+    link_of,
     questionnaire_path,
-    questionnaire_problems,
+    robot_of,
     text_path,
 )
-from rune_study.plan.orders import BY_LOT, MOST_TRIES, ROWS, balance, share_kept
-from rune_study.plan.steps import (
-    BREAK,
-    PRACTICE,
-    TRIAL,
-    Step,
-    base_row,
-    codes,
-    order_of,
-    plan,
-    rules,
-)
-from rune_study.plan.study_spec import StudySpec
+from rune_study.plan.practice import practice_of
+from rune_study.plan.steps import BREAK, PRACTICE, TRIALS
+from rune_study.plan.study_file import StudyDraft, read_draft
+from rune_study.plan.study_spec import ConditionSpec, StudySpec
+from rune_study.questionnaires.questionnaire import read, shipped
 from rune_study.trial_data.measured import EFFECTIVENESS
 
-_MINUTES = {TRIAL: 1.0, "consent": 3.0, "demographics": 2.0}
-"""What steps take besides their own time; a trial has to be begun [min]."""
-_OTHER_MINUTES = 2.0
+_OWN_STEPS = (TRIALS, PRACTICE, BREAK)
+_QUESTIONNAIRES = {"tlx_raw": "nasa-tlx", "tlx_weighted": "nasa-tlx", "sus": "sus", "sart": "sart"}
+"""Questionnaires that metrics need."""
+_OF_VICTIMS = ("victims_", "first_victim", "coverage", "map_")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DesignReport:
-    """A design in numbers.
+def check_study(folder: Path) -> StudyDraft:
+    """Read a study, and add all that is wrong with what it names to its problems.
 
-    Attributes:
-        rows: Number of different orders of the design; 0: each participant has an own one.
-        participants: Number of participants.
-        codes: Of the conditions.
-        positions: How often each condition is at each position.
-        carry_over: How often each condition comes right after each.
-        kept: Of `tries` orders by lot, how many keep the rules.
-        tries: Orders that were tried; 0: none by lot.
-        minutes: Expected length of a session [min].
-        warnings: What to think about, a sentence each.
+    Raises:
+        StudyFileError: Its file cannot be read, or is not TOML.
     """
-
-    rows: int
-    participants: int
-    codes: tuple[str, ...]
-    positions: tuple[tuple[int, ...], ...]
-    carry_over: tuple[tuple[int, ...], ...]
-    kept: int
-    tries: int
-    minutes: float
-    warnings: tuple[str, ...]
+    draft = read_draft(folder)
+    for place, key, problem in sorted({*_steps(draft), *_conditions(draft), *_metrics(draft)}):
+        draft.problems.add(place, problem, key)
+    return draft
 
 
-def design_report(study: StudySpec) -> DesignReport:
-    """The design of a study in numbers."""
-    by_lot = study.design.order in BY_LOT
-    kept = tries = 0
-    if by_lot and rules(study):
-        tries = MOST_TRIES
-        items, blocks = base_row(study)
-        kept = share_kept(items, blocks, rules(study), study.seed, tries)
-    reachable = not tries or kept > 0
-    participants = range(1, study.participants + 1)
-    orders = [order_of(study, each) for each in participants] if reachable else []
-    found = balance(orders, len(study.conditions))
-    rows = 0 if by_lot else len(ROWS[study.design.order](len(study.conditions)))
-    return DesignReport(
-        rows=rows,
-        participants=study.participants,
-        codes=codes(study),
-        positions=found.positions,
-        carry_over=found.carry_over,
-        kept=kept,
-        tries=tries,
-        minutes=sum(map(minutes_of, plan(study, 1))) if reachable else 0.0,
-        warnings=tuple(_warnings(study, rows, kept, tries)),
+_Problem = tuple[str, str, str]
+"""Its table, its key, and a sentence."""
+
+
+def _steps(draft: StudyDraft) -> Iterator[_Problem]:
+    """Steps without a page, and questionnaires with mistakes."""
+    study = draft.study
+    named: list[tuple[str, str, str]] = []
+    if "session" in draft.sound:
+        named += [("[session]", "steps", name) for name in study.session.steps]
+    if "trial" in draft.sound:
+        named += [("[trial]", "before", name) for name in study.trial.before]
+        named += [("[trial]", "after", name) for name in study.trial.after]
+    if study.freeze is not None and "freeze" in draft.sound:
+        named.append(("[freeze]", "questions", study.freeze.questions))
+    for place, key, name in named:
+        if place == "[session]" and name in _OWN_STEPS:
+            continue
+        path = questionnaire_path(study, name)
+        if path is not None:
+            try:
+                read(path)
+            except QuestionnaireError as error:
+                yield place, key, f"{place}, key '{key}': {plain(str(error), lines=True)}"
+        elif text_path(study, name) is None or place == "[freeze]":
+            kinds = "a questionnaire" if place == "[freeze]" else "a step"
+            wanted = f"questionnaires/{name}.toml"
+            wanted = wanted if place == "[freeze]" else f"texts/{name}.md or {wanted}"
+            hint = did_you_mean(name, _known_steps(study)) or f"; write {wanted}"
+            yield place, key, f"{place}, key '{key}': there is no {kinds[2:]} {name!r}{hint}"
+
+
+def _known_steps(study: StudySpec) -> list[str]:
+    texts = (path.stem for path in (study.folder / "texts").glob("*.md"))
+    own = (path.stem for path in (study.folder / "questionnaires").glob("*.toml"))
+    return sorted({*_OWN_STEPS, *texts, *own, *shipped()})
+
+
+def _conditions(draft: StudyDraft) -> Iterator[_Problem]:
+    """Layouts, robots, arenas and links of conditions and practice that cannot be used."""
+    study = draft.study
+    crossed = set().union(*study.levels)
+    for spec in dict.fromkeys(study.conditions):
+        for key, problem in condition_problems(study, spec, draft.refused):
+            yield "[factors]" if key in crossed else "[defaults]", key, problem
+    if study.practice is not None and "practice" in draft.sound and study.conditions:
+        spec = practice_of(study, study.conditions[0])
+        for key, problem in condition_problems(study, spec, draft.refused):
+            if getattr(study.practice, key, ""):
+                yield "[practice]", key, problem
+
+
+def condition_problems(
+    study: StudySpec, spec: ConditionSpec, refused: Iterable[str] = ()
+) -> Iterator[tuple[str, str]]:
+    """Why the parts of a condition cannot be used: keys, and a sentence each.
+
+    Args:
+        study: The study.
+        spec: The condition.
+        refused: Keys that have a mistake themselves; what follows from them is left out.
+    """
+    if "variables" not in refused:
+        yield from _layout_problems(study, spec, {*refused})
+    parts: tuple[tuple[str, Callable[[str], object], str], ...] = (
+        ("robot", find_robot_file, robot_of(study, spec)),
+        ("arena", load_arena, arena_of(study, spec)),
+        ("link", load_profile, link_of(study, spec)),
     )
+    sound = True
+    for name, load, path in parts:
+        try:
+            if path:
+                load(path)
+        except HubError as error:
+            sound = False
+            hint = _own_hint(study, f"{name}s", path)
+            yield name, f"{name} {plain(str(error), lines=True)}{hint}"
+    if sound:
+        settings = hub_settings(study, spec, seed=1)
+        try:
+            for problem in read_description(find_robot_file(robot_of(study, spec)), settings)[1]:
+                yield "robot", problem
+        except HubError as error:
+            yield "robot", plain(str(error), lines=True)
 
 
-def minutes_of(step: Step) -> float:
-    """Expected length of a step [min]; of practice, its longest."""
-    if step.kind in (BREAK, PRACTICE):
-        return step.seconds / 60.0
-    return step.seconds / 60.0 + _MINUTES.get(step.kind, _OTHER_MINUTES)
+def _layout_problems(
+    study: StudySpec, spec: ConditionSpec, refused: set[str]
+) -> Iterator[tuple[str, str]]:
+    from rune_tui.errors import LayoutError
+    from rune_tui.startup.opening import open_layout
 
-
-def _warnings(study: StudySpec, rows: int, kept: int, tries: int) -> Iterator[str]:
-    if tries and not kept:
-        yield f"none of {tries} orders keeps the rules: 'apart' or 'longest_run' asks too much"
-    elif kept < tries / 100:
-        yield f"only {kept} of {tries} orders keep the rules, so the orders are much alike"
-    if rows and study.participants % rows:
-        more = -study.participants % rows
-        yield (
-            f"{study.participants} participants are no multiple of the {rows} orders, so the "
-            f"design is not balanced; {more} more would do"
+    try:
+        layout = open_layout(layout_of(study, spec), dict(spec.variables))
+    except LayoutError as error:
+        hint = _own_hint(study, "layouts", spec.layout)
+        yield "layout", f"layout {spec.layout!r}: {plain(str(error), lines=True)}{hint}"
+        return
+    if len(layout.robots) != spec.robots and not refused & {"robots", "layout"}:
+        text = (
+            f"layout {spec.layout!r} shows {len(layout.robots)} robots, and the condition has "
+            f"'robots' = {spec.robots}"
         )
-    if not study.metrics.primary:
-        yield "[metrics] names no 'primary' metric; choose it before the first participant"
+        yield "layout", text
 
 
-def design_lines(report: DesignReport) -> Iterator[str]:
-    """The report for people."""
-    those = f"{report.rows} orders" if report.rows else "an order by lot for each"
-    yield f"{report.participants} participants, {len(report.codes)} conditions, {those}"
-    yield f"a session takes about {report.minutes:.0f} minutes"
-    if report.tries:
-        yield f"{report.kept} of {report.tries} orders by lot keep the rules"
-    if any(map(sum, report.positions)):
-        places = [str(place) for place in range(1, len(report.positions[0]) + 1)]
-        yield from _table("how often at each position", report.codes, places, report.positions)
-        title = "how often right after each condition"
-        yield from _table(title, report.codes, report.codes, report.carry_over)
+def _own_hint(study: StudySpec, room: str, name: str) -> str:
+    """The nearest of the study's own files."""
+    return did_you_mean(name, [path.stem for path in (study.folder / room).glob("*")])
 
 
-def _table(
-    title: str, rows: Sequence[str], columns: Sequence[str], cells: Sequence[Sequence[int]]
-) -> Iterator[str]:
-    yield ""
-    yield title
-    widest = max(3, *(len(str(cell)) for cell in itertools.chain(*cells)))
-    yield "   " + " ".join(f"{column:>{widest}}" for column in columns)
-    for name, row in zip(rows, cells, strict=True):
-        yield f"{name:>2} " + " ".join(f"{cell:>{widest}}" for cell in row)
-
-
-def missing(study: StudySpec) -> list[str]:
-    """Files and names that the study names and that cannot be used, a sentence each."""
-    names = {step.kind for step in plan(study, 1)} - {TRIAL, PRACTICE, BREAK}
-    if study.freeze is not None:
-        names.add(study.freeze.questions)
-    steps = (
-        f"there is no step {name!r}: write texts/{name}.md or questionnaires/{name}.toml"
-        for name in names
-        if text_path(study, name) is None and questionnaire_path(study, name) is None
-    )
-    conditions = (
-        problem for spec in set(study.conditions) for problem in condition_problems(study, spec)
-    )
-    return sorted({*steps, *questionnaire_problems(study, names), *conditions, *_metrics(study)})
-
-
-def _metrics(study: StudySpec) -> Iterator[str]:
-    chosen = study.metrics
-    for name in (*chosen.primary, *chosen.secondary):
-        if name not in METRICS:
-            yield f"[metrics]: {name!r} is no metric{did_you_mean(name, METRICS)}"
+def _metrics(draft: StudyDraft) -> Iterator[_Problem]:
+    if "metrics" not in draft.sound:
+        return
+    chosen, place = draft.study.metrics, "[metrics]"
+    for key, names in (("primary", chosen.primary), ("secondary", chosen.secondary)):
+        for name in names:
+            if name not in METRICS:
+                text = f"{place}, key '{key}': {name!r} is no metric{did_you_mean(name, METRICS)}"
+                yield place, key, text
     if chosen.effectiveness not in EFFECTIVENESS:
         known = " or ".join(EFFECTIVENESS)
-        yield f"[metrics]: {chosen.effectiveness!r} is no effectiveness; write {known}"
+        hint = did_you_mean(chosen.effectiveness, EFFECTIVENESS) or f"; write {known}"
+        text = f"{place}: {chosen.effectiveness!r} is no effectiveness{hint}"
+        yield place, "effectiveness", text
 
 
-def as_json(report: DesignReport) -> str:
-    """The report for machines, in one line."""
-    return json.dumps(dataclasses.asdict(report))
+def unmeasured(study: StudySpec) -> Iterator[str]:
+    """Metrics that the study chose and that cannot have a value as it is, a sentence each."""
+    chosen = study.metrics
+    around = {*study.trial.before, *study.trial.after}
+    for name in (*chosen.primary, *chosen.secondary):
+        asked = _QUESTIONNAIRES.get(name)
+        if asked is not None and asked not in around:
+            if asked not in study.session.steps:
+                yield f"{name} needs the questionnaire {asked!r}, which no step asks"
+            elif name in chosen.primary:
+                yield (
+                    f"{name} is asked once per session, so conditions cannot be compared by it; "
+                    f"name {asked!r} in [trial], key 'after'"
+                )
+        elif name.startswith("sagat_") and study.freeze is None:
+            yield f"{name} needs freezes: the table [freeze]"
+        elif name == "ft_secondary" and study.task is None:
+            yield f"{name} needs a secondary task: the table [secondary]"
+        elif name.startswith(_OF_VICTIMS) and not all(spec.arena for spec in study.conditions):
+            yield f"{name} needs the true arena: the key 'arena' of each condition"
+    if chosen.effectiveness == "new_area" and not all(spec.arena for spec in study.conditions):
+        yield "the effectiveness 'new_area' needs the true arena; write effectiveness = \"driven\""

@@ -126,7 +126,15 @@ def one_try(items: Row, in_blocks: int, seed: str, *words: object) -> Row:
     return tuple(itertools.chain.from_iterable(blocks))
 
 
-def share_kept(items: Row, in_blocks: int, rules: Sequence[Rule], seed: str, tries: int) -> int:
-    """Number of orders by lot that keep all rules, of `tries`."""
-    orders = (one_try(items, in_blocks, seed, "check", attempt) for attempt in range(tries))
-    return sum(all(rule(order) for rule in rules) for order in orders)
+def counts_kept(
+    items: Row, in_blocks: int, rules: Sequence[Rule], seed: str, tries: int
+) -> tuple[int, list[int]]:
+    """Number of orders by lot that keep all rules, and of those that keep each, of `tries`."""
+    each = [0] * len(rules)
+    together = 0
+    for attempt in range(tries):
+        order = one_try(items, in_blocks, seed, "check", attempt)
+        kept = [rule(order) for rule in rules]
+        each = [count + one for count, one in zip(each, kept, strict=True)]
+        together += all(kept)
+    return together, each

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import operator
 import re
@@ -11,6 +12,7 @@ from typing import Self
 from hub.nearest import did_you_mean
 from hub.values import dataclass
 from rune_study.errors import StudyError
+from rune_study.plan.study_spec import ConditionSpec, StudySpec
 
 QUANTITIES = {
     "distance": "m driven",
@@ -70,3 +72,12 @@ def _clause(text: str) -> Clause:
         reason = f"{found[1]!r} is not measured during practice{hint}"
         raise StudyError(reason)
     return Clause(quantity=found[1], comparison=found[2], limit=float(found[3]))
+
+
+def practice_of(study: StudySpec, first: ConditionSpec) -> ConditionSpec:
+    """What the practice happens with, given the first trial's condition."""
+    spec = study.practice
+    if spec is None:
+        return first
+    layout, arena = spec.layout or first.layout, spec.arena or first.arena
+    return dataclasses.replace(first, link="", layout=layout, arena=arena)

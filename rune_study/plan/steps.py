@@ -68,14 +68,15 @@ def base_row(study: StudySpec) -> tuple[Row, int]:
     return (one, trials) if study.design.order == "blocks" else (one * trials, 1)
 
 
-def rules(study: StudySpec) -> list[Rule]:
-    """What an order by lot keeps."""
-    kept = [
-        no_run_above(1, lambda index, name=name: study.levels[index].get(name))  # type: ignore[misc]
+def rules(study: StudySpec) -> dict[str, Rule]:
+    """What an order by lot keeps, by the words of the study's file."""
+    kept = {
+        f"apart {name}": no_run_above(1, lambda index, name=name: study.levels[index].get(name))  # type: ignore[misc]
         for name in study.design.apart
-    ]
-    if study.design.longest_run:
-        kept.append(no_run_above(study.design.longest_run, lambda index: index))
+    }
+    longest = study.design.longest_run
+    if longest:
+        kept[f"longest_run {longest}"] = no_run_above(longest, lambda index: index)
     return kept
 
 
@@ -87,7 +88,7 @@ def order_of(study: StudySpec, participant: int) -> Row:
     """
     if study.design.order in BY_LOT:
         items, blocks = base_row(study)
-        return drawn(items, blocks, rules(study), study.seed, "order", participant)
+        return drawn(items, blocks, list(rules(study).values()), study.seed, "order", participant)
     rows = ROWS[study.design.order](len(study.conditions))
     return row_of(rows, participant - 1, study.seed) * study.design.trials
 

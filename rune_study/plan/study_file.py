@@ -5,15 +5,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence, Set
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from hub import files
 from hub import toml_reader as toml
 from hub.nearest import did_you_mean
+from hub.values import dataclass
 from rune_study.errors import StudyError, StudyFileError
 from rune_study.lots import room_left
 from rune_study.plan.orders import BY_LOT, MOST_OF_ALL
@@ -54,7 +56,23 @@ _TABLES: Mapping[str, tuple[Callable[..., Any], str, bool]] = {
 }
 """Tables that occur once: dataclass, field of `StudySpec`, whether it is None without the table."""
 _DEFAULTS, _FACTORS, _CONDITION, _LEVEL = "defaults", "factors", "condition", "level"
-T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyDraft:
+    """A study whose file may have mistakes.
+
+    Attributes:
+        study: The study, with defaults in place of mistakes, and without its checksum.
+        problems: The mistakes, a sentence each.
+        sound: Tables without mistakes.
+        refused: Keys of conditions that have one.
+    """
+
+    study: StudySpec
+    problems: toml.Problems
+    sound: frozenset[str]
+    refused: frozenset[str]
 
 
 def read_study(folder: Path) -> StudySpec:
@@ -63,8 +81,28 @@ def read_study(folder: Path) -> StudySpec:
     Raises:
         StudyFileError: Its file cannot be read, is not TOML, or has mistakes, which are all listed.
     """
-    path = folder / STUDY_FILE
-    data, problems = toml.load(path, StudyFileError)
+    draft = read_draft(folder)
+    refuse(folder, draft.problems)
+    return dataclasses.replace(draft.study, digest=digest(folder))
+
+
+def refuse(folder: Path, problems: Sequence[str]) -> None:
+    """Raise the problems of a study's file, if there are some.
+
+    Raises:
+        StudyFileError: There are.
+    """
+    if problems:
+        raise StudyFileError(str(folder / STUDY_FILE), sorted(problems, key=_line))
+
+
+def read_draft(folder: Path) -> StudyDraft:
+    """Read the study of a folder, and go on after mistakes, to find all of them.
+
+    Raises:
+        StudyFileError: Its file cannot be read, or is not TOML.
+    """
+    data, problems = toml.load(folder / STUDY_FILE, StudyFileError)
     known = [*toml.keys_of(StudySpec), *_TABLES, _DEFAULTS, _FACTORS, _CONDITION, _LEVEL]
     for name in data:
         if name not in known:
@@ -73,17 +111,24 @@ def read_study(folder: Path) -> StudySpec:
     top = toml.keys_of(StudySpec)
     values = {name: value for name, value in data.items() if name in top}
     fields = toml.read_table(top, values, toml.TOP, problems)
+    sound = set()
     for name, (kind, field, optional) in _TABLES.items():
-        absent = optional and name not in data
-        fields[field] = None if absent else _read(kind, data.get(name, {}), f"[{name}]", problems)
+        before = len(problems)
+        read = toml.read_table(toml.keys_of(kind), data.get(name, {}), f"[{name}]", problems)
+        fields[field] = None if optional and name not in data else kind(**read)
+        if len(problems) == before:
+            sound.add(name)
     conditions = _Conditions(data, problems)
     fields["conditions"], fields["levels"] = conditions.specs, conditions.levels
-    if not problems:
-        study = StudySpec(**fields, folder=folder, digest=digest(folder))
-        _check(study, conditions.factors, problems)
-    if problems:
-        raise StudyFileError(str(path), sorted(problems, key=_line))
-    return study
+    study = StudySpec(**fields, folder=folder, digest="")
+    draft = StudyDraft(
+        study=study,
+        problems=problems,
+        sound=frozenset(sound),
+        refused=frozenset(conditions.refused),
+    )
+    _check(draft, conditions.factors)
+    return draft
 
 
 def digest(folder: Path) -> str:
@@ -117,12 +162,6 @@ def _line(problem: str) -> int:
     return int(line) if problem.startswith("line ") and line.isdigit() else 0
 
 
-def _read(kind: Callable[..., T], values: object, place: str, problems: toml.Problems) -> T | None:
-    before = len(problems)
-    fields = toml.read_table(toml.keys_of(kind), values, place, problems)
-    return None if len(problems) > before else kind(**fields)
-
-
 class _Conditions:
     """The conditions of a file: those of [[condition]], or all combinations of [factors].
 
@@ -130,6 +169,7 @@ class _Conditions:
         factors: Levels by factor.
         specs: The conditions.
         levels: Of each condition, the levels of its factors.
+        refused: Keys that have a mistake.
     """
 
     def __init__(self, data: Mapping[str, Any], problems: toml.Problems) -> None:
@@ -137,6 +177,8 @@ class _Conditions:
         self._problems = problems
         self._defaults = data.get(_DEFAULTS, {})
         toml.read_table(self._keys, self._defaults, f"[{_DEFAULTS}]", problems)
+        self.refused: set[str] = set()
+        self._places: dict[tuple[str, Any], str] = {}
         self._changes = self._read_levels(data.get(_LEVEL, []))
         self.factors = self._read_factors(data.get(_FACTORS, {}))
         listed = data.get(_CONDITION, [])
@@ -147,8 +189,8 @@ class _Conditions:
             text = f"{len(self.levels)} conditions are not between 1 and {MOST_CONDITIONS}"
             problems.add(f"[{_FACTORS}]", text)
             self.levels = ()
-        specs = () if problems else map(self._spec, self.levels)
-        self.specs = tuple(spec for spec in specs if spec is not None)
+        self.specs = tuple(map(self._spec, self.levels))
+        self._check_changes()
 
     def _read_factors(self, table: object) -> dict[str, tuple[Any, ...]]:
         place = f"[{_FACTORS}]"
@@ -185,11 +227,25 @@ class _Conditions:
             text = f"{_LEVEL} has to be a list of tables: [[{_LEVEL}]]"
             self._problems.add(toml.TOP, text, _LEVEL)
             return {}
-        read = (
-            _read(LevelSpec, table, toml.repeated(_LEVEL, count), self._problems)
-            for count, table in enumerate(tables, 1)
-        )
-        return {(each.factor, each.level): each for each in read if each is not None}
+        found = {}
+        for count, table in enumerate(tables, 1):
+            before, place = len(self._problems), toml.repeated(_LEVEL, count)
+            fields = toml.read_table(toml.keys_of(LevelSpec), table, place, self._problems)
+            if len(self._problems) == before:
+                which = fields["factor"], fields["level"]
+                found[which], self._places[which] = LevelSpec(**fields), place
+        return found
+
+    def _check_changes(self) -> None:
+        """Find levels that no condition has."""
+        used = set().union(*(levels.items() for levels in map(_comparable, self.levels)))
+        for (factor, level), place in self._places.items():
+            known = any(factor in levels for levels in self.levels)
+            if (factor, level) not in used and (known or not self._problems):
+                own = [str(each) for name, each in used if name == factor]
+                hint = did_you_mean(str(level), own)
+                text = f"{place}: no condition has {factor} = {toml.shorten(level)}{hint}"
+                self._problems.add(place, text, "level")
 
     def _crossed(self) -> tuple[dict[str, Any], ...]:
         combined = itertools.product(*self.factors.values())
@@ -204,25 +260,52 @@ class _Conditions:
         for count, table in enumerate(tables, 1):
             place = toml.repeated(_CONDITION, count)
             toml.read_table(self._keys, table, place, self._problems)
-        return () if self._problems else tuple(dict(table) for table in tables)
+        return tuple(dict(table) for table in tables if isinstance(table, dict))
 
-    def _spec(self, levels: Mapping[str, Any]) -> ConditionSpec | None:
-        """The condition of these levels."""
+    def _spec(self, levels: Mapping[str, Any]) -> ConditionSpec:
+        """The condition of these levels; a mistake, which is known already, becomes the default."""
         own = {name: value for name, value in levels.items() if name in self._keys}
-        fields = toml.read_table(
-            self._keys, {**self._defaults, **own}, f"[{_DEFAULTS}]", self._problems
-        )
-        for each in levels.items():
-            change = self._changes.get(each) if isinstance(each[1], str | float | bool) else None
+        defaults = self._defaults if isinstance(self._defaults, dict) else {}
+        given = {**defaults, **own}
+        for name in [name for name in given if name in self._keys]:
+            try:
+                self._keys[name].read(given[name])
+            except toml.RefusedError:
+                self.refused.add(name)
+        fields = toml.read_table(self._keys, given, "", toml.Problems())
+        for each in _comparable(levels).items():
+            change = self._changes.get(each)
             if change is not None:
                 fields["variables"] = (*fields["variables"], *change.variables)
                 fields["settings"] = (*fields["settings"], *change.settings)
         return ConditionSpec(**fields)
 
 
-def _check(study: StudySpec, factors: Mapping[str, Any], problems: toml.Problems) -> None:
-    """Add what is wrong although each key is right."""
-    design, session = study.design, study.session
+def _comparable(levels: Mapping[str, Any]) -> dict[str, Any]:
+    """Those levels that can be compared."""
+    return {name: each for name, each in levels.items() if isinstance(each, str | float | int)}
+
+
+def _check(draft: StudyDraft, factors: Mapping[str, Any]) -> None:
+    """Add what is wrong although each key is right; tables with mistakes are left out."""
+    study, sound, problems = draft.study, draft.sound, draft.problems
+    if "design" in sound:
+        _check_design(study, factors, problems)
+    if "session" in sound:
+        _check_session(study, problems)
+    if "trial" in sound:
+        _check_moments(study, sound, problems)
+    if study.task is not None and "secondary" in sound:
+        _check_task(study.task, problems)
+    if study.practice is not None and study.practice.criterion:
+        try:
+            Criterion.read(study.practice.criterion)
+        except StudyError as error:
+            problems.add("[practice]", f"[practice], key 'criterion': {error}", "criterion")
+
+
+def _check_design(study: StudySpec, factors: Mapping[str, Any], problems: toml.Problems) -> None:
+    design = study.design
     if design.order == "all" and len(study.conditions) > MOST_OF_ALL:
         text = f"[design]: 'all' has at most {MOST_OF_ALL} conditions; use 'williams' or 'random'"
         problems.add("[design]", text, "order")
@@ -234,28 +317,25 @@ def _check(study: StudySpec, factors: Mapping[str, Any], problems: toml.Problems
         if name not in known:
             text = f"[design], key 'apart': {name!r} is no factor{did_you_mean(name, known)}"
             problems.add("[design]", text, "apart")
+
+
+def _check_session(study: StudySpec, problems: toml.Problems) -> None:
+    session = study.session
     if session.steps.count("trials") != 1:
         problems.add("[session]", "[session]: 'steps' has to name `trials` once", "steps")
     if "practice" in session.steps and study.practice is None:
         problems.add(
             "[session]", "[session]: the step `practice` needs the table [practice]", "steps"
         )
-    _check_moments(study, problems)
-    if study.task is not None:
-        _check_task(study.task, problems)
-    if study.practice is not None and study.practice.criterion:
-        try:
-            Criterion.read(study.practice.criterion)
-        except StudyError as error:
-            problems.add("[practice]", f"[practice], key 'criterion': {error}", "criterion")
 
 
-def _check_moments(study: StudySpec, problems: toml.Problems) -> None:
+def _check_moments(study: StudySpec, sound: Set[str], problems: toml.Problems) -> None:
     parts: tuple[tuple[str, MomentsSpec | None], ...]
-    parts = (("[freeze]", study.freeze), ("[neglect]", study.withhold))
-    for place, spec in parts:
-        if spec is None:
+    parts = (("freeze", study.freeze), ("neglect", study.withhold))
+    for name, spec in parts:
+        if spec is None or name not in sound:
             continue
+        place = f"[{name}]"
         last = latest(spec, study.trial)
         if room_left(spec.count, spec.not_before_s, last, spec.apart_s) < 0.0:
             text = (

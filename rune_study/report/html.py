@@ -29,6 +29,7 @@ h3 { margin-top: 2em; border-top: 1px solid var(--line); padding-top: .6em }
 @media (prefers-color-scheme: dark) {
   :root { --ink: #dfe3e8; --paper: #14171b; --line: #3d434b; --block: #1d2126 }
   svg .paper { fill: #14171b } svg text { fill: #dfe3e8 } svg .scale { stroke: #dfe3e8 }
+  svg .halo { stroke: #14171b }
   svg .wall { fill: #8a9099 } svg .axis { stroke: #8a9099 }
   svg .data, svg .way, .legend span { filter: brightness(1.5) }
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import platform
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
@@ -13,10 +12,11 @@ import numpy as np
 from hub.command_line import DISTRIBUTION
 from hub.errors import ArenaError
 from hub.sim.arena import Footprints, load_arena
+from hub.toml_reader import keys_of, shown
 from rune_study.data.overlay import TrialOverlay
 from rune_study.data.store import StudyData
 from rune_study.metrics.registry import METRICS
-from rune_study.plan.checking import design_report
+from rune_study.plan.design_report import design_report
 from rune_study.plan.steps import codes
 from rune_study.plan.study_spec import StudySpec
 from rune_study.report.comparison import Conditions, asked_once, compare
@@ -142,12 +142,12 @@ def _words(study: StudySpec, name: str) -> MetricWords:
     )
 
 
-def _fixed(study: StudySpec) -> Iterator[tuple[str, str]]:
-    """The table [metrics] of a study, by its keys."""
-    for field in dataclasses.fields(study.metrics):
-        value = getattr(study.metrics, field.name)
-        text = ", ".join(value) if isinstance(value, tuple) else f"{value}"
-        yield field.name, text or "none"
+def _fixed(study: StudySpec) -> Iterator[tuple[str, tuple[str, str]]]:
+    """The table [metrics] of a study: value and meaning, by its keys."""
+    for name, key in keys_of(type(study.metrics)).items():
+        value = getattr(study.metrics, key.field)
+        text = ", ".join(value) if isinstance(value, tuple) else str(value)
+        yield name, (shown(key) if value == key.default else text, key.meaning)
 
 
 def _software(study: StudySpec) -> dict[str, str]:

@@ -266,7 +266,8 @@ def _victims(
             f'<circle class="victim" cx="{x}" cy="{y}" r="{size}" fill="#1f8a4c" '
             f'fill-opacity="{0.15 + 0.8 * found / trials:.2f}" stroke="#1f8a4c" '
             f'stroke-width="1.5" vector-effect="non-scaling-stroke"/>'
-            f'<text x="{x + size + plan.text // 6}" y="{y + plan.text // 3}">'
+            f'<text class="halo" x="{x + size + plan.text // 6}" y="{y + plan.text // 3}" '
+            f'stroke="#fff" stroke-width="{plan.text // 4}" paint-order="stroke">'
             f"{found:.0f}/{trials}</text></g>"
         )
 

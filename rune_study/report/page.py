@@ -7,7 +7,7 @@ from html import escape
 
 from hub.values import dataclass
 from rune_study.data.rows import TrialRow
-from rune_study.plan.checking import DesignReport, design_lines
+from rune_study.plan.design_report import DesignReport, design_lines
 from rune_study.report.html import number, page, paragraph, table
 from rune_study.report.maps import ConditionMap
 from rune_study.report.results import Results, by_position, results_section
@@ -23,7 +23,7 @@ class StudyReport:
         made: When the page was made, in words.
         design: The design in numbers.
         results: Conditions, trials and metrics.
-        fixed: What the study's file says of metrics before the first participant, by name.
+        fixed: What the study's file says of metrics, by its keys: value and meaning.
         maps: Maps of the conditions, by their title.
         colours: Of each participant on maps.
         source: How the figures can be computed again.
@@ -37,7 +37,7 @@ class StudyReport:
     made: str
     design: DesignReport
     results: Results
-    fixed: Mapping[str, str]
+    fixed: Mapping[str, tuple[str, str]]
     maps: Mapping[str, ConditionMap]
     colours: Mapping[int, str]
     source: str
@@ -87,8 +87,9 @@ def _design(report: StudyReport) -> Iterator[str]:
     yield f"<pre>{escape(chr(10).join(design_lines(report.design)))}</pre>"
     yield from (paragraph(f"Note: {each}.") for each in report.design.warnings)
     if report.fixed:
-        rows = [[name, text] for name, text in report.fixed.items()]
-        yield table(["what", "value"], rows, caption="Fixed in the study's file")
+        rows = [[name, text, meaning] for name, (text, meaning) in report.fixed.items()]
+        heads = ["key of [metrics]", "value", "meaning"]
+        yield table(heads, rows, caption="Fixed in the study's file")
         yield paragraph(
             "Each session keeps the checksum of the study's files from its begin; a session that "
             "began with other files is named below."
@@ -125,7 +126,7 @@ def _sessions(report: StudyReport) -> str:
 
 
 def _attempt(trial: TrialRow) -> str:
-    words = f"{trial.code} {number(trial.seconds)} s"
+    words = f"{trial.code}\N{NO-BREAK SPACE}{number(trial.seconds)}\N{NO-BREAK SPACE}s"
     return f"({words})" if trial.excluded else words
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rune_study.errors import StudyError
 from rune_study.plan.folder import questionnaire_path, text_path
+from rune_study.plan.practice import practice_of
 from rune_study.plan.steps import BREAK, PRACTICE, TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.asking import ask, is_refused
@@ -18,7 +19,7 @@ from rune_study.session.markers import lsl_markers, no_markers
 from rune_study.session.orders import ABORT, BEGIN, OrderBook
 from rune_study.session.progress import DeclinedError, LeftError, Result, run_steps
 from rune_study.session.reading import forget_keys, read
-from rune_study.session.stage import practice_of, stage
+from rune_study.session.stage import stage
 from rune_study.session.trial import Trial
 from rune_study.session.warnings import PRIVATE
 

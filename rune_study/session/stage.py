@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -103,12 +102,3 @@ def _keep(part: Path, file: Path) -> None:
         found[0].rename(file)
     with contextlib.suppress(OSError):
         part.rmdir()
-
-
-def practice_of(study: StudySpec, first: ConditionSpec) -> ConditionSpec:
-    """What the practice happens with, given the first trial's condition."""
-    spec = study.practice
-    if spec is None:
-        return first
-    layout, arena = spec.layout or first.layout, spec.arena or first.arena
-    return dataclasses.replace(first, link="", layout=layout, arena=arena)

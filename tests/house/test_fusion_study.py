@@ -10,7 +10,8 @@ import re
 from pathlib import Path
 
 from rune_study.data.store import StudyData
-from rune_study.plan.checking import design_report, missing
+from rune_study.plan.checking import check_study, unmeasured
+from rune_study.plan.design_report import design_report
 from rune_study.plan.study_file import read_study
 from rune_study.report.making import make_page
 from rune_study.simulate.model_study import effect_of, simulated
@@ -22,7 +23,8 @@ _PAGE = _ROOT / "docs" / "fusion-report.html"
 
 def test_the_study_has_all_that_it_names_and_is_balanced() -> None:
     study = read_study(_ROOT / "studies" / "fusion")
-    assert missing(study) == []
+    assert check_study(study.folder).problems == []
+    assert list(unmeasured(study)) == []
     assert design_report(study).warnings == ()
 
 

@@ -14,11 +14,11 @@ from rune_study.lots import draw, shuffled, spread
 from rune_study.plan.orders import (
     ROWS,
     balance,
+    counts_kept,
     drawn,
     latin,
     no_run_above,
     row_of,
-    share_kept,
     williams,
 )
 from tests.support.cases import for_each
@@ -94,7 +94,9 @@ def test_rules_that_no_order_keeps_are_refused_and_counted() -> None:
     never = no_run_above(1, lambda _: "same")
     with pytest.raises(StudyError, match="none of 10000 orders"):
         drawn((0, 1), 1, [never], "seed")
-    assert share_kept((0, 1), 1, [never], "seed", 100) == 0
+    assert counts_kept((0, 1), 1, [never], "seed", 100) == (0, [0])
     seldom = no_run_above(1, lambda index: index // 2)
-    share = share_kept((0, 1, 2, 3), 1, [seldom], "seed", 3000) / 3000
+    kept, each = counts_kept((0, 1, 2, 3), 1, [seldom], "seed", 3000)
+    assert each == [kept]
+    share = kept / 3000
     assert share == pytest.approx(8 / 24, abs=0.04)

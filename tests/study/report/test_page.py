@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 import numpy as np
 
 from rune_study.data.rows import MetricRow, TrialRow
-from rune_study.plan.checking import DesignReport
+from rune_study.plan.design_report import DesignReport
 from rune_study.report.comparison import Conditions, compare
 from rune_study.report.page import StudyReport, html_page
 from rune_study.report.results import MetricWords, Results
@@ -22,9 +22,12 @@ DESIGN = DesignReport(
     codes=("A", "B"),
     positions=((2, 2), (2, 2)),
     carry_over=((0, 2), (2, 0)),
+    orders={"AB": (1, 3), "BA": (2, 4)},
     kept=0,
+    kept_each={},
     tries=0,
     minutes=30.0,
+    minutes_of={"trial": 30.0},
     warnings=(),
 )
 
@@ -70,7 +73,7 @@ def report(conditions: Conditions = CONDITIONS) -> StudyReport:
             },
             once={},
         ),
-        fixed={"primary": "IE"},
+        fixed={"primary": ("IE", "what decides")},
         maps={},
         colours={},
         source="rune study report",
