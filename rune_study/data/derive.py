@@ -16,7 +16,8 @@ from hub.recording.recording_set import RecordingSet
 from hub.values import dataclass
 from rune_study.data.lacking import lacking_files, lacking_time
 from rune_study.data.overlay import TrialOverlay, overlay_of
-from rune_study.data.rows import EventRow, MetricRow, TrialRow, metric_rows
+from rune_study.data.probes import probes_of, rows_of
+from rune_study.data.rows import EventRow, MetricRow, ProbeRow, TrialRow, metric_rows
 from rune_study.errors import DataError
 from rune_study.metrics.questionnaires import SUS_ITEMS, TLX_SCALES
 from rune_study.metrics.registry import measure, scores
@@ -28,7 +29,7 @@ from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.answers import GivenAnswer, read_answers
 from rune_study.questionnaires.questionnaire import find
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
-from rune_study.session.interruptions import ANSWERS
+from rune_study.session.freezing import ANSWERS
 from rune_study.session.journal import (
     BEGIN,
     DONE,
@@ -55,12 +56,14 @@ class ParticipantData:
         metrics: Of the trials that count, and of the session as a whole.
         events: Of the whole session.
         overlays: What maps show of the trials that count.
+        probes: Questions of freezes, of all attempts at trials.
     """
 
     trials: tuple[TrialRow, ...]
     metrics: tuple[MetricRow, ...]
     events: tuple[EventRow, ...]
     overlays: tuple[TrialOverlay, ...]
+    probes: tuple[ProbeRow, ...] = ()
 
 
 def derive(study: StudySpec, participant: int) -> ParticipantData:
@@ -79,6 +82,7 @@ def derive(study: StudySpec, participant: int) -> ParticipantData:
     trials: list[TrialRow] = []
     metrics: list[MetricRow] = []
     overlays: list[TrialOverlay] = []
+    probes: list[ProbeRow] = []
     for attempt in _attempts(records, steps):
         row, measured, overlay = _measured(study, participant, replaces, folder, attempt, answers)
         if row.excluded == _OPEN and damaged:
@@ -87,6 +91,8 @@ def derive(study: StudySpec, participant: int) -> ParticipantData:
         trials.append(row)
         metrics += measured
         overlays += overlay
+        with contextlib.suppress(DataError):  # then the trial is excluded with the reason
+            probes += list(_probes(participant, attempt, answers))
     of_session = {"participant": participant, "trial": 0, "code": ""}
     metrics += metric_rows(of_session, scores(questionnaires(0, answers)))
     return ParticipantData(
@@ -94,6 +100,7 @@ def derive(study: StudySpec, participant: int) -> ParticipantData:
         metrics=tuple(metrics),
         events=tuple(_events(records, steps)),
         overlays=tuple(overlays),
+        probes=tuple(probes),
     )
 
 
@@ -160,6 +167,16 @@ def _measured(
     return TrialRow(**row, partial="; ".join(lacks)), found, [overlay]
 
 
+def _probes(
+    participant: int, attempt: _Attempt, answers: Sequence[GivenAnswer]
+) -> Iterator[ProbeRow]:
+    step, begin = attempt.step, attempt.first("trial-begin")
+    if begin is not None:
+        own = {"participant": participant, "trial": step.trial, "code": step.code}
+        found = probes_of(attempt.records, step.name, attempt.number, answers)
+        yield from rows_of({**own, "attempt": attempt.number}, float(begin.data["moment_s"]), found)
+
+
 def _trial_data(
     study: StudySpec, attempt: _Attempt, files: Sequence[Path], answers: Sequence[GivenAnswer]
 ) -> tuple[TrialData, list[str]]:
@@ -178,6 +195,10 @@ def _trial_data(
         ),
         truth=truth_of(arena) if arena else None,
         effectiveness=study.metrics.effectiveness,
+        queries=tuple(
+            each.query
+            for each in probes_of(attempt.records, attempt.step.name, attempt.number, answers)
+        ),
         secondary=None,
         answers=questionnaires(attempt.step.trial, answers),
     )

@@ -69,10 +69,33 @@ class EventRow:
     value: str = column("what belongs to it, in words", default="")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProbeRow:
+    """A question of a freeze that has a truth; `probes.csv`."""
+
+    participant: int = column("number of the participant")
+    trial: int = column("number of the trial in the session, from 1")
+    attempt: int = column("which attempt at this trial, from 1", default=1)
+    code: str = column("code of the condition")
+    freeze: int = column("number of the freeze in the trial, from 1")
+    robot: int = column("number of the robot in the layout, from 1", default=1)
+    id: str = column("the question, by its name in the questionnaire")
+    about: str = column("what the question asks for, by its name in docs/study-questions.md")
+    level: int = column("1: perception, 2: comprehension, 3: projection")
+    asked: float = column("when it was shown, since the begin of the trial", "s", math.nan)
+    answered: float = column("when it was answered, since the begin of the trial", "s", math.nan)
+    answer: str = column("the answer; a place as x and y in `map` [m]; empty: none", default="")
+    truth: str = column("the right answer, in the same form")
+    tolerance: float = column("largest error that is right, in the unit of the truth", default=0.0)
+    correct: int = column("1: the answer is right; 0: it is wrong, or there is none", default=0)
+    seconds: float = column("time from the question to the answer", "s", math.nan)
+
+
 TABLES: dict[str, type[Any]] = {
     "trials.csv": TrialRow,
     "metrics.csv": MetricRow,
     "events.tsv": EventRow,
+    "probes.csv": ProbeRow,
 }
 """Tables by their file."""
 

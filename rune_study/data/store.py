@@ -12,7 +12,7 @@ from hub import files
 from hub.values import dataclass
 from rune_study.data.derive import derive
 from rune_study.data.overlay import TrialOverlay
-from rune_study.data.rows import MetricRow, TrialRow
+from rune_study.data.rows import MetricRow, ProbeRow, TrialRow
 from rune_study.data.tables import dictionary, write
 from rune_study.errors import DataError
 from rune_study.metrics.registry import METRICS
@@ -32,11 +32,13 @@ class StudyData:
         trials: All trials that were begun.
         metrics: Of those that count.
         overlays: What maps show of those; empty: there are no recordings.
+        probes: Questions of freezes, of all attempts at trials.
     """
 
     trials: tuple[TrialRow, ...]
     metrics: tuple[MetricRow, ...]
     overlays: tuple[TrialOverlay, ...] = ()
+    probes: tuple[ProbeRow, ...] = ()
 
     @property
     def partial(self) -> list[str]:
@@ -66,20 +68,27 @@ def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:
     trials: list[TrialRow] = []
     metrics: list[MetricRow] = []
     overlays: list[TrialOverlay] = []
+    probes: list[ProbeRow] = []
     for count, participant in enumerate(begun, 1):
         data = derive(study, participant)
         trials += data.trials
         metrics += data.metrics
         overlays += data.overlays
+        probes += data.probes
         write(participant_folder(study.folder, participant), "events.tsv", data.events)
         progress(count / len(begun))
-    found = StudyData(trials=tuple(trials), metrics=tuple(metrics), overlays=tuple(overlays))
+    found = StudyData(
+        trials=tuple(trials),
+        metrics=tuple(metrics),
+        overlays=tuple(overlays),
+        probes=tuple(probes),
+    )
     write_tables(study.folder / DERIVED, found)
     return found
 
 
 def write_tables(folder: Path, data: StudyData) -> list[Path]:
-    """Write trials, metrics, and the dictionary of their columns; returns the files.
+    """Write trials, metrics, questions of freezes, and the dictionary; returns the files.
 
     Raises:
         DataError: They cannot be written.
@@ -90,6 +99,8 @@ def write_tables(folder: Path, data: StudyData) -> list[Path]:
         folder / "wide.csv",
         folder / "dictionary.json",
     ]
+    if data.probes:
+        paths.append(write(folder, "probes.csv", data.probes))
     about = {
         name: {"Description": each.words, "Units": each.unit, "Better": each.better}
         for name, each in METRICS.items()

@@ -26,6 +26,7 @@ from rune_study.plan.practice import practice_of
 from rune_study.plan.steps import BREAK, PRACTICE, TRIALS
 from rune_study.plan.study_file import StudyDraft, read_draft
 from rune_study.plan.study_spec import ConditionSpec, StudySpec
+from rune_study.questionnaires.items import ComparedItem, Item, PlaceItem
 from rune_study.questionnaires.questionnaire import read, shipped
 from rune_study.trial_data.measured import EFFECTIVENESS
 
@@ -68,15 +69,31 @@ def _steps(draft: StudyDraft) -> Iterator[_Problem]:
         path = questionnaire_path(study, name)
         if path is not None:
             try:
-                read(path)
+                items = read(path).items
             except QuestionnaireError as error:
                 yield place, key, f"{place}, key '{key}': {plain(str(error), lines=True)}"
+                continue
+            for problem in _question_problems(study, items, frozen=place == "[freeze]"):
+                yield place, key, f"{place}, key '{key}': {name}: {problem}"
         elif text_path(study, name) is None or place == "[freeze]":
             kinds = "a questionnaire" if place == "[freeze]" else "a step"
             wanted = f"questionnaires/{name}.toml"
             wanted = wanted if place == "[freeze]" else f"texts/{name}.md or {wanted}"
             hint = did_you_mean(name, _known_steps(study)) or f"; write {wanted}"
             yield place, key, f"{place}, key '{key}': there is no {kinds[2:]} {name!r}{hint}"
+
+
+def _question_problems(study: StudySpec, items: Iterable[Item], *, frozen: bool) -> Iterator[str]:
+    """Questions that cannot be asked there, a sentence each."""
+    robots = min((spec.robots for spec in study.conditions), default=1)
+    for item in items:
+        if not isinstance(item, ComparedItem):
+            continue
+        if not frozen and (item.truth or isinstance(item, PlaceItem)):
+            what = "names a truth" if item.truth else "asks for a place"
+            yield f"{item.id} {what}, which only the questions of [freeze] can"
+        if item.robot > robots:
+            yield f"{item.id} asks about robot {item.robot}, and a condition has {robots}"
 
 
 def _known_steps(study: StudySpec) -> list[str]:

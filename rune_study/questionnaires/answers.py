@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
+import math
 import time
 from pathlib import Path
 from types import TracebackType
@@ -12,7 +12,7 @@ from hub.errors import MapFileError, MissionFileError
 from hub.missions import journal_file
 from hub.values import dataclass
 from rune_study.errors import AnswersError
-from rune_study.questionnaires.items import Answer, Item
+from rune_study.questionnaires.items import Answer, ComparedItem, Item
 from rune_study.questionnaires.questionnaire import Questionnaire
 
 
@@ -24,17 +24,19 @@ class GivenAnswer:
         questionnaire: The questionnaire's name.
         occasion: When in the session it was asked, such as "t3".
         item: The item's id.
-        value: The answer, as the item's kind has it.
+        value: The answer, as the item's kind has it; None: the person does not know.
         at: When it was given [s since 1970].
         seconds: Time between the question and the answer [s].
+        moment: When it was given, on the monotonic clock of the machine [s].
     """
 
     questionnaire: str
     occasion: str
     item: str
-    value: Answer
+    value: Answer | None
     at: float
     seconds: float
+    moment: float = math.nan
 
 
 class Answers:
@@ -67,17 +69,17 @@ class Answers:
     ) -> None:
         self._file.close()
 
-    def of(self, questionnaire: Questionnaire, occasion: str) -> dict[str, Answer]:
-        """The answers that are there, by item.
+    def of(self, questionnaire: Questionnaire, occasion: str) -> dict[str, Answer | None]:
+        """The answers that are there, by item; None: the person does not know.
 
         Raises:
             AnswersError: One does not fit its item: the questionnaire was changed.
         """
-        found: dict[str, Answer] = {}
+        found: dict[str, Answer | None] = {}
         for item in questionnaire.items:
             given = self._given.get((questionnaire.name, occasion, item.id))
             if given is not None:
-                if not item.accepts(given.value):
+                if not _fits(item, given.value):
                     text = (
                         f"{self._path}: {given.value!r} is no answer to {item.id} of "
                         f"{questionnaire.name}; was the questionnaire changed?"
@@ -87,23 +89,23 @@ class Answers:
         return found
 
     def all(self) -> list[GivenAnswer]:
-        """Every answer, in the order in which they were given."""
-        return sorted(self._given.values(), key=lambda given: given.at)
+        """Every answer, in the order in which they were given first."""
+        return list(self._given.values())
 
     def give(
         self,
         questionnaire: Questionnaire,
         occasion: str,
         item: Item,
-        value: Answer,
+        value: Answer | None,
         seconds: float,
-    ) -> None:
-        """Write an answer; it is on the disk when this returns.
+    ) -> GivenAnswer:
+        """Write an answer, which it returns; it is on the disk then.
 
         Raises:
             AnswersError: The disk refuses, or the value is no answer to the item.
         """
-        if not item.accepts(value):
+        if not _fits(item, value):
             text = f"{value!r} is no answer to {item.id} of {questionnaire.name}"
             raise AnswersError(text)
         given = GivenAnswer(
@@ -113,6 +115,7 @@ class Answers:
             value=value,
             at=time.time(),
             seconds=round(seconds, 3),
+            moment=time.monotonic(),
         )
         record = {name: getattr(given, name) for name in GivenAnswer.__dataclass_fields__}
         try:
@@ -121,14 +124,13 @@ class Answers:
             text = f"{self._path}: {fault}"
             raise AnswersError(text) from fault
         self._take(record)
+        return given
 
     def _take(self, record: dict[str, Any]) -> None:
         """Take one record of the file; others' records are left out."""
-        try:
-            given = GivenAnswer(**record)
-        except TypeError:
-            return
-        self._given[given.questionnaire, given.occasion, given.item] = given
+        given = _given(record)
+        if given is not None:
+            self._given[given.questionnaire, given.occasion, given.item] = given
 
 
 def read_answers(path: Path) -> list[GivenAnswer]:
@@ -140,8 +142,8 @@ def read_answers(path: Path) -> list[GivenAnswer]:
     given: dict[tuple[str, str, str], GivenAnswer] = {}
 
     def take(record: dict[str, Any]) -> None:
-        with contextlib.suppress(TypeError):
-            each = GivenAnswer(**record)
+        each = _given(record)
+        if each is not None:
             given[each.questionnaire, each.occasion, each.item] = each
 
     try:
@@ -150,3 +152,23 @@ def read_answers(path: Path) -> list[GivenAnswer]:
         text = f"{path}: {fault}"
         raise AnswersError(text) from fault
     return list(given.values())
+
+
+def _given(record: dict[str, Any]) -> GivenAnswer | None:
+    """The answer of a record; None: it is none. JSON has places as lists."""
+    value = record.get("value")
+    own = {**record, "value": tuple(value)} if isinstance(value, list) else record
+    words = ("questionnaire", "occasion", "item")
+    try:
+        given = GivenAnswer(**own)
+    except TypeError:
+        return None
+    whole = all(isinstance(getattr(given, name), str) for name in words)
+    timed = all(isinstance(each, int | float) for each in (given.at, given.seconds, given.moment))
+    return given if whole and timed else None
+
+
+def _fits(item: Item, value: object) -> bool:
+    """Whether a value answers an item; who does not know a truth may say so."""
+    unknown = value is None and isinstance(item, ComparedItem) and bool(item.truth)
+    return unknown or item.accepts(value)

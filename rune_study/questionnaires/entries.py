@@ -6,9 +6,11 @@ No item has an answer before the first key, so that none is suggested.
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Protocol
 
+from rune_study.errors import AnswersError
+from rune_study.questionnaires.ground import Ground
 from rune_study.questionnaires.items import (
     Agreement,
     Answer,
@@ -17,13 +19,15 @@ from rune_study.questionnaires.items import (
     Item,
     NumberItem,
     Pair,
+    PlaceItem,
     Scale,
     TextItem,
 )
+from rune_study.questionnaires.spatial_entries import BearingEntry, PlaceEntry
 
+Grounds = Mapping[tuple[str, int], Ground]
 WIDTH = 70
 """Columns of an item."""
-_ARROWS = ("↑", "↖", "←", "↙", "↓", "↘", "→", "↗")
 
 
 class Entry(Protocol):
@@ -36,8 +40,16 @@ class Entry(Protocol):
         """What is below the question."""
 
 
-def entry_of(item: Item) -> Entry:
-    """A fresh entry for an item."""
+def entry_of(item: Item, grounds: Grounds | None = None) -> Entry:
+    """A fresh entry for an item.
+
+    Args:
+        item: The item.
+        grounds: What questions about places show, by what they ask for and the robot's number.
+
+    Raises:
+        AnswersError: It asks for a place, and there is no ground.
+    """
     match item:
         case Scale():
             return ScaleEntry(item)
@@ -49,6 +61,12 @@ def entry_of(item: Item) -> Entry:
             return AgreementEntry()
         case Bearing():
             return BearingEntry(item)
+        case PlaceItem():
+            ground = (grounds or {}).get((item.ground, item.robot))
+            if ground is None:
+                text = f"{item.id} asks for a place, and there is no ground to show"
+                raise AnswersError(text)
+            return PlaceEntry(ground)
         case Pair():
             return PairEntry(item)
     raise AssertionError(item)
@@ -225,31 +243,3 @@ class TypedEntry:
             return f"{least}up to {self._item.longest} characters"
         whole = "a whole number" if self._item.whole else "a number"
         return f"{whole} from {self._item.least:g} to {self._item.most:g}"
-
-
-class BearingEntry:
-    """A dial; the first arrow sets it ahead."""
-
-    def __init__(self, item: Bearing) -> None:
-        self._step = item.step
-        self._angle: float | None = None
-
-    def press(self, key: str, character: str | None) -> Answer | None:
-        """Take a key; returns the final answer."""
-        del character
-        if key in ("left", "right"):
-            turn = self._step if key == "left" else -self._step
-            self._angle = 0.0 if self._angle is None else (self._angle + turn) % 360.0
-        elif key == "enter":
-            return self._angle
-        return None
-
-    def lines(self) -> list[str]:
-        """What is below the question."""
-        if self._angle is None:
-            return ["        ·", "", "← → set a direction"]
-        arrow = _ARROWS[round(self._angle / 45.0) % 8]
-        side = self._angle if self._angle <= 180 else self._angle - 360
-        where = "left" if side > 0 else "right"
-        words = {0.0: "ahead", 180.0: "behind"}.get(abs(side), f"{abs(side):g}° to the {where}")
-        return [f"        {arrow}   {words}", "", "← → turn   Enter: go on"]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from enum import StrEnum
 from typing import TypeGuard
 
+from hub.nearest import did_you_mean
 from hub.toml_reader import (
     Key,
     choice,
@@ -19,13 +21,17 @@ from hub.toml_reader import (
     whole_number,
 )
 from hub.values import dataclass
+from rune_study.metrics.awareness import AnswerKind
+from rune_study.questionnaires.ground import Place
+from rune_study.questionnaires.truths import TRUTHS, NamedTruth, Value
 
-Answer = str | float | bool
+Answer = str | float | bool | Place
 MOST_ITEMS = 200
 _NAME = plain_name(64)
 _WORDS = text(1000, any_character=True)
 _LABEL = text(60)
 _TURN = 360.0
+_FARTHEST_M = 10_000.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,6 +51,56 @@ class Item:
     def accepts(self, answer: object) -> bool:
         """Whether this is an answer to the item."""
         raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparedItem(Item):
+    """A question of a freeze may have a truth, with which its answer is compared.
+
+    Attributes:
+        truth: Its name in `TRUTHS`; empty: the answer is not compared.
+        level: Level of awareness, 1 to 3; 0: that of the truth.
+        tolerance: Largest error of a right answer; None: that of the truth.
+        robot: Number of the robot in the layout, from 1.
+    """
+
+    truth: str = key(
+        plain_name(40), "", "what is true: a name of the table below", without="nothing"
+    )
+    level: int = key(
+        whole_number(1, 3), 0, "level of awareness, 1 to 3", without="that of the truth"
+    )
+    tolerance: float | None = key(
+        number(0, 1e6), None, "largest error of a right answer", without="that of the truth"
+    )
+    robot: int = key(whole_number(1, 16), 1, "number of the robot in the layout, from 1")
+
+    @property
+    def answer_kind(self) -> AnswerKind:
+        """How its answers are compared."""
+        raise NotImplementedError
+
+    def compared(self) -> NamedTruth | None:
+        """The truth; None: the answer is not compared."""
+        return TRUTHS.get(self.truth)
+
+    def right_answer(self, value: Value) -> Value:
+        """The answer that a value of the truth makes right."""
+        return value
+
+    def fault(self) -> tuple[str, str] | None:
+        """Key and words of what does not fit together; None: all does."""
+        truth = self.compared()
+        if self.truth and truth is None:
+            hint = did_you_mean(self.truth, TRUTHS) or f"; known are {', '.join(TRUTHS)}"
+            return "truth", f"{self.truth!r} is no truth{hint}"
+        if truth is not None and truth.kind is not self.answer_kind:
+            fitting = [name for name, each in TRUTHS.items() if each.kind is self.answer_kind]
+            return "truth", (
+                f"{self.truth!r} is a {truth.kind}, and this item asks for a {self.answer_kind}; "
+                f"such truths are {', '.join(fitting)}"
+            )
+        return None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,22 +133,52 @@ class Scale(Item):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Choice(Item):
+class Choice(ComparedItem):
     """One of several options.
 
     Attributes:
         options: Their words.
+        means: Of each option, the values of the truth that make it right.
     """
 
     options: tuple[str, ...] = key(several(_LABEL, 20), meaning="the options")
+    means: tuple[str, ...] = key(
+        several(_LABEL, 20),
+        (),
+        "of each option, the values of the truth that make it right, with blanks between",
+        without="the options are the values",
+    )
 
     def accepts(self, answer: object) -> bool:
         """Whether it is an option."""
         return answer in self.options
 
+    @property
+    def answer_kind(self) -> AnswerKind:
+        """How its answers are compared."""
+        return AnswerKind.CHOICE
+
+    def right_answer(self, value: Value) -> Value:
+        """The option that a value of the truth makes right."""
+        meanings = zip(self.options, self.means or self.options, strict=True)
+        return next((option for option, values in meanings if value in values.split()), None)
+
+    def fault(self) -> tuple[str, str] | None:
+        """Key and words of what does not fit together; None: all does."""
+        if self.means and len(self.means) != len(self.options):
+            return "means", f"{len(self.options)} options have {len(self.means)} meanings"
+        truth = self.compared()
+        wrong = ComparedItem.fault(self)  # slots make a new class, so there is no super()
+        if wrong is not None or truth is None:
+            return wrong
+        given = [word for values in self.means or self.options for word in values.split()]
+        if sorted(given) != sorted(truth.words):
+            return "means", f"each of {', '.join(truth.words)} has to make one option right"
+        return None
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NumberItem(Item):
+class NumberItem(ComparedItem):
     """A number that is typed.
 
     Attributes:
@@ -113,6 +199,11 @@ class NumberItem(Item):
             return False
         fits = self.least <= answer <= self.most
         return fits and (not self.whole or float(answer).is_integer())
+
+    @property
+    def answer_kind(self) -> AnswerKind:
+        """How its answers are compared."""
+        return AnswerKind.NUMBER
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,8 +235,10 @@ class Agreement(Item):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Bearing(Item):
-    """A direction that is set on a dial: 0 is ahead, 90 to the left [deg].
+class Bearing(ComparedItem):
+    """A direction that is set on a dial, counter-clockwise [deg].
+
+    It counts from the robot's front, or from the x axis of `map` if its truth does.
 
     Attributes:
         step: Degrees of a key press.
@@ -156,6 +249,57 @@ class Bearing(Item):
     def accepts(self, answer: object) -> bool:
         """Whether it is an angle from 0 to less than 360."""
         return _is_number(answer) and 0 <= answer < _TURN
+
+    @property
+    def answer_kind(self) -> AnswerKind:
+        """How its answers are compared."""
+        return AnswerKind.BEARING
+
+    @property
+    def in_map(self) -> bool:
+        """Whether it counts from the x axis of `map`."""
+        truth = self.compared()
+        return truth is not None and truth.in_map
+
+
+class GroundShown(StrEnum):
+    """Which ground a question about a place shows.
+
+    Attributes:
+        ARENA: The true ground of the arena.
+        ROBOT: The robot's own map of that moment.
+    """
+
+    ARENA = "arena"
+    ROBOT = "robot"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaceItem(ComparedItem):
+    """A place that is set on the ground, in `map` [m].
+
+    Attributes:
+        ground: What is shown: the true ground, or the robot's own map.
+    """
+
+    ground: str = key(
+        choice(tuple(GroundShown)),
+        GroundShown.ARENA,
+        "what is shown: the ground of the arena, or the robot's own map",
+    )
+
+    def accepts(self, answer: object) -> bool:
+        """Whether it is a place: x and y."""
+        return (
+            isinstance(answer, tuple)
+            and len(answer) == 2
+            and all(_is_number(each) and abs(each) <= _FARTHEST_M for each in answer)
+        )
+
+    @property
+    def answer_kind(self) -> AnswerKind:
+        """How its answers are compared."""
+        return AnswerKind.PLACE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,6 +326,7 @@ KINDS: dict[str, type[Item]] = {
     "text": TextItem,
     "agreement": Agreement,
     "bearing": Bearing,
+    "place": PlaceItem,
 }
 """Kinds of items by their names in files."""
 

@@ -22,7 +22,15 @@ from hub.toml_reader import load as load_toml
 from hub.values import dataclass
 from rune_study.errors import QuestionnaireError
 from rune_study.lots import shuffled
-from rune_study.questionnaires.items import KINDS, MOST_ITEMS, Item, Pair, keys_of_item, pairs_of
+from rune_study.questionnaires.items import (
+    KINDS,
+    MOST_ITEMS,
+    ComparedItem,
+    Item,
+    Pair,
+    keys_of_item,
+    pairs_of,
+)
 
 SHIPPED = Path(__file__).parent / "files"
 """Folder of the questionnaires that Rune ships."""
@@ -124,5 +132,9 @@ def _items(tables: object, problems: Problems) -> list[Item]:
         fields = read_table(keys_of_item(kind), table, place, problems)
         del fields["kind"]
         if len(problems) == before:
-            found.append(KINDS[kind](**fields))
+            item = KINDS[kind](**fields)
+            fault = item.fault() if isinstance(item, ComparedItem) else None
+            if fault is not None:
+                problems.add(place, f"{place}, key '{fault[0]}': {fault[1]}", fault[0])
+            found.append(item)
     return found

@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
-import threading
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from typing import Any
 
 from rune_study.lots import shuffled
-from rune_study.plan.folder import questionnaire_path
 from rune_study.plan.steps import Step
 from rune_study.plan.study_spec import StudySpec
-from rune_study.questionnaires.asking import ask
-from rune_study.questionnaires.questionnaire import Questionnaire
-from rune_study.questionnaires.questionnaire import read as read_questionnaire
+from rune_study.session.freezing import Freezes
 from rune_study.session.journal import Journal
 from rune_study.session.progress import LeftError
-from rune_study.session.reading import forget_keys
-from rune_study.session.robots import WatchedRobot, state_of
 from rune_study.session.schedule import FREEZE, QUESTION, WITHHOLD, Due, Schedule
 from rune_study.session.stage import Stage
-
-ANSWERS = "answers.log"
-_LISTEN_S = 0.02
 
 
 class Interruptions:
@@ -35,9 +23,9 @@ class Interruptions:
     ) -> None:
         self._study = study
         self._step = step
-        self._occasion = f"{step.name}-a{attempt}"
         self._journal = journal
         self._stage = stage
+        self._freezes = Freezes(study, step, attempt, journal, stage)
         self._question: tuple[Due, float] | None = None
         self._withheld_at: float | None = None
         if study.task is not None:
@@ -97,31 +85,14 @@ class Interruptions:
         schedule.go_on(time.monotonic())
 
     def _freeze(self, due: Due, schedule: Schedule) -> None:
+        time_left = self._step.seconds - schedule.elapsed(time.monotonic())
         self.pause(schedule)
-        truth = [state_of(robot) for robot in self._stage.robots]
-        self._note("frozen", due, truth=truth)
-        path = self._journal.path.parent / ANSWERS
-        with listening(self._stage.robots):
-            occasion = f"{self._occasion}-f{due.number}"
-            forget_keys()
-            complete = ask(self._questions(due), path, occasion, f"{self._study.seed} {occasion}")
+        complete = self._freezes.ask(due.number, time_left)
         self._note("unfrozen", due, complete=complete)
         self.go_on(schedule)
         if not complete:
             why = "the questions of a freeze were left"
             raise LeftError(why)
-
-    def _questions(self, due: Due) -> Questionnaire:
-        spec = self._study.freeze
-        path = questionnaire_path(self._study, spec.questions) if spec is not None else None
-        if spec is None or path is None:
-            why = f"there is no questionnaire {spec.questions if spec else ''!r} for freezes"
-            raise LeftError(why)
-        whole = read_questionnaire(path)
-        if not spec.draws:
-            return whole
-        drawn = shuffled(whole.items, self._study.seed, self._step.seed, "draws", due.number)
-        return dataclasses.replace(whole, items=tuple(drawn[: spec.draws]))
 
     def _asked(self, due: Due) -> str:
         task = self._study.task
@@ -147,22 +118,3 @@ class Interruptions:
     def _note(self, what: str, due: Due | None, **data: Any) -> None:  # noqa: ANN401 - JSON
         number = {} if due is None else {"number": due.number}
         self._journal.put(what, n=self._step.number, **number, **data)
-
-
-@contextmanager
-def listening(robots: Sequence[WatchedRobot]) -> Iterator[None]:
-    """Keep the connections to robots served while this thread is busy."""
-    ended = threading.Event()
-
-    def serve() -> None:
-        while not ended.is_set():
-            for robot in robots:
-                robot.watch(_LISTEN_S)
-
-    thread = threading.Thread(target=serve, daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()

@@ -7,21 +7,28 @@ import math
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from hub.errors import HubError
 from hub.gcm.ground_truth import GROUND_TRUTH, GroundTruth
-from hub.gcm.mapping import INTEREST_POINTS, InterestPoints, PointKind
-from hub.gcm.navigation import STOP, Stop
+from hub.gcm.mapping import INTEREST_POINTS, MAP, MAP_REQUEST, InterestPoints, MapRequest, PointKind
+from hub.gcm.navigation import ROBOT_STATE, STOP, RobotState, Stop
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.simulation import SIMULATION_PAUSE, SimulationPause
+from hub.gcm.vision import CAMERA_STATE, CameraState
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
+from hub.pose import Pose
 from rune_tui.commands.demo import DemoHubs
 
 _START_S = 20.0
 _END_S = 5.0
+_MAP_S = 3.0
+_LISTEN_S = 0.02
 _STILL = 0.02
 """Velocity below which a robot stands [m/s, rad/s]."""
 
@@ -79,6 +86,10 @@ class WatchedRobot:
         collisions: Number of its collisions since the start; simulated robots only.
         victims: Number of victims near which one is marked.
         truth: Its newest true state; None: none came.
+        state: Its newest state, as it reports it; None: none came.
+        camera: The newest state of its main camera; None: none came.
+        marks: Marks of victims in its `map` [m].
+        map_in_arena: Its frame `map` in the arena's; None: not known yet.
     """
 
     def __init__(
@@ -106,6 +117,10 @@ class WatchedRobot:
         self.collisions = 0
         self.victims = 0
         self.truth: GroundTruth | None = None
+        self.state: RobotState | None = None
+        self.camera: CameraState | None = None
+        self.marks: tuple[tuple[float, float], ...] = ()
+        self.map_in_arena: Pose | None = None
         self._first = 0
         self._still_since = math.inf
         self._radius = radius
@@ -115,6 +130,8 @@ class WatchedRobot:
         try:
             self._client.define(STOP, *([] if real else [SIMULATION_PAUSE]))
             self._client.subscribe(GROUND_TRUTH, self._see)
+            self._client.subscribe(ROBOT_STATE, self._see_state)
+            self._client.subscribe(CAMERA_STATE, self._see_camera)
             self._client.subscribe(INTEREST_POINTS, self._count, last=True)
             self._client.wait_connected(_START_S)
         except BaseException:
@@ -159,6 +176,24 @@ class WatchedRobot:
             self._client.publish(STOP, Stop(reason="a pause of the study"))
         self._client.wait_published(_START_S)
 
+    def own_map(self) -> OccupancyMap | None:
+        """The map that it made until now; None: it has none, or does not answer."""
+        try:
+            answer = self._client.query_response(MAP_REQUEST, MapRequest(), MAP, timeout=_MAP_S)
+            return OccupancyMap.of(answer)
+        except HubError:
+            return None
+
+    def _see_state(self, state: RobotState, _: MessageInfo) -> None:
+        self.state = state
+        if self.map_in_arena is None and self.truth is not None:
+            own = Pose(x=state.x, y=state.y, theta=state.theta)
+            here = Pose(x=self.truth.x, y=self.truth.y, theta=self.truth.theta)
+            self.map_in_arena = here.then(Pose().seen_from(own))
+
+    def _see_camera(self, camera: CameraState, _: MessageInfo) -> None:
+        self.camera = camera
+
     def _see(self, truth: GroundTruth, info: MessageInfo) -> None:
         if self.truth is not None:
             self.distance += math.hypot(truth.x - self.truth.x, truth.y - self.truth.y)
@@ -171,9 +206,11 @@ class WatchedRobot:
             self._still_since = min(self._still_since, info.measured)
 
     def _count(self, points: InterestPoints, _: MessageInfo) -> None:
-        marks = [(each.x, each.y) for each in points.points if each.kind == PointKind.VICTIM]
+        self.marks = tuple(
+            (each.x, each.y) for each in points.points if each.kind == PointKind.VICTIM
+        )
         self.victims = sum(
-            any(math.dist(mark, victim) <= self._radius for mark in marks)
+            any(math.dist(mark, victim) <= self._radius for mark in self.marks)
             for victim in self._victims
         )
 
@@ -186,3 +223,22 @@ def state_of(robot: WatchedRobot) -> dict[str, Any]:
     if truth is not None:
         seen |= {"x": truth.x, "y": truth.y, "theta": truth.theta, "linear": truth.linear}
     return seen
+
+
+@contextlib.contextmanager
+def listening(robots: Sequence[WatchedRobot]) -> Iterator[None]:
+    """Keep the connections to robots served while this thread is busy."""
+    ended = threading.Event()
+
+    def serve() -> None:
+        while not ended.is_set():
+            for robot in robots:
+                robot.watch(_LISTEN_S)
+
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()

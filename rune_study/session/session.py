@@ -13,7 +13,7 @@ from rune_study.plan.steps import BREAK, PRACTICE, TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.asking import ask, is_refused
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
-from rune_study.session.interruptions import ANSWERS
+from rune_study.session.freezing import ANSWERS
 from rune_study.session.journal import Journal
 from rune_study.session.markers import lsl_markers, no_markers
 from rune_study.session.orders import ABORT, BEGIN, OrderBook

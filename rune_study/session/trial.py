@@ -11,12 +11,12 @@ from hub.values import dataclass
 from rune_study.plan.practice import Criterion
 from rune_study.plan.steps import Step
 from rune_study.plan.study_spec import PracticeSpec, StudySpec
-from rune_study.session.interruptions import Interruptions, listening
+from rune_study.session.interruptions import Interruptions
 from rune_study.session.journal import Journal
 from rune_study.session.orders import ABORT, BEGIN, END, MARK, NOTE, PAUSE, OrderBook
 from rune_study.session.progress import LeftError, Result
 from rune_study.session.reading import read
-from rune_study.session.robots import state_of
+from rune_study.session.robots import listening, state_of
 from rune_study.session.schedule import Schedule
 from rune_study.session.stage import Stage
 

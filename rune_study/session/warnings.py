@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rune_study.plan.folder import participant_folder
 from rune_study.plan.study_spec import StudySpec
-from rune_study.session.interruptions import ANSWERS
+from rune_study.session.freezing import ANSWERS
 from rune_study.session.journal import JOURNAL, damaged_lines, head_of, read_journal
 
 PRIVATE = "private.log"

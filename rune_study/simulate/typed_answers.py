@@ -29,7 +29,7 @@ _RANGE: Final = 50.0
 def typed_answer(item: Item, random: np.random.Generator) -> tuple[Answer, str]:
     """An answer by lot and its keys, which give the same again if a part of them was lost.
 
-    Agreement is always given. A direction is straight ahead.
+    Agreement is always given. A direction is straight ahead, or north on a map.
     """
     match item:
         case Scale():
@@ -49,7 +49,7 @@ def typed_answer(item: Item, random: np.random.Generator) -> tuple[Answer, str]:
             typed = _TYPED[: item.longest]
             return typed, _BACKSPACE * item.longest + typed + ENTER
         case Bearing():
-            return 0.0, _RIGHT + ENTER
+            return 90.0 if item.in_map else 0.0, _RIGHT + ENTER
         case Pair():
             first = bool(random.integers(2))
             return (item.first if first else item.second)[0], _LEFT if first else _RIGHT

@@ -19,7 +19,7 @@ from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.answers import read_answers
 from rune_study.questionnaires.questionnaire import Questionnaire
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
-from rune_study.session.interruptions import ANSWERS
+from rune_study.session.freezing import ANSWERS
 from rune_study.session.journal import BEGIN, DONE, JOURNAL, Record, read_journal
 from rune_study.session.warnings import PRIVATE
 from rune_study.simulate.operator_model import OperatorModel

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 
 import numpy as np
 
 from hub.pose import Pose
-from hub.sim.arena import Footprints, arena_path, load_arena
+from hub.sim.arena import Footprints, arena_from_spec, arena_path, load_arena
 from hub.sim.arena_file import read_arena_file
 from hub.values import dataclass
 from rune_study.metrics.coverage import TrueGrid, reachable
@@ -66,6 +67,17 @@ def truth_of(arena: str) -> Truth:
         victims=np.array([victim.at for victim in spec.victims], float).reshape(-1, 2),
         start=made.start,
     )
+
+
+@functools.lru_cache(maxsize=8)
+def walls_of(arena: str) -> TrueGrid:
+    """The ground of an arena without its victims, as people may see it.
+
+    Raises:
+        ArenaError: It cannot be read.
+    """
+    spec = read_arena_file(arena_path(arena))
+    return grid_of(arena_from_spec(dataclasses.replace(spec, victims=())).footprints)
 
 
 def grid_of(footprints: Footprints) -> TrueGrid:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import time
 from pathlib import Path
@@ -10,6 +11,8 @@ import psutil
 import pytest
 
 from hub.recording.reader import Recording
+from rune_study.data.derive import derive
+from rune_study.plan.study_file import read_study
 from rune_study.session.journal import JOURNAL, Record, read_journal
 from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, family, gone
@@ -168,6 +171,53 @@ def test_freezes_withheld_control_and_the_secondary_task_interrupt_a_trial(folde
     assert all(each.data["seconds"] > 0.0 for each in answered)
     with Recording.open(folder / "sub-01" / "t1-a1.mcap") as recording:
         assert "/magellan/SIM_Pause" in {each.name for each in recording.channels.values()}
+
+
+SAGAT = """
+name = "sagat"
+title = "Now"
+[[item]]
+id = "position"
+kind = "place"
+text = "Where is the robot?"
+truth = "position"
+[[item]]
+id = "bumps"
+kind = "number"
+text = "How many bumps?"
+truth = "collisions"
+"""
+
+
+@pytest.mark.timeout(150)
+def test_answers_at_a_freeze_are_scored_by_the_truth_of_that_moment(folder: Path) -> None:
+    (folder / "questionnaires" / "sagat.toml").write_text(SAGAT)
+    session = begun(folder, 6.0, "[freeze]\nnot_before_s = 3\nnot_after_s = 3\n")
+    try:
+        for page in ("Hello", "Trial 1 of 1"):
+            shows(session, page)
+            session.type("\r")
+        shows(session, "Where is the robot?")
+        assert "magellan" not in session.text
+        assert "█" in session.text
+        session.type("\x1b[A\r")  # the middle of the arena
+        shows(session, "How many bumps?")
+        session.type("0\r")
+        shows(session, "How hard was it?")
+        session.type("\x1b[B\r")
+        assert session.wait_ended() == 0
+    finally:
+        session.close()
+    data = derive(read_study(folder), 1)
+    position, bumps = data.probes
+    assert (bumps.answer, bumps.truth, bumps.correct) == ("0.0", "0.0", 1)
+    assert position.truth == "0.0 0.0"
+    assert 3.0 <= position.asked <= position.answered <= bumps.answered
+    x, y = map(float, position.answer.split())
+    assert position.correct == (math.hypot(x, y) <= 1.0)
+    scores = {row.metric: row.value for row in data.metrics if row.metric.startswith("sagat")}
+    assert scores["sagat_1"] == (1.0 if position.correct else 0.5)
+    assert scores["sagat_unanswered"] == 0.0
 
 
 @pytest.mark.timeout(150)

@@ -25,7 +25,7 @@ from rune_study.questionnaires.answers import Answers
 from rune_study.questionnaires.questionnaire import find
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.report.making import make_page
-from rune_study.session.interruptions import ANSWERS
+from rune_study.session.freezing import ANSWERS
 from rune_study.session.journal import BEGIN, DONE, Journal
 from tests.study.trial_data.test_trial_data import truth
 

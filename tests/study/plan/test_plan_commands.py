@@ -135,6 +135,29 @@ def test_metrics_that_the_study_cannot_measure_are_named(tmp_path: Path) -> None
     ]
 
 
+def test_questions_with_a_truth_belong_to_a_freeze(tmp_path: Path) -> None:
+    (tmp_path / "questionnaires").mkdir()
+    path = tmp_path / "questionnaires" / "late.toml"
+    path.write_text(
+        'name = "late"\ntitle = "Late"\n[[item]]\nid = "a"\nkind = "place"\ntext = "?"\n'
+        '[[item]]\nid = "b"\nkind = "number"\ntext = "?"\ntruth = "battery"\nrobot = 2\n'
+    )
+    two = '[factors]\nlayout = ["minimal"]\n[defaults]\narena = "empty"\n'
+    (tmp_path / "study.toml").write_text(HEAD + two + '[trial]\nafter = ["late"]\n')
+    said = rune("study", "check", str(tmp_path)).stderr
+    assert "a asks for a place, which only the questions of [freeze] can" in said
+    assert "b names a truth, which only the questions of [freeze] can" in said
+    assert "b asks about robot 2, and a condition has 1" in said
+    (tmp_path / "study.toml").write_text(HEAD + two + '[freeze]\nquestions = "late"\n')
+    (wrong,) = [
+        line for line in rune("study", "check", str(tmp_path)).stderr.splitlines() if "late" in line
+    ]
+    assert wrong.endswith("late: b asks about robot 2, and a condition has 1")
+    path.write_text(path.read_text().replace("battery", "batery"))
+    said = rune("study", "check", str(tmp_path)).stderr
+    assert "'batery' is no truth; did you mean 'battery'?" in said
+
+
 def test_a_blind_plan_names_codes_only(tmp_path: Path) -> None:
     study_of(tmp_path, FOUR)
     for form in ([], ["--csv"], ["--json"]):
