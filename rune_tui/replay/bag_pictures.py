@@ -13,10 +13,10 @@ from PIL import Image as PillowImage
 from hub.errors import RecordingError
 from hub.gcm.vision import CameraState
 from hub.recording.ros.clouds import from_above, points_of
-from hub.recording.ros.decoding import RosValue
 from hub.recording.ros.images import LONGEST_SIDE, MOST_PIXELS, Pixels, pixels_of, shaded
 from hub.recording.ros.robot import RosPicture
 from hub.recording.ros.topic_roles import RosRole
+from hub.recording.ros.values import RosValue
 from rune_tui.model.robot_state import Picture
 
 _FORMATS: Final = ("JPEG", "PNG", "WEBP")
@@ -87,7 +87,7 @@ def decoded(picture: RosPicture) -> Pixels:
     Raises:
         RecordingError: It cannot be decoded, and why.
     """
-    value = picture.decoder.decode(picture.message.payload)
+    value = picture.decoder.as_ros(picture.message.payload)
     try:
         if picture.role is RosRole.CLOUD:
             return from_above(points_of(value))

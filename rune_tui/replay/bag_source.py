@@ -20,7 +20,7 @@ from hub.gcm.vision import CAMERA_STATE
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
 from hub.recording.recording_set import RecordingSet
-from hub.recording.ros.fields import FieldSeries, field_rows, first_number
+from hub.recording.ros.fields import FieldSeries, field_rows, first_field
 from hub.recording.ros.robot import RosPicture, RosRobot, RosScene
 from hub.recording.ros.topic_roles import RosRole
 from hub.recording.ros.topic_values import ShownMessage
@@ -76,6 +76,7 @@ class BagSource:
         self._picture_faults: list[str] = []
         self._series: tuple[tuple[int, str, float], FieldSeries] | None = None
         self._names = {topic.name: channel for channel, topic in bag.channels.items()}
+        self._first_fields: dict[str, str] = {}
         self._entries = tuple(self._topic_entries())
         self._layout = layout or self._made_layout()
         self._at = -1
@@ -237,8 +238,11 @@ class BagSource:
         return next(names, min(self._names, default=""))
 
     def _first_field(self, topic: str) -> str:
-        decoder = self._robot.values.decoders.get(self._names.get(topic, -1))
-        return first_number(decoder.type) if decoder is not None else ""
+        if topic not in self._first_fields:
+            channel = self._names.get(topic, -1)
+            decoder = self._robot.values.decoders.get(channel)
+            self._first_fields[topic] = first_field(self._bag, channel, decoder)
+        return self._first_fields[topic]
 
     def _chosen_message(self, stamp: int) -> LoggedMessage | None:
         """The newest message of the chosen topic at a time."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -232,9 +231,9 @@ def write_mcap(path: Path, content: list[Entry] | None = None, **options: Any) -
 
 def add_foreign(writer: McapWriter) -> None:
     """Topics of encodings besides that of ROS 2."""
-    schema = writer.register_schema("Thing", "jsonschema", b'{"type": "object"}')
-    channel = writer.register_channel("/thing", "json", schema)
-    writer.add_message(channel, START, json.dumps({"speed": 1.5}).encode(), START)
+    schema = writer.register_schema("Thing", "flatbuffer", b"BFBS")
+    channel = writer.register_channel("/thing", "flatbuffer", schema)
+    writer.add_message(channel, START, b"?", START)
     proto = writer.register_schema("foxglove.Log", "protobuf", b"\x0a\xff\x01")
     channel = writer.register_channel("/proto", "protobuf", proto)
     writer.add_message(channel, START, b"\x08\x01", START)

@@ -1,1 +1,1 @@
-"""What others record: messages of any ROS 2 type by their definition, folders of rosbag2."""
+"""What others record: messages of ROS and Foxglove by their definition, folders of rosbag2."""

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import RecordingError
-from hub.recording.ros.decoding import RosValue
 from hub.recording.ros.images import Pixels
+from hub.recording.ros.values import RosValue
 
 SIDE: Final = 240
 """Width and height of the picture [pixels]."""

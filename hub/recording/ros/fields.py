@@ -13,9 +13,10 @@ import numpy.typing as npt
 
 from hub.errors import RecordingError
 from hub.plain_text import plain
-from hub.recording.ros.decoding import RosDecoder, RosValue
+from hub.recording.ros.decoding import RosDecoder
 from hub.recording.ros.schema import TEXT, RosType
 from hub.recording.ros.topic_values import TopicMessages
+from hub.recording.ros.values import RosValue
 from hub.values import dataclass
 
 MOST_ROWS: Final = 1000
@@ -32,7 +33,9 @@ _TIMES: Final = (
     "builtin_interfaces/msg/Time",
     "builtin_interfaces/msg/Duration",
 )
+_MOST_DEPTH: Final = 40
 _LONGEST: Final = 200
+_TIME = re.compile(r"(?:^|[._])(?:header|stamp|timestamp|time|n?sec|seconds|nanos)(?:\.|$)")
 _STEP = re.compile(r"([A-Za-z]\w*)((?:\[\d{1,9}\])*)", re.ASCII)
 
 
@@ -56,7 +59,28 @@ def field_rows(value: RosValue) -> tuple[FieldRow, ...]:
     return tuple(itertools.islice(_rows("", value), MOST_ROWS))
 
 
-def first_number(kind: RosType, depth: int = 0) -> str:
+def first_field(bag: TopicMessages, channel: int, decoder: RosDecoder | None) -> str:
+    """Path of the first number of a topic that is no time; empty: it has none.
+
+    Args:
+        bag: The recording.
+        channel: The topic.
+        decoder: Its decoder; None: it cannot be read.
+    """
+    if decoder is None:
+        return ""
+    if decoder.type is not None:
+        return _first_number(decoder.type)
+    message = bag.newest(bag.end, {channel}).get(channel)
+    try:
+        rows = field_rows(decoder.decode(message.payload)) if message is not None else ()
+    except RecordingError:
+        return ""
+    numbers = (each.path for each in rows if math.isfinite(each.number))
+    return next((path for path in numbers if not _TIME.search(path)), "")
+
+
+def _first_number(kind: RosType, depth: int = 0) -> str:
     """Path of the first number of a type that is no time; empty: it has none.
 
     Arrays come last: their first element says less.
@@ -69,7 +93,7 @@ def first_number(kind: RosType, depth: int = 0) -> str:
                 continue
             path = f"{each.name}[0]" if many else each.name
             if isinstance(each.kind, RosType):
-                inner = first_number(each.kind, depth + 1)
+                inner = _first_number(each.kind, depth + 1)
                 if inner:
                     return f"{path}.{inner}"
             elif each.kind != TEXT:
@@ -92,23 +116,34 @@ def number_at(value: RosValue, path: str) -> float:
 
 
 def _rows(path: str, value: Any) -> Iterator[FieldRow]:  # noqa: ANN401 - fields have any type
-    if isinstance(value, RosValue):
-        for name, inner in value.fields():
-            yield from _rows(f"{path}.{name}" if path else name, inner)
-    elif isinstance(value, tuple | np.ndarray):
-        if len(value) <= _SPREAD:
-            for place, inner in enumerate(value):
-                yield from _rows(f"{path}[{place}]", inner)
-            if not len(value):
-                yield FieldRow(path, "empty")
-        else:
-            yield FieldRow(path, _summary(value), _least(value))
+    if isinstance(value, tuple | np.ndarray) and len(value) > _SPREAD:
+        yield FieldRow(path, _summary(value), _least(value))
+    elif isinstance(value, RosValue | tuple | np.ndarray):
+        inner = _parts(path, value)
+        first = next(inner, None)
+        if first is None or path.count(".") + path.count("[") > _MOST_DEPTH:
+            yield FieldRow(path, "empty" if first is None else "…")
+            return
+        for name, each in itertools.chain((first,), inner):
+            yield from _rows(name, each)
     elif isinstance(value, str):
         yield FieldRow(path, plain(value[:_LONGEST]))
+    elif value is None:
+        yield FieldRow(path, "none")
     else:
         number = float(value)
         exact = isinstance(value, int | np.integer | np.bool_)
         yield FieldRow(path, str(value) if exact else f"{number:.6g}", number)
+
+
+def _parts(path: str, value: Any) -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - as above
+    """Paths and values of what is within a value."""
+    if isinstance(value, RosValue):
+        for name, inner in value.fields():
+            yield f"{path}.{name}" if path else plain(name[:_LONGEST]), inner
+    else:
+        for place, inner in enumerate(value):
+            yield f"{path}[{place}]", inner
 
 
 def _summary(value: tuple[Any, ...] | npt.NDArray[Any]) -> str:

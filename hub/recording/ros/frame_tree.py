@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from hub.errors import RecordingError
 from hub.gcm.orientation import angles
-from hub.recording.ros.decoding import RosValue
+from hub.recording.ros.values import RosValue
 
 _MOST_FRAMES: Final = 10_000
 _MOST_STEPS: Final = 100

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import RecordingError
-from hub.recording.ros.decoding import RosValue
+from hub.recording.ros.values import RosValue
 
 Pixels = npt.NDArray[np.uint8]
 Shades = npt.NDArray[np.float32]

@@ -23,8 +23,8 @@ from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.orientation import angles
 from hub.gcm.ranges import LaserScan
 from hub.gcm.standard import Header, Time
-from hub.recording.ros.decoding import RosValue
 from hub.recording.ros.frame_tree import HERE, FramePlace, pose_of, turn_of
+from hub.recording.ros.values import RosValue
 
 _NAME: Final = 64
 _SENTENCE: Final = 1000

@@ -11,10 +11,10 @@ from hub.errors import RecordingError
 from hub.gcm.navigation import MotionState, NavigationStatus, RobotState, Task
 from hub.gcm.standard import BASE_LINK
 from hub.recording.ros import messages
-from hub.recording.ros.decoding import RosValue
 from hub.recording.ros.frame_tree import HERE, FramePlace, FrameTree, plain_frame, pose_of
 from hub.recording.ros.topic_roles import RosRole
 from hub.recording.ros.topic_values import ShownMessage, TopicValues, whole
+from hub.recording.ros.values import RosValue
 
 _FIXED: Final = ("map", "odom", "world", "earth")
 """Names of frames that do not move with the robot, the best first (REP 105)."""

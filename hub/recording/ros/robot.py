@@ -30,10 +30,11 @@ from hub.gcm.ranges import RANGES, LaserScan, RangeReadings
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
 from hub.recording.ros import messages, motion
-from hub.recording.ros.decoding import RosDecoder, RosValue
+from hub.recording.ros.decoding import RosDecoder
 from hub.recording.ros.frame_tree import FrameTree, plain_frame
 from hub.recording.ros.topic_roles import RosRole
 from hub.recording.ros.topic_values import ShownMessage, TopicMessages, TopicValues
+from hub.recording.ros.values import RosValue
 from hub.values import dataclass
 
 MOST_CAMERAS: Final = 8

@@ -41,6 +41,8 @@ NUMBERS: Final = {
 }
 """Numbers of ROS 2, and their names in Rune's formats."""
 TEXT: Final = "string"
+EMPTY: Final = "structure_needs_at_least_one_member"
+"""The field of a type without fields, for which ROS 2 writes a byte."""
 
 _SEPARATOR = re.compile(r"^={3,}[ \t]*\n", re.MULTILINE)
 _HEAD = re.compile(r"(?:MSG|IDL): *([\w/]{1,300})[ \t]*\n")
@@ -110,7 +112,7 @@ def ros_type(name: str, encoding: str, text: str) -> RosType:
 
     Args:
         name: Its name.
-        encoding: "ros2msg" or "ros2idl".
+        encoding: "ros2msg", "ros2idl" or "ros1msg".
         text: The definition; empty: the type must be one of `known_types`.
 
     Raises:
@@ -203,8 +205,7 @@ class _TypeResolver:
                 _refuse(self._open[0], f"has more than {MOST_FIELDS} fields")
             made.append(RosField(each.name, kind, each.count))
         self._open.pop()
-        # ROS 2 writes a byte for a type without fields.
-        whole = tuple(made) or (RosField("structure_needs_at_least_one_member", "uint8"),)
+        whole = tuple(made) or (RosField(EMPTY, "uint8"),)
         self._done[name] = RosType(name, whole), max(1, total), depth + 1
         return self._done[name]
 

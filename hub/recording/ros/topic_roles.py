@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from hub.plain_text import plain
+from hub.recording.ros.decoding import READABLE
+from hub.recording.ros.foxglove import ros_name
 from hub.recording.ros.schema import full_name
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
@@ -79,6 +81,7 @@ ROLES: Final[Mapping[str, RosRole]] = {
     "geometry_msgs/msg/Twist": RosRole.COMMAND,
     "geometry_msgs/msg/TwistStamped": RosRole.COMMAND_STAMPED,
     "tf2_msgs/msg/TFMessage": RosRole.FRAMES,
+    "tf/msg/tfMessage": RosRole.FRAMES,
     "sensor_msgs/msg/Imu": RosRole.IMU,
     "sensor_msgs/msg/BatteryState": RosRole.BATTERY,
     "sensor_msgs/msg/FluidPressure": RosRole.PRESSURE,
@@ -155,10 +158,10 @@ def roles_of(
     """
     found = []
     for channel, topic in channels.items():
-        role = ROLES.get(full_name(topic.schema_name))
+        role = ROLES.get(full_name(ros_name(topic.schema_name)))
         if role is RosRole.FRAMES and topic.name.endswith("tf_static"):
             role = RosRole.FIXED_FRAMES
-        if role is not None and topic.encoding == "cdr":
+        if role is not None and topic.encoding in READABLE:
             found.append((role, channel, topic.name))
     found.sort(key=lambda each: (_rank(each[0], each[2]), -counts.get(each[1], 0), each[2]))
     names = dict(_names({channel: name for _, channel, name in found}))

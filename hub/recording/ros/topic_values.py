@@ -9,8 +9,9 @@ from typing import Any, Final, Protocol
 from hub.errors import RecordingError
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
-from hub.recording.ros.decoding import RosDecoder, RosValue
+from hub.recording.ros.decoding import RosDecoder
 from hub.recording.ros.topic_roles import RosRole, TopicRole, roles_of
+from hub.recording.ros.values import RosValue
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
@@ -116,10 +117,15 @@ class TopicValues:
             self.note(message.channel, error)
             return None
 
+    def as_ros(self, message: LoggedMessage) -> RosValue | None:
+        """A decoded message as one of ROS; None: it cannot be read."""
+        decoder = self.decoders.get(message.channel)
+        return decoder.as_ros(message.payload) if decoder is not None else None
+
     def converted(self, message: LoggedMessage, convert: Convert) -> Any:  # noqa: ANN401 - any type
         """What a message becomes; None: it cannot be used."""
-        value = self.decoded(message)
         try:
+            value = self.as_ros(message)
             return convert(value) if value is not None else None
         except _UNFIT as error:
             self.note(message.channel, error)

@@ -5,6 +5,7 @@
 | when the message was logged and measured, its number | log_time_s, publish_time_s, sequence |
 | a number, a text | its value |
 | one within another type | a column of its own: twist.linear.x |
+| a message of protobuf or JSON | one column, `json` |
 | an array | a JSON list; one that is longer than `most`: the number of its values |
 """
 
@@ -23,8 +24,9 @@ import numpy as np
 from hub.errors import RecordingError
 from hub.recording.chunks import LoggedMessage
 from hub.recording.recording_set import RecordingSet
-from hub.recording.ros.decoding import RosDecoder, RosValue
+from hub.recording.ros.decoding import RosDecoder
 from hub.recording.ros.schema import RosType
+from hub.recording.ros.values import RosValue
 from hub.recording.tools.selection import Selection
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
@@ -114,9 +116,10 @@ class _TopicTable:
         self._decoder: RosDecoder | None = None
         try:
             self._decoder = RosDecoder.of(topic)
-            columns = list(_columns(self._decoder.type))
+            kind = self._decoder.type
+            columns = list(_columns(kind)) if kind is not None else ["json"]
         except RecordingError:  # a type that is not known: its bytes
-            columns = ["json" if topic.encoding == "json" else "payload"]
+            columns = ["payload"]
         self._file = self._partial.open("w", newline="", encoding="utf-8")
         self._rows_of = csv.writer(self._file)
         self._write((*_COMMON, *columns))
@@ -163,10 +166,13 @@ class _TopicTable:
             self._partial.unlink(missing_ok=True)
 
     def _values(self, payload: bytes) -> list[object]:
-        if self._decoder is not None:
-            return list(_flat(self._decoder.decode(payload), self._most))
         if self._topic.encoding == "json":
             return [payload.decode("utf-8", "replace")]
+        if self._decoder is not None:
+            value = self._decoder.decode(payload)
+            if self._decoder.type is None:
+                return [json.dumps(_plain(value, self._most))]
+            return list(_flat(value, self._most))
         return [payload.hex() if len(payload) <= self._most else f"{len(payload)} bytes"]
 
 
@@ -188,21 +194,21 @@ def _flat(value: RosValue, most: int) -> Iterator[object]:
             if len(item) > most:
                 yield f"{len(item)} values"
             else:
-                yield json.dumps(_plain(item))
+                yield json.dumps(_plain(item, most))
         else:
             yield item.item() if isinstance(item, np.generic) else item
 
 
-def _plain(value: Any) -> Any:  # noqa: ANN401 - fields have any type
+def _plain(value: Any, most: int) -> Any:  # noqa: ANN401 - fields have any type
     """A value for JSON."""
     if isinstance(value, RosValue):
-        return {name: _plain(item) for name, item in value.fields()}
+        return {name: _plain(item, most) for name, item in value.fields()}
     if isinstance(value, np.ndarray):
-        return value.tolist()
+        return value.tolist() if len(value) <= most else f"{len(value)} values"
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, (tuple, list, bytes, bytearray, memoryview)):
-        return [_plain(item) for item in value]
+        return [_plain(item, most) for item in value]
     return value
 
 

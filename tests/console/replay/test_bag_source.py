@@ -27,6 +27,7 @@ from tests.support import ros_bags
 from tests.support.ros_bags import START, STORE, Entry, header, make
 
 SECOND = 1_000_000_000
+FOREIGN = Path(__file__).parents[2] / "data" / "bags"
 SIZE = (118, 37)
 
 
@@ -58,7 +59,7 @@ def entry(topic: str, message: Any, stamp: int) -> Entry:
 
 
 def topics(frame: ReplayFrame) -> Topics:
-    received = topics_of(frame.state.robots["robot"])
+    received = topics_of(*frame.state.robots.values())
     assert received is not None
     return received.value
 
@@ -173,13 +174,35 @@ def test_topics_that_cannot_be_read_are_in_the_tree(opened: Opened, tmp_path: Pa
     (frame,) = source.frames(START - 1, START)
     troubles = {each.name: each.trouble for each in topics(frame).entries}
     assert troubles.keys() == {"/thing", "/proto", "/bare"}
-    assert "its messages are json (jsonschema)" in troubles["/thing"]
-    assert "protobuf" in troubles["/proto"]
+    assert "its messages are flatbuffer (flatbuffer)" in troubles["/thing"]
+    assert "it is cut" in troubles["/proto"]
     assert "of no named encoding" in troubles["/bare"]
     cells = Player(lambda: opened(path), size=SIZE).seek(START)
     assert cells is not None
     text = "".join(map(chr, cells.glyphs[cells.glyphs > 0].tolist()))
     assert "foxglove.Lognotread" in text.replace(" ", "")
+
+
+@pytest.mark.parametrize("name", ["foxglove", "foxglove-json", "ros1"])
+def test_robots_of_other_encodings_are_shown(opened: Opened, name: str) -> None:
+    source = opened(FOREIGN / f"{name}.mcap")
+    *_, frame = source.frames(START - 1, START + SECOND // 2)
+    (robot,) = frame.state.robots.values()
+    assert source.faults == []
+    assert {each.trouble for each in topics(frame).entries} == {""}
+    assert robot.navigation is not None
+    x = robot.navigation.value.x
+    assert x == pytest.approx(0.25)
+    assert robot.map is not None
+    assert robot.map.value.resolution == 0.25
+    assert robot.picture is not None
+    colours = {"ros1": (0, 255, 0)}
+    assert tuple(robot.picture.value.pixels[1, 1]) == colours.get(name, (255, 0, 0))
+    assert robot.body is not None
+    assert [each.beams for each in robot.body.ranges] == [21 if name == "ros1" else 31]
+    chosen = topics(frame)
+    assert chosen.field
+    assert len(chosen.read_series().values)
 
 
 def test_keys_choose_topic_and_field(opened: Opened, rover: Path) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from hub.recording.ros.decoding import READABLE
+from hub.recording.ros.foxglove import foxglove_names
 from hub.recording.ros.images import ENCODINGS
 from hub.recording.ros.topic_roles import ROLES, SHOWN_BY, RosRole
 
@@ -15,14 +17,23 @@ def role_rows() -> list[str]:
     by_role: dict[str, list[str]] = {}
     for name, role in ROLES.items():
         package, _, kind = name.split("/")
-        by_role.setdefault(SHOWN_BY[role], []).append(f"{package}/{kind}")
+        types = by_role.setdefault(SHOWN_BY[role], [])
+        types += [f"{package}/{kind}", *foxglove_names(name)]
     frames = SHOWN_BY[RosRole.FIXED_FRAMES]
     by_role[frames] = ["tf2_msgs/TFMessage in a topic tf_static"]
     return [f"| {', '.join(types)} | {shown} |" for shown, types in by_role.items()]
 
 
 TABLES = {
-    "roles": ["| type of ROS 2 | shown by |", "| --- | --- |", *role_rows()],
+    "roles": ["| type | shown by |", "| --- | --- |", *role_rows()],
+    "messages": [
+        "| encoding of messages | of their definitions |",
+        "| --- | --- |",
+        *(
+            f"| `{encoding}` | {', '.join(f'`{each}`' if each else 'none' for each in schemas)} |"
+            for encoding, schemas in READABLE.items()
+        ),
+    ],
     "encodings": [
         "| encodings of sensor_msgs/Image |",
         "| --- |",

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from hub.errors import RecordingError
 from hub.recording.ros.clouds import SIDE, from_above, points_of
-from hub.recording.ros.decoding import RosDecoder, RosValue
+from hub.recording.ros.decoding import RosDecoder
 from hub.recording.ros.images import pixels_of
+from hub.recording.ros.values import RosValue
 from hub.recording.topics import RecordedTopic
 from tests.support.ros_bags import STORE, make
 
