@@ -50,6 +50,9 @@ def parser() -> CommandParser:
         metavar="HUB",
         help="HOST or HOST:PORT of a real robot, once for each; default: simulated robots",
     )
+    run.add_argument(
+        "--keys", type=Path, metavar="KEYS", help="your key's file, for robots on other machines"
+    )
     watch = _add(tasks, "watch", "show a session to the experimenter, who can begin and end trials")
     watch.add_argument(
         "--participant", type=_participant, metavar="N", required=True, help="the number"

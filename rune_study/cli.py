@@ -13,7 +13,7 @@ from hub import files
 from hub.command_line import ExitCode
 from hub.plain_text import plain
 from rune_study.arguments import parser
-from rune_study.errors import StudyError
+from rune_study.errors import StudyError, TrialError
 from rune_study.plan.study_spec import StudySpec
 
 _LEFT = "the session is not complete; the same command goes on with it\n"
@@ -94,6 +94,7 @@ def _plan(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     from hub.ipc.endpoints import endpoint_of
     from rune_study.plan.blinding import write_key
+    from rune_study.plan.real_robots import RealRobots
     from rune_study.plan.study_file import read_study
     from rune_study.session.journal import Journal, participants_of
     from rune_study.session.session import Session
@@ -102,11 +103,16 @@ def _run(options: argparse.Namespace) -> int:
     study = read_study(options.folder)
     _need_terminal()
     write_key(study)
-    hubs = [endpoint_of(hub) for hub in options.hub]
+    hubs = tuple(endpoint_of(hub) for hub in options.hub)
+    real = RealRobots(hubs=hubs, keys=options.keys)
     with Journal.of(study, options.participant, options.replaces) as journal:
         _warn(study, [options.participant])
-        session = Session(study, journal, options.participant, hubs)
-        complete = not journal.declined and session.run()
+        session = Session(study, journal, options.participant, real)
+        try:
+            complete = not journal.declined and session.run()
+        except TrialError as error:
+            sys.stderr.write(f"rune: {plain(str(error))}\n")
+            return ExitCode.FAULT
         declined, order = journal.declined, journal.replaces or options.participant
     if declined:
         free = next_participant(participants_of(study))

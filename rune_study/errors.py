@@ -3,6 +3,7 @@
 StudyError
 ├── StudyFileError (ValueError)   a study's file with mistakes, all of them listed
 ├── ChangedStudyError (ValueError)  a study that is not the one with which a session began
+├── TrialError                    a part of a trial that does not run
 ├── AnswersError                  a file of answers that cannot be written, or does not fit
 ├── QuestionnaireError (ValueError)  a questionnaire's file with mistakes, all of them listed
 └── DataError (ValueError)    data that a metric or a statistic cannot take
@@ -33,6 +34,10 @@ class StudyFileError(StudyError, ValueError):
 
 class ChangedStudyError(StudyError, ValueError):
     """A study that is not the one with which a session began."""
+
+
+class TrialError(StudyError):
+    """A part of a trial does not run: a robot says nothing, or nothing records."""
 
 
 class DataError(StudyError, ValueError):

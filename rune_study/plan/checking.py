@@ -23,6 +23,7 @@ from rune_study.plan.folder import (
     text_path,
 )
 from rune_study.plan.practice import practice_of
+from rune_study.plan.real_robots import not_for_real
 from rune_study.plan.steps import BREAK, PRACTICE, TRIALS
 from rune_study.plan.study_file import StudyDraft, read_draft
 from rune_study.plan.study_spec import ConditionSpec, StudySpec
@@ -128,6 +129,10 @@ def condition_problems(
     """
     if "variables" not in refused:
         yield from _layout_problems(study, spec, {*refused})
+    if spec.hubs:
+        if len(spec.hubs) != spec.robots:
+            yield "hubs", f"'hubs' names {len(spec.hubs)} robots, and 'robots' = {spec.robots}"
+        yield from not_for_real(spec)
     parts: tuple[tuple[str, Callable[[str], object], str], ...] = (
         ("robot", find_robot_file, robot_of(study, spec)),
         ("arena", load_arena, arena_of(study, spec)),

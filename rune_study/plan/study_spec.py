@@ -78,6 +78,12 @@ class ConditionSpec:
     layout: str = key(text(300), "search", "a layout: a shipped one, or a file of the study")
     robot: str = key(text(300), "magellan", "the simulated robot: a shipped one, or its file")
     robots: int = key(whole_number(1, 16), 1, "number of robots, each with a hub")
+    hubs: tuple[str, ...] = key(
+        several(text(200), 16),
+        (),
+        "HOST or HOST:PORT of real robots, one for each",
+        without="simulated robots",
+    )
     arena: str = key(
         text(300), "", "a shipped arena, or a file of the study", without="the robot's"
     )

@@ -113,7 +113,11 @@ class ConsoleProcess:
 
 
 def console_options(
-    hubs: Sequence[str], operator: str, record: Path, variables: Sequence[tuple[str, str]]
+    hubs: Sequence[str],
+    operator: str,
+    record: Path,
+    variables: Sequence[tuple[str, str]],
+    keys: Path | None = None,
 ) -> list[str]:
     """Options of `rune run` for a trial.
 
@@ -122,8 +126,10 @@ def console_options(
         operator: The participant's code.
         record: Folder of the console's recording.
         variables: Values of the layout's variables.
+        keys: The key file, for hubs on other machines.
     """
     words = [("--hub", hub) for hub in hubs]
     words += [("--operator", operator), ("--record", str(record))]
+    words += [("--keys", str(keys))] if keys is not None else []
     words += [("--set", f"{name}={value}") for name, value in variables]
     return [each for pair in words for each in pair]

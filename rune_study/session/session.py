@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 from rune_study.errors import StudyError
 from rune_study.plan.folder import questionnaire_path, text_path
 from rune_study.plan.practice import practice_of
+from rune_study.plan.real_robots import RealRobots, real_problems
 from rune_study.plan.steps import BREAK, PRACTICE, TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.asking import ask, is_refused
@@ -29,6 +30,9 @@ _NOT_PASSED = (
     "# Practice\n\nThe practice ended before its aim was reached. Please tell the experimenter."
 )
 _DECLINED = "# Thank you\n\nYou do not take part, and the session is over. Thank you for your time."
+_AT_START = "\n\nThe robot has to stand at its start. Nothing moves it there by itself."
+_ALL_AT_START = "\n\nAll robots have to stand at their starts. Nothing moves them there by itself."
+_AGAIN = "\n\nThe last attempt does not count: {why}."
 _TRIAL = "# Trial {number} of {count}\n\nIt takes up to {time}."
 
 
@@ -36,7 +40,7 @@ class Session:
     """Does the steps of a participant."""
 
     def __init__(
-        self, study: StudySpec, journal: Journal, participant: int, hubs: Sequence[str]
+        self, study: StudySpec, journal: Journal, participant: int, real: RealRobots
     ) -> None:
         """Prepare.
 
@@ -44,21 +48,20 @@ class Session:
             study: The study.
             journal: The participant's.
             participant: The number.
-            hubs: Endpoints of real robots; empty: they are simulated.
+            real: Real robots that take the place of those of all conditions.
 
         Raises:
-            StudyError: Markers are wanted and cannot be sent, or hubs are too few or too many.
+            StudyError: Markers are wanted and cannot be sent, or the robots do not fit.
         """
-        robots = {spec.robots for spec in study.conditions}
-        if hubs and robots != {len(hubs)}:
-            those = " and ".join(map(str, sorted(robots)))
-            text = f"--hub names {len(hubs)} robots, and conditions have {those}"
-            raise StudyError(text)
+        problems = real_problems(study, real.hubs)
+        if problems:
+            raise StudyError("; ".join(problems))
         self._study = study
         self._journal = journal
         self._folder = journal.path.parent
         self._code = self._folder.name.replace("sub-", "p")
-        self._hubs = hubs
+        self._real = real
+        self._again = ""
         self._steps = plan(study, participant, journal.replaces)
         self._book = OrderBook(self._folder)
         self._mark: Callable[[str], None] = no_markers
@@ -110,11 +113,12 @@ class Session:
         return {"questionnaire": questionnaire.name}
 
     def _try(self, step: Step, attempt: int) -> Result | None:
-        self._wait_for_begin(step)
         spec = self._study.conditions[max(step.condition, 0)]
         if step.kind == PRACTICE:
             first = next((each for each in self._steps if each.kind == TRIAL), step)
             spec = practice_of(self._study, self._study.conditions[first.condition])
+        real = self._real.of(spec)
+        self._wait_for_begin(step, real)
         with stage(
             self._study,
             spec,
@@ -122,21 +126,28 @@ class Session:
             folder=self._folder,
             operator=self._code,
             attempt=attempt,
-            hubs=self._hubs,
+            real=real,
         ) as running:
             given = (self._study, step, attempt, self._journal, running, self._book, self._mark)
-            result = Trial(*given).run()
+            trial = Trial(*given)
+            result = trial.run()
+        self._again = trial.failure
         if result is not None and misses_aim(result):
             with contextlib.suppress(LeftError):  # what was done stays done
                 read(_NOT_PASSED)
         return result
 
-    def _wait_for_begin(self, step: Step) -> None:
+    def _wait_for_begin(self, step: Step, real: RealRobots) -> None:
         count = sum(each.kind == TRIAL for each in self._steps)
         text = _TRIAL.format(number=step.trial, count=count, time=length_in_words(step.seconds))
         by_experimenter = step.kind == TRIAL and self._study.trial.begins == "experimenter"
+        page = _PRACTICE if step.kind == PRACTICE else text
+        if self._again:
+            page += _AGAIN.format(why=self._again)
+        if real.hubs:
+            page += _AT_START if len(real.hubs) == 1 else _ALL_AT_START
         read(
-            _PRACTICE if step.kind == PRACTICE else text,
+            page,
             ended=self._may_begin if by_experimenter else None,
         )
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from hub.shaper.shaped_link import ShapedLink
 from hub.values import dataclass
 from rune_study.plan.folder import arena_of, hub_settings, layout_of, link_of, robot_of
+from rune_study.plan.real_robots import RealRobots
 from rune_study.plan.steps import Step
 from rune_study.plan.study_spec import ConditionSpec, StudySpec
 from rune_study.session.conducting import ConsoleProcess, console_options
-from rune_study.session.robots import WatchedRobot, recorded, simulated
+from rune_study.session.robots import Recorders, WatchedRobot, simulated
 from rune_study.trial_data.truth import truth_of
 
 LOG = "session.log"
 """What hubs and recorders said, in the participant's folder."""
+SILENT_S = 10.0
+"""A robot that says nothing for longer has no trial [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,12 +29,27 @@ class Stage:
     Attributes:
         console: The console.
         robots: The robots, in the order of the layout.
+        recorders: Of the hubs.
+        links: Bad links of the condition; none: links are as they are.
         files: Recordings of the hubs, and last the one of the console, which may not exist yet.
     """
 
     console: ConsoleProcess
     robots: tuple[WatchedRobot, ...]
+    recorders: Recorders
+    links: tuple[ShapedLink, ...]
     files: tuple[Path, ...]
+
+    def broken(self, now: float) -> str:
+        """Which part has ended, so that the trial does not count; empty: all run."""
+        for number, robot in enumerate(self.robots, 1):
+            if robot.silent_for(now) > SILENT_S:
+                return f"robot {number} says nothing"
+        if self.recorders.ended:
+            return f"the recorder of {self.recorders.ended} has ended"
+        if any(link.ended for link in self.links):
+            return "the link shaper has ended"
+        return ""
 
 
 def names_of_files(folder: Path, name: str, attempt: int, robots: int) -> tuple[Path, ...]:
@@ -50,7 +68,7 @@ def stage(
     folder: Path,
     operator: str,
     attempt: int,
-    hubs: Sequence[str] = (),
+    real: RealRobots,
 ) -> Iterator[Stage]:
     """Start all parts, and end them with the context.
 
@@ -61,7 +79,7 @@ def stage(
         folder: Of the participant.
         operator: The participant's code.
         attempt: Number of the attempt.
-        hubs: Endpoints of real robots; empty: robots are simulated.
+        real: The real robots of the condition, if it has any.
 
     Raises:
         HubError: A hub, a link or the console cannot be started, or a robot cannot be reached.
@@ -71,28 +89,38 @@ def stage(
     *recordings, of_console = names_of_files(folder, step.name, attempt, spec.robots)
     victims = truth_of(arena_of(study, spec)).victims_in_map() if spec.arena else []
     with contextlib.ExitStack() as stack:
-        if hubs:
-            own = list(hubs)
+        if real.hubs:
+            own = list(real.hubs)
         else:
             robots = [robot_of(study, spec)] * spec.robots
             settings = hub_settings(study, spec, step.seed)
             own = stack.enter_context(simulated(robots, settings, log))
-        stack.enter_context(recorded(own, recordings, log))
-        seen = own
+        recorders = stack.enter_context(Recorders(own, recordings, log, real.keys))
+        links: tuple[ShapedLink, ...] = ()
         if spec.link:
             profile, seed = link_of(study, spec), step.link_seed
-            links = [stack.enter_context(ShapedLink(hub, profile, seed)) for hub in own]
-            seen = [link.endpoint for link in links]
+            links = tuple(
+                stack.enter_context(ShapedLink(hub, profile, seed, keys=real.keys)) for hub in own
+            )
         radius = study.metrics.victim_radius_m
         watched = tuple(
-            stack.enter_context(WatchedRobot(hub, number, victims, radius, real=bool(hubs)))
+            stack.enter_context(
+                WatchedRobot(hub, number, victims, radius, real=bool(real.hubs), keys=real.keys)
+            )
             for number, hub in enumerate(own)
         )
+        seen = [link.endpoint for link in links] or own
         part = of_console.with_suffix(".part")
         stack.callback(_keep, part, of_console)
-        options = console_options(seen, operator, part, spec.variables)
+        options = console_options(seen, operator, part, spec.variables, real.keys)
         console = stack.enter_context(ConsoleProcess(layout_of(study, spec), options))
-        yield Stage(console=console, robots=watched, files=(*recordings, of_console))
+        yield Stage(
+            console=console,
+            robots=watched,
+            recorders=recorders,
+            links=links,
+            files=(*recordings, of_console),
+        )
 
 
 def _keep(part: Path, file: Path) -> None:

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from hub.errors import CentralUnreachableError
 from hub.values import dataclass
 from rune_study.plan.practice import Criterion
 from rune_study.plan.steps import Step
@@ -39,7 +40,11 @@ class Ending:
 
 
 class Trial:
-    """A running trial, or practice."""
+    """A running trial, or practice.
+
+    Attributes:
+        failure: Why it does not count; empty: it does, or it runs.
+    """
 
     def __init__(
         self,
@@ -70,6 +75,7 @@ class Trial:
         self._mark = mark
         self._interruptions = Interruptions(study, step, attempt, journal, stage)
         self._practice = None if step.trial else study.practice
+        self.failure = ""
         self._window: deque[tuple[float, float, int]] = deque()
 
     def run(self) -> Result | None:
@@ -78,8 +84,11 @@ class Trial:
         Raises:
             LeftError: The session was left.
         """
-        if not self._stage.console.wait_for("ready"):
-            self._note("lost", why="the console did not start", code=self._stage.console.exit_code)
+        with listening(self._stage.robots):
+            ready = self._stage.console.wait_for("ready")
+        if not ready:
+            self.failure = "the console did not start"
+            self._note("lost", why=self.failure, code=self._stage.console.exit_code)
             return None
         for robot in self._stage.robots:
             robot.watch(_LOOK_S)
@@ -88,12 +97,16 @@ class Trial:
         schedule = Schedule(self._step, now)
         self._note("trial-begin", moment_s=now)
         self._mark(f"begin {self._step.name} {self._step.code}".strip())
-        ending = self._loop(schedule)
+        try:
+            ending = self._loop(schedule)
+        except CentralUnreachableError as lost:
+            ending = Ending(why=str(lost), counts=False)
         seconds = schedule.elapsed(time.monotonic())
         self._mark(f"end {self._step.name} {ending.why}")
         robots = [state_of(robot) for robot in self._stage.robots]
         self._note("trial-end", why=ending.why, seconds=seconds, robots=robots)
         if not ending.counts:
+            self.failure = ending.why
             return None
         files = [file.name for file in self._stage.files]
         result = {"ended": ending.why, "seconds": round(seconds, 3), "robots": robots}
@@ -147,6 +160,9 @@ class Trial:
         elapsed = schedule.elapsed(time.monotonic())
         if not self._stage.console.running:
             return self._console_ended()
+        broken = self._stage.broken(time.monotonic())
+        if broken:
+            return Ending(why=broken, counts=False)
         if elapsed >= self._step.seconds:
             return Ending(why="time")
         if self._practice is not None:

@@ -27,7 +27,7 @@ from rune_study.metrics.trial_time import trial_time
 from rune_study.plan.folder import arena_of, hub_settings, link_of, participant_folder, robot_of
 from rune_study.plan.steps import TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
-from rune_study.session.robots import recorded, simulated
+from rune_study.session.robots import Recorders, simulated
 from rune_study.session.stage import LOG, names_of_files
 from rune_study.simulate.agreement import findings, middle, stops_after
 from rune_study.simulate.console_study import TRUTH, Played
@@ -131,7 +131,7 @@ def _drive(
     with contextlib.ExitStack() as stack:
         settings = hub_settings(study, spec, step.seed)
         hubs = stack.enter_context(simulated([robot_of(study, spec)] * spec.robots, settings, log))
-        stack.enter_context(recorded(hubs, recordings, log))
+        stack.enter_context(Recorders(hubs, recordings, log))
         if spec.link:
             profile, seed = link_of(study, spec), step.link_seed
             links = [stack.enter_context(ShapedLink(hub, profile, seed)) for hub in hubs]
