@@ -28,8 +28,12 @@ TICKS = st.integers(0, 240)
 PLACES = st.tuples(st.integers(0, 24), st.integers(0, 24))
 
 
-@given(st.lists(TICKS, max_size=14), st.lists(TICKS, max_size=6))
-def test_episodes(inputs: list[int], chosen: list[int]) -> None:
+@given(
+    st.lists(st.sampled_from([0, 1, 4, 15, 16, 17, 30]), max_size=14),
+    st.lists(TICKS, max_size=6),
+)
+def test_episodes(pauses: list[int], chosen: list[int]) -> None:
+    inputs = list(itertools.accumulate(pauses))
     made = episodes([TICK * each for each in inputs], [TICK * each for each in chosen])
     groups: list[list[int]] = []
     for each in sorted(inputs):
@@ -46,12 +50,12 @@ def test_episodes(inputs: list[int], chosen: list[int]) -> None:
 
 
 @given(
-    st.lists(st.booleans(), min_size=240, max_size=240),
+    st.lists(st.sampled_from([1, 3, 4, 5, 23, 24, 25, 40]), min_size=1, max_size=30),
     st.lists(TICKS, min_size=2, max_size=8, unique=True),
-    st.integers(1, 40),
 )
-def test_neglects(noise: list[bool], cuts: list[int], stretch: int) -> None:
-    low = [noise[tick // stretch] for tick in range(240)]
+def test_neglects(runs: list[int], cuts: list[int]) -> None:
+    low = [place % 2 == 1 for place, run in enumerate(runs) for _ in range(run)][:240]
+    low += [False] * (240 - len(low))
     cuts = sorted(cuts)
     served = list(zip(cuts[::2], cuts[1::2], strict=False))
     rate = Signal(times=np.arange(240) * TICK, values=1.0 - np.array(low, float))
