@@ -36,6 +36,7 @@ from hub.recording.records import (
     STATISTICS,
     SUMMARY_OFFSET,
 )
+from hub.recording.ros_quality import FACTS, QOS, ROSBAG2, numbered
 from hub.recording.topics import RecordedTopic
 
 LIBRARY: Final = "rune"
@@ -97,7 +98,8 @@ class McapEncoder:
 
     def begin(self) -> bytes:
         """The first bytes of the file."""
-        return self._made(MAGIC + _record(HEADER, _text("ros2") + _text(LIBRARY)))
+        head = self._made(MAGIC + _record(HEADER, _text("ros2") + _text(LIBRARY)))
+        return head + self.metadata(ROSBAG2, FACTS)
 
     def register(self, topic: RecordedTopic) -> int:
         """The number of a channel for a topic.
@@ -119,7 +121,10 @@ class McapEncoder:
                 definitions = _record(SCHEMA, content)
         number = self._channels + 1
         content = struct.pack("<HH", number, schema) + _text(topic.name) + _text(topic.encoding)
-        definitions += _record(CHANNEL, content + _map(topic.metadata))
+        metadata = topic.metadata
+        if QOS in metadata:
+            metadata = {**metadata, QOS: numbered(metadata[QOS])}
+        definitions += _record(CHANNEL, content + _map(metadata))
         if schema:
             self._schemas[key] = schema
         self._channels = number
@@ -158,9 +163,12 @@ class McapEncoder:
         """The bytes of the open chunk; empty: nothing was added."""
         if not self._records:
             return b""
+        if not self._entries:  # definitions alone: a chunk without messages would begin in 1970
+            records, self._records = bytes(self._records), bytearray()
+            return self._made(records)
         stamps = [entries[::2] for entries in self._entries.values()]
-        first = min((min(each) for each in stamps), default=0)
-        last = max((max(each) for each in stamps), default=0)
+        first = min(min(each) for each in stamps)
+        last = max(max(each) for each in stamps)
         records = bytes(self._records)
         packed = _packed(records, self._compression)
         name = _text(self._compression)
@@ -182,8 +190,7 @@ class McapEncoder:
         self.messages += sum(counts.values())
         for channel, count in counts.items():
             self._counts[channel] = self._counts.get(channel, 0) + count
-        if stamps:
-            self._first, self._last = min(self._first, first), max(self._last, last)
+        self._first, self._last = min(self._first, first), max(self._last, last)
         self._chunk_indexes += _record(
             CHUNK_INDEX,
             _CHUNK_INDEX.pack(first, last, self.length, len(chunk))

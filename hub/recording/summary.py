@@ -30,6 +30,7 @@ from hub.recording.records import (
     STATISTICS,
     records_of,
 )
+from hub.recording.ros_quality import ROSBAG2
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
@@ -466,4 +467,6 @@ def _is_footer(tail: bytes) -> bool:
 
 def _take_metadata(summary: Summary, content: bytes) -> None:
     fields = _Fields(content)
-    summary.about.setdefault(fields.text(), {}).update(fields.map())
+    name = fields.text()
+    if name != ROSBAG2:
+        summary.about.setdefault(name, {}).update(fields.map())

@@ -30,11 +30,9 @@ from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.formats.ranges import Most
 from hub.ipc.formats.wire_types import Sequence
+from hub.recording.ros_quality import QOS
 from hub.recording.topics import RecordedTopic, topic_of
 from hub.values import dataclass
-
-QOS = "offered_qos_profiles"
-"""The key of a topic's metadata that rosbag2 reads."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -117,7 +115,7 @@ class RosTopics:
 
 
 def quality(definition: MessageDefinition[Any]) -> str:
-    """A message's quality of service, as rosbag2 writes it since its version 9."""
+    """A message's quality of service, in the words of ROS 2."""
     latched = definition.rate_hz == 0.0 and definition.keep is Keep.NEWEST
     latched = latched and definition.plane is Plane.STATE and definition.name not in _ANSWERS
     return "\n".join(

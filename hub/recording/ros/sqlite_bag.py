@@ -15,6 +15,7 @@ from hub.recording.anchor import TimeAnchor
 from hub.recording.chunks import LoggedMessage
 from hub.recording.open_recording import OpenRecording
 from hub.recording.ros.sqlite_rows import MessageRows, RowPlace
+from hub.recording.ros_quality import QOS
 from hub.recording.topics import RecordedTopic
 
 MAGIC: Final = b"SQLite format 3\0"
@@ -165,7 +166,7 @@ class SqliteBag(OpenRecording):
             ):
                 definitions[str(kind)] = str(encoding), str(text).encode()
         columns = {str(row[1]) for row in self._database.execute("PRAGMA table_info(topics)")}
-        qos = "offered_qos_profiles" if "offered_qos_profiles" in columns else "''"
+        qos = QOS if QOS in columns else "''"
         for number, name, kind, encoding, offered in self._database.execute(
             f"SELECT id, name, type, serialization_format, {qos} FROM topics LIMIT {_MOST_TOPICS}"
         ):
@@ -178,7 +179,7 @@ class SqliteBag(OpenRecording):
                     language if language in ("ros2msg", "ros2idl") else "",
                     text if language in ("ros2msg", "ros2idl") else b"",
                     str(encoding),
-                    {"offered_qos_profiles": str(offered)} if offered else {},
+                    {QOS: str(offered)} if offered else {},
                 ),
             )
 

@@ -278,7 +278,7 @@ def _joined(spans: list[tuple[int, int]]) -> list[tuple[int, int]]:
 
 def _counted_by_topic(about: dict[str, dict[str, str]]) -> bool:
     """Whether each publisher counts each topic, as in recordings that a hub made."""
-    made = [facts for name, facts in about.items() if name.split()[0] == ABOUT]
+    made = [facts for name, facts in about.items() if name.partition(" ")[0] == ABOUT]
     return bool(made) and all(facts.get("recorder") == "hub" for facts in made)
 
 

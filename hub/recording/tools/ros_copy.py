@@ -14,14 +14,11 @@ from hub.errors import RecordingError
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.definition import MessageDefinition
 from hub.recording.chunks import LoggedMessage
-from hub.recording.live.ros_names import QOS, RosTopics
+from hub.recording.live.ros_names import RosTopics
 from hub.recording.new_recording import NewRecording
 from hub.recording.ros.metadata import METADATA
+from hub.recording.ros_quality import QOS, VERSION, numbered
 from hub.recording.topics import RecordedTopic, topic_of
-
-_VERSION: Final = 5
-"""Version of the metadata that all releases of rosbag2 since Galactic read."""
-
 
 _SHARED: Final = ("/tf", "/tf_static")
 """Topics that all robots have in common."""
@@ -30,8 +27,9 @@ _SHARED: Final = ("/tf", "/tf_static")
 class RosCopy:
     """Writes messages under the names that ROS 2 has for them.
 
-    Messages of Rune whose definition has changed since keep their names. Where several robots are
-    recorded, the name of each stands before its topics, but those of transforms.
+    Messages of Rune whose definition has changed since keep their names, as do those that were
+    recorded with names of ROS 2. Where several robots are recorded, the name of each stands before
+    its topics, but those of transforms.
 
     Attributes:
         counts: Number of messages by topic.
@@ -84,9 +82,12 @@ class RosCopy:
 
 
 def _definition(topic: RecordedTopic) -> MessageDefinition[Any] | None:
-    """The definition of a message of the hub, if the recording has the present one."""
+    """The definition of a message of the hub, if the recording has the present one.
+
+    None too in a recording that has names of ROS 2: what the message holds is there already.
+    """
     definition = BY_NAME.get(topic.message)
-    if definition is None or not topic.robot:
+    if definition is None or not topic.robot or QOS in topic.metadata:
         return None
     return definition if topic_of(topic.robot, definition).schema == topic.schema else None
 
@@ -105,18 +106,19 @@ def write_bag_metadata(folder: Path, name: str, copy: RosCopy) -> None:
     )
     lines = [
         "rosbag2_bagfile_information:\n",
-        f"  version: {_VERSION}\n",
+        f"  version: {VERSION}\n",
         "  storage_identifier: mcap\n",
         "  " + span.format("  "),
         "  topics_with_message_count:" + ("\n" if copy.counts else " []\n"),
     ]
     for topic, count in sorted(copy.counts.items(), key=lambda each: each[0].name):
+        quality = numbered(topic.metadata.get(QOS, ""))
         lines += [
             "    - topic_metadata:\n",
             f"        name: {json.dumps(topic.name)}\n",
             f"        type: {json.dumps(topic.schema_name)}\n",
             f"        serialization_format: {json.dumps(topic.encoding)}\n",
-            f"        offered_qos_profiles: {json.dumps(topic.metadata.get(QOS, ''))}\n",
+            f"        offered_qos_profiles: {json.dumps(quality)}\n",
             f"      message_count: {count}\n",
         ]
     lines += [

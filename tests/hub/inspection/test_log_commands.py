@@ -11,15 +11,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
+from hub.recording.new_recording import NewRecording
 from hub.recording.reader import Recording
 from hub.recording.recording_set import RecordingSet
+from hub.recording.ros_quality import QOS
 from hub.recording.topics import RecordedTopic
 from hub.recording.writer import RecordingWriter
 from tests.support.command_line import rune_hub
-from tests.support.recorded_drive import ANCHOR, LIMITS, write_drive
+from tests.support.recorded_drive import ANCHOR, LIMITS, chunks_of, write_drive
 
 SECOND = 1_000_000_000
 
@@ -143,7 +146,8 @@ def test_an_unfinished_file_is_saved_and_the_loss_said(drive: Path, share: float
 
 def test_damage_in_the_middle_costs_its_chunk_only(drive: Path) -> None:
     raw = bytearray(drive.read_bytes())
-    raw[len(raw) // 3] ^= 0xFF
+    begin, end = chunks_of(raw)[3]
+    raw[(begin + end) // 2] ^= 0xFF
     Path("flipped.mcap").write_bytes(raw)
     assert "fault: at byte" in log("info flipped.mcap", 1)
     known = facts("recover flipped.mcap -o saved.mcap", 1)
@@ -191,6 +195,12 @@ sys.exit(main(["log", "csv", sys.argv[1], "-o", "tables", "-e", "GCM_DriveState"
 """Every file has room for 3000 bytes."""
 
 
+WORDS = "- history: keep_all\n  reliability: 'best_effort'\n  durability: volatile\n  depth: 3\n"
+"""A quality of service as rosbag2 writes it since its version 9."""
+NUMBERS = "- history: 2\n  reliability: 2\n  durability: 2\n  depth: 3\n"
+"""As before."""
+
+
 def test_tools_of_ros_read_a_bag_that_was_made(drive: Path) -> None:
     log(f"convert {drive} -o bag --ros-names")
     with AnyReader([Path("bag")], default_typestore=get_typestore(Stores.EMPTY)) as reader:
@@ -204,6 +214,28 @@ def test_tools_of_ros_read_a_bag_that_was_made(drive: Path) -> None:
     assert voltages[:2] == pytest.approx([0.2, 0.4])
     log("filter bag -o odometry.mcap -e odom")
     assert len(seconds("odometry.mcap")["/rover/odom"]) == 199
+    log("convert bag -o again --ros-names")
+    assert seconds("again/again_0.mcap") == seconds("bag/bag_0.mcap")
+
+
+def test_a_bag_has_qualities_that_all_releases_of_rosbag2_read(drive: Path) -> None:
+    later = RecordedTopic("/t", "a/msg/B", metadata={QOS: WORDS})
+    with NewRecording(Path("later.mcap")) as new:
+        new.add(later, ANCHOR.wall_ns, ANCHOR.wall_ns, 1, b"x")
+    log(f"merge {drive} later.mcap -o both.mcap")
+    log("convert both.mcap -o bag --ros-names")
+    text = Path("bag/metadata.yaml").read_text()
+    with Path("bag/bag_0.mcap").open("rb") as file:
+        reader = make_reader(file)
+        facts = {each.name: each.metadata for each in reader.iter_metadata()}
+        qualities = {
+            each.topic: each.metadata[QOS] for each in reader.get_summary().channels.values()
+        }
+    assert "version: 5" in text
+    assert "version: 5" in facts["rosbag2"]["serialized_metadata"]
+    assert qualities["/t"] == NUMBERS
+    assert json.dumps(NUMBERS) in text
+    assert all("durability: 2" in each for each in qualities.values())
 
 
 def test_tables_have_a_column_for_each_field(drive: Path) -> None:

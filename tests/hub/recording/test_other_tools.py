@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import itertools
 from pathlib import Path
@@ -15,6 +16,7 @@ from rosbags.typesys import Stores, get_typestore
 from hub.errors import RecordingError
 from hub.gcm.battery import BATTERY as MESSAGE
 from hub.recording.anchor import TimeAnchor
+from hub.recording.encoder import McapEncoder
 from hub.recording.new_recording import NewRecording
 from hub.recording.reader import Recording
 from hub.recording.topics import RecordedTopic, topic_of
@@ -51,13 +53,32 @@ def test_the_mcap_library_reads_all_that_was_written(tmp_path: Path) -> None:
         for schema, channel, message in reader().iter_messages()
     ]
     (attachment,) = reader().iter_attachments()
-    (metadata,) = reader().iter_metadata()
+    _, metadata = reader().iter_metadata()
     assert read == [
         ("a/msg/B", f"/rover/T{number % 3}", number, ANCHOR.stamp(50 + number / 10), number + 2)
         for number in range(1, COUNT + 1)
     ]
     assert (attachment.name, attachment.data) == ("search.xml", b"<layout/>")
     assert metadata.metadata["layout"] == "search"
+
+
+def test_no_part_of_a_file_begins_in_1970(tmp_path: Path) -> None:
+    """Other tools take the begin of a file from those of its parts."""
+    encoder = McapEncoder()
+    topic = RecordedTopic("/t", "a/msg/B", "ros2msg", b"int8 x\n")
+    parts = [encoder.begin()]
+    first, second = encoder.register(topic), encoder.register(dataclasses.replace(topic, name="/u"))
+    parts += [encoder.end_chunk(), encoder.attachment("a", "b", b"c", 1)]
+    encoder.add(first, 10**18, 10**18, 1, b"x")
+    parts += [encoder.end_chunk(), encoder.end()]
+    (tmp_path / "cut.mcap").write_bytes(b"".join(parts[:-1]))
+    with Recording.open(tmp_path / "cut.mcap") as recording:
+        assert [each.payload for each in recording.messages()] == [b"x"]
+    reader = SeekingReader(io.BytesIO(b"".join(parts)), validate_crcs=True)
+    summary = reader.get_summary()
+    assert summary.channels.keys() == {first, second}
+    assert [each.message_start_time for each in summary.chunk_indexes] == [10**18]
+    assert [message.data for _, _, message in reader.iter_messages()] == [b"x"]
 
 
 @pytest.mark.parametrize("compression", ["lz4", "zstd", "none"])

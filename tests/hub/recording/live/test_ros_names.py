@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -96,12 +97,17 @@ def test_tools_of_ros_read_the_messages(file: Path) -> None:
 def test_only_latched_topics_are_latched_for_ros(file: Path) -> None:
     with Recording.open(file) as recording:
         found = {topic.name: topic.metadata[QOS] for topic in recording.channels.values()}
-    latched = {name for name, quality in found.items() if "transient_local" in quality}
+    latched = {
+        name
+        for name, quality in found.items()
+        if parse_qos(quality)[0].durability.name != "VOLATILE"
+    }
     assert latched == {"/tf_static"}
 
 
 def test_tools_of_ros_read_the_qualities(file: Path) -> None:
     with Recording.open(file) as recording:
         found = {topic.name: topic.metadata[QOS] for topic in recording.channels.values()}
+    assert all(re.findall(r"(?:history|ability|liveliness): \d", each) for each in found.values())
     (quality,) = parse_qos(found["/tf_static"])
     assert quality.durability.name == "TRANSIENT_LOCAL"
