@@ -160,7 +160,7 @@ class _Schema:
         self._format = definition.wire_format
         tree = definition.tree
         own = self._standard(definition.type)
-        package, self._root = own or (PACKAGE, _type_name(definition.name))
+        package, self._root = own or (PACKAGE, type_name(definition.name))
         if tree.next_place is None:
             self._add(package, self._root, self._fields(tree, definition.record, self._root))
         else:
@@ -207,7 +207,7 @@ class _Schema:
     ) -> _Field:
         if not _FIELD_NAME.fullmatch(name):
             self._refuse(f"{name!r} is no name for a field there")
-        kind, count, bounded = self._shape(node, record, owner + _type_name(name))
+        kind, count, bounded = self._shape(node, record, owner + type_name(name))
         return _Field(name, kind, count, bounded)
 
     def _shape(
@@ -250,7 +250,7 @@ class _Schema:
         key = (record.kind, node)
         if key not in self._known:
             standard = self._standard(record.kind)
-            package, name = standard or (PACKAGE, _type_name(record.kind.__name__))
+            package, name = standard or (PACKAGE, type_name(record.kind.__name__))
             fields = self._fields(node, record, name)
             # Several dataclasses may be one type, each with ranges of its own.
             same = self._find(package, name, fields) if standard else None
@@ -268,6 +268,6 @@ class _Schema:
         return None
 
 
-def _type_name(name: str) -> str:
+def type_name(name: str) -> str:
     """A name with underscores as a type's name in ROS 2: "GCM_robot_state", "GCMRobotState"."""
     return "".join(part[0].upper() + part[1:] for part in name.split("_") if part)

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import Any
 
+from hub.errors import MessageFormatError
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.ros_schema import ros2msg, ros_type
+from hub.ipc.ros_schema import PACKAGE, ros2msg, ros_type, type_name
 from hub.values import dataclass
 
 
@@ -52,11 +53,12 @@ class RecordedTopic:
 def topic_of(robot: str, definition: MessageDefinition[Any]) -> RecordedTopic:
     """The topic of a robot's message, with its ROS 2 definition.
 
-    Raises:
-        MessageFormatError: The message has no ROS 2 type.
+    A message that has no ROS 2 type has the name of one alone: rosbag2 refuses a file where a topic
+    has none.
     """
-    return RecordedTopic(
-        f"/{robot}/{definition.name}",
-        schema_name=ros_type(definition),
-        schema=ros2msg(definition).encode(),
-    )
+    name = f"/{robot}/{definition.name}"
+    try:
+        kind, text = ros_type(definition), ros2msg(definition)
+    except MessageFormatError:
+        return RecordedTopic(name, f"{PACKAGE}/msg/{type_name(definition.name)}", "")
+    return RecordedTopic(name, schema_name=kind, schema=text.encode())

@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from hub.errors import MessageFormatError
 from hub.gcm.capability import Capability
 from hub.gcm.recording import MOST_TOPICS, LostMessages
 from hub.gcm.supervision import CAPABILITY_WANTS, LEASE_S, CapabilityWants
@@ -121,14 +120,8 @@ class BusRecorder:
             self.latched[topic.name] = first
 
     def _topic(self, definition: MessageDefinition[Any]) -> tuple[RecordedTopic, bool]:
-        """The topic of a message, and whether each file begins with its newest one.
-
-        A message that has no ROS 2 type has no schema.
-        """
-        try:
-            topic = topic_of(self._robot, definition)
-        except MessageFormatError:
-            topic = RecordedTopic(f"/{self._robot}/{definition.name}")
+        """The topic of a message, and whether each file begins with its newest one."""
+        topic = topic_of(self._robot, definition)
         topic = dataclasses.replace(topic, metadata=described(definition))
         self._topics[definition] = topic, _is_latched(definition)
         return self._topics[definition]

@@ -15,12 +15,14 @@ from rosbags.typesys import Stores, get_typestore
 
 from hub.errors import RecordingError
 from hub.gcm.battery import BATTERY as MESSAGE
+from hub.ipc.definition import MessageDefinition
 from hub.recording.anchor import TimeAnchor
 from hub.recording.encoder import McapEncoder
 from hub.recording.new_recording import NewRecording
 from hub.recording.reader import Recording
 from hub.recording.topics import RecordedTopic, topic_of
 from hub.recording.writer import RecordingWriter, WriterLimits
+from hub.values import dataclass
 
 ANCHOR = TimeAnchor(1_700_000_000_000_000_000, 50.0)
 COUNT = 300
@@ -79,6 +81,24 @@ def test_no_part_of_a_file_begins_in_1970(tmp_path: Path) -> None:
     assert summary.channels.keys() == {first, second}
     assert [each.message_start_time for each in summary.chunk_indexes] == [10**18]
     assert [message.data for _, _, message in reader.iter_messages()] == [b"x"]
+
+
+@dataclass(frozen=True, slots=True)
+class Nothing:
+    """ROS 2 writes a byte for it, Rune none."""
+
+
+def test_a_message_that_ros_has_no_type_for_has_a_named_one(tmp_path: Path) -> None:
+    """rosbag2 reads no topic of a file where one has no schema."""
+    definition = MessageDefinition(name="TEST_Nothing", type=Nothing)
+    path = tmp_path / "x.mcap"
+    with NewRecording(path) as new:
+        new.add(topic_of("rover", definition), 1, 1, 1, b"")
+    with path.open("rb") as file:
+        ((schema, channel, message),) = SeekingReader(file, validate_crcs=True).iter_messages()
+    assert schema is not None
+    assert (schema.name, schema.encoding, schema.data) == ("rune_msgs/msg/TESTNothing", "", b"")
+    assert (channel.topic, message.data) == ("/rover/TEST_Nothing", b"")
 
 
 @pytest.mark.parametrize("compression", ["lz4", "zstd", "none"])

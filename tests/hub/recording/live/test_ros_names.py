@@ -20,8 +20,9 @@ from hub.gcm.transforms import STATIC_TRANSFORMS, TRANSFORMS, Transforms
 from hub.gcm.vision import IMAGE, CameraState, Image, ImageCoding
 from hub.ipc.definition import MessageDefinition
 from hub.recording.anchor import TimeAnchor
-from hub.recording.live.ros_names import QOS, RosTopics
+from hub.recording.live.ros_names import RosTopics
 from hub.recording.reader import Recording
+from hub.recording.ros_quality import QOS
 from hub.recording.topics import topic_of
 from hub.recording.writer import RecordingWriter, WriterLimits
 
