@@ -72,7 +72,19 @@ def _add_results(tasks: Commands) -> None:
         "--unblind", action="store_true", help="name the conditions of a blind study"
     )
     export = _add(tasks, "export", "compute all metrics, and write tables with their dictionary")
-    export.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="default: DIR/derived")
+    form = export.add_mutually_exclusive_group()
+    form.add_argument(
+        "--bids", action="store_true", help="folders and tables of BIDS; default: DIR/bids"
+    )
+    form.add_argument(
+        "--xlsx", action="store_true", help="one spreadsheet file; default: DIR/derived/study.xlsx"
+    )
+    export.add_argument(
+        "--unblind", action="store_true", help="name the conditions of a blind study"
+    )
+    export.add_argument(
+        "-o", "--output", type=Path, metavar="PATH", help="folder or file; default: DIR/derived"
+    )
     replay = _add(tasks, "replay", "show the recordings of a trial")
     replay.add_argument("participant", type=_participant, metavar="N", help="the participant")
     trial = number_type(int, 1, 1000, "trial's number, from 1")

@@ -188,16 +188,27 @@ def _report(options: argparse.Namespace) -> int:
 
 
 def _export(options: argparse.Namespace) -> int:
+    from rune_study.data.bids import write_bids
     from rune_study.data.store import DERIVED, compute, write_tables
+    from rune_study.data.xlsx import write_xlsx
     from rune_study.plan.study_file import read_study
+    from rune_study.report.making import unblinded
     from rune_study.session.journal import participants_of
 
     study = read_study(options.folder)
     _warn(study, participants_of(study))
     data = compute(study, _progress("computing metrics"))
     _say(data.partial)
-    for path in write_tables(options.output or study.folder / DERIVED, data):
-        sys.stdout.write(f"{plain(str(path))}\n")
+    if options.unblind:
+        unblinded(study)
+    if options.bids:
+        named = options.unblind or not study.design.blind
+        written = write_bids(study, data, options.output or study.folder / "bids", named=named)
+    elif options.xlsx:
+        written = [write_xlsx(data, options.output or study.folder / DERIVED / "study.xlsx")]
+    else:
+        written = write_tables(options.output or study.folder / DERIVED, data)
+    sys.stdout.writelines(f"{plain(str(path))}\n" for path in written)
     return ExitCode.OK
 
 

@@ -289,7 +289,9 @@ def _marks(given: Mapping[str, Any], items: Sequence[str]) -> Iterator[int | Non
 def _events(records: Sequence[Record], steps: Mapping[int, Step]) -> Iterator[EventRow]:
     """The journal as events; onsets count from the begin of the trial, or of the session."""
     origin = records[0].moment if records else 0.0
+    attempt = 0
     for each in records:
+        attempt = int(each.data.get("attempt", attempt)) if each.what == BEGIN else attempt
         step = steps.get(int(each.data["n"])) if "n" in each.data else None
         if each.what == "trial-begin":
             origin = float(each.data["moment_s"])
@@ -300,5 +302,6 @@ def _events(records: Sequence[Record], steps: Mapping[int, Step]) -> Iterator[Ev
             duration=float(seconds) if isinstance(seconds, int | float) else 0.0,
             trial_type=each.what,
             trial=step.trial if step is not None else 0,
+            attempt=attempt if step is not None else 0,
             value=json.dumps(words, ensure_ascii=False) if words else "",
         )

@@ -65,6 +65,7 @@ class EventRow:
     duration: float = column("length", "s", 0.0)
     trial_type: str = column("what happened")
     trial: int = column("number of the trial in the session, from 1; 0: outside", default=0)
+    attempt: int = column("which attempt at this step, from 1; 0: outside", default=0)
     robot: str = column("the robot; empty: none", default="")
     value: str = column("what belongs to it, in words", default="")
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import hashlib
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from hub import files
 from hub.values import dataclass
 from rune_study.data.derive import derive
 from rune_study.data.overlay import TrialOverlay
-from rune_study.data.rows import MetricRow, ProbeRow, TrialRow
+from rune_study.data.rows import EventRow, MetricRow, ProbeRow, TrialRow
 from rune_study.data.tables import dictionary, write
 from rune_study.errors import DataError
 from rune_study.metrics.registry import METRICS
@@ -33,12 +34,14 @@ class StudyData:
         metrics: Of those that count.
         overlays: What maps show of those; empty: there are no recordings.
         probes: Questions of freezes, of all attempts at trials.
+        events: Events of each participant's session, by the number.
     """
 
     trials: tuple[TrialRow, ...]
     metrics: tuple[MetricRow, ...]
     overlays: tuple[TrialOverlay, ...] = ()
     probes: tuple[ProbeRow, ...] = ()
+    events: Mapping[int, tuple[EventRow, ...]] = dataclasses.field(default_factory=dict)
 
     @property
     def partial(self) -> list[str]:
@@ -69,12 +72,14 @@ def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:
     metrics: list[MetricRow] = []
     overlays: list[TrialOverlay] = []
     probes: list[ProbeRow] = []
+    events: dict[int, tuple[EventRow, ...]] = {}
     for count, participant in enumerate(begun, 1):
         data = derive(study, participant)
         trials += data.trials
         metrics += data.metrics
         overlays += data.overlays
         probes += data.probes
+        events[participant] = data.events
         write(participant_folder(study.folder, participant), "events.tsv", data.events)
         progress(count / len(begun))
     found = StudyData(
@@ -82,6 +87,7 @@ def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:
         metrics=tuple(metrics),
         overlays=tuple(overlays),
         probes=tuple(probes),
+        events=events,
     )
     write_tables(study.folder / DERIVED, found)
     return found
@@ -132,21 +138,28 @@ def checksums(study: StudySpec) -> dict[str, str]:
 
 
 def wide(data: StudyData) -> str:
-    """A line for each trial that counts, and a column for each metric, as spreadsheets want it."""
-    names = [name for name in METRICS if any(row.metric == name for row in data.metrics)]
-    values: dict[tuple[int, int, int], dict[str, str]] = {}
-    for row in data.metrics:
-        key = row.participant, row.trial, row.attempt
-        values.setdefault(key, {})[row.metric] = "" if row.why else repr(row.value)
+    """The table of `wide_rows` as CSV."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["participant", "trial", "attempt", "code", *names])
+    for row in wide_rows(data):
+        writer.writerow(["" if cell is None else cell for cell in row])
+    return text.getvalue()
+
+
+def wide_rows(data: StudyData) -> Iterator[list[str | float | None]]:
+    """A heading, and a line for each trial that counts, with a column for each metric."""
+    names = [name for name in METRICS if any(row.metric == name for row in data.metrics)]
+    values: dict[tuple[int, int, int], dict[str, float]] = {}
+    for row in data.metrics:
+        key = row.participant, row.trial, row.attempt
+        if not row.why:
+            values.setdefault(key, {})[row.metric] = row.value
+    yield ["participant", "trial", "attempt", "code", *names]
     for trial in data.trials:
         if not trial.excluded:
             found = values.get((trial.participant, trial.trial, trial.attempt), {})
-            cells = [found.get(name, "") for name in names]
-            writer.writerow([trial.participant, trial.trial, trial.attempt, trial.code, *cells])
-    return text.getvalue()
+            cells = [found.get(name) for name in names]
+            yield [trial.participant, trial.trial, trial.attempt, trial.code, *cells]
 
 
 def recordings_of(study: StudySpec, participant: int, trial: int) -> Sequence[Path]:

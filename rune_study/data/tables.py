@@ -7,7 +7,7 @@ import dataclasses
 import io
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -30,6 +30,28 @@ def as_text(name: str, rows: Iterable[object]) -> str:
     for row in rows:
         writer.writerow([_cell(getattr(row, each), tabs=tabs) for each in columns])
     return text.getvalue()
+
+
+def tsv(columns: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
+    """Rows of any columns as BIDS wants them: without quotes, and "n/a" for an empty cell."""
+    lines = [columns, *([_cell(each, tabs=True) for each in row] for row in rows)]
+    cells = ([" ".join(cell.split()) or _NOT_AVAILABLE for cell in line] for line in lines)
+    return "".join("\t".join(line) + "\n" for line in cells)
+
+
+def described(kind: Any, columns: Iterable[str]) -> dict[str, dict[str, Any]]:  # noqa: ANN401 - a dataclass of rows
+    """What JSON says of columns: their meanings and units.
+
+    Args:
+        kind: The dataclass of a table's rows.
+        columns: Their names.
+    """
+    by_name = {each.name: each.metadata for each in dataclasses.fields(kind)}
+    return {
+        name: {"Description": by_name[name]["meaning"]}
+        | ({"Units": by_name[name]["unit"]} if by_name[name]["unit"] else {})
+        for name in columns
+    }
 
 
 def write(folder: Path, name: str, rows: Iterable[object]) -> Path:
@@ -81,14 +103,7 @@ def dictionary(metrics: Mapping[str, Mapping[str, str]]) -> str:
     Args:
         metrics: Of each metric, by its name: what describes it.
     """
-    tables = {
-        name: {
-            each.name: {"Description": each.metadata["meaning"]}
-            | ({"Units": each.metadata["unit"]} if each.metadata["unit"] else {})
-            for each in dataclasses.fields(kind)
-        }
-        for name, kind in TABLES.items()
-    }
+    tables = {name: described(kind, _columns(name)) for name, kind in TABLES.items()}
     return json.dumps({"tables": tables, "metrics": metrics}, indent=2, ensure_ascii=False) + "\n"
 
 
