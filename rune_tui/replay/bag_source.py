@@ -31,6 +31,7 @@ from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, 
 from rune_tui.model.topics import TOPICS, NumberSeries, TopicEntry, TopicField, Topics
 from rune_tui.replay.bag_layout import bag_layout
 from rune_tui.replay.bag_pictures import BagPicture
+from rune_tui.replay.bag_survey import bag_survey
 from rune_tui.replay.source import Overview, ReplayFrame
 from rune_tui.replay.topic_choice import TopicChoice
 from rune_tui.startup.opening import open_layout
@@ -135,8 +136,8 @@ class BagSource:
         return self._after(later.stamp) if later is not None else None
 
     def overview(self) -> Overview:
-        """Nothing: marks are in recordings of Rune only."""
-        return Overview()
+        """What happened; reads the whole recording."""
+        return bag_survey(self._bag)
 
     def press(self, key: str, stamp: int) -> bool:
         """Handle a key at a time of the recording; returns whether it means something."""

@@ -168,6 +168,11 @@ def _path(value: RosValue) -> dict[str, Any]:
     return {"header": header, "poses": poses}
 
 
+def _log(value: RosValue) -> dict[str, Any]:
+    level = 10 * int(value.get("level"))  # DEBUG is 1 here, and 10 there
+    return {"level": level, "name": value.get("name"), "msg": value.get("message")}
+
+
 _Made = tuple[str, Callable[[RosValue], dict[str, Any]]]
 _MADE: Final[Mapping[str, _Made]] = {
     "RawImage": ("sensor_msgs/msg/Image", _image),
@@ -185,5 +190,6 @@ _MADE: Final[Mapping[str, _Made]] = {
         "tf2_msgs/msg/TFMessage",
         lambda value: {"transforms": [_transform(value)]},
     ),
+    "Log": ("rcl_interfaces/msg/Log", _log),
     "FrameTransforms": ("tf2_msgs/msg/TFMessage", _transforms),
 }

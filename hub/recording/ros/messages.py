@@ -29,6 +29,7 @@ from hub.recording.ros.values import RosValue
 _NAME: Final = 64
 _SENTENCE: Final = 1000
 _INFRARED: Final = 1
+_BUMP: Final = 1
 
 
 def header(value: RosValue) -> Header:
@@ -258,6 +259,18 @@ def field_of_view(info: RosValue) -> float:
     if not (focal > 0.0 and width > 0):
         return math.nan
     return min(3.1, max(1e-6, 2.0 * math.atan(width / (2.0 * focal))))
+
+
+def is_touched(value: RosValue) -> bool:
+    """Whether a message of a bumper says that it is pressed.
+
+    It is an irobot_create_msgs/HazardDetectionVector, a kobuki_ros_interfaces/BumperEvent or a
+    gazebo_msgs/ContactsState.
+    """
+    hazards, contacts = value.field("detections"), value.field("states")
+    if hazards is not None:
+        return any(int(each.get("type")) == _BUMP for each in hazards)
+    return bool(len(contacts)) if contacts is not None else int(value.get("state")) == 1
 
 
 def planar(twist: RosValue) -> tuple[float, float, float, float]:

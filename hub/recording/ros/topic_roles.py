@@ -40,6 +40,8 @@ class RosRole(enum.Enum):
         PRESSURE: The pressure around the robot.
         JOINTS: The joints.
         PROBLEMS: What is wrong.
+        LOG: Sentences of programs.
+        BUMPER: What the robot touches.
     """
 
     PICTURE = enum.auto()
@@ -63,6 +65,8 @@ class RosRole(enum.Enum):
     PRESSURE = enum.auto()
     JOINTS = enum.auto()
     PROBLEMS = enum.auto()
+    LOG = enum.auto()
+    BUMPER = enum.auto()
 
 
 ROLES: Final[Mapping[str, RosRole]] = {
@@ -87,6 +91,12 @@ ROLES: Final[Mapping[str, RosRole]] = {
     "sensor_msgs/msg/FluidPressure": RosRole.PRESSURE,
     "sensor_msgs/msg/JointState": RosRole.JOINTS,
     "diagnostic_msgs/msg/DiagnosticArray": RosRole.PROBLEMS,
+    "rcl_interfaces/msg/Log": RosRole.LOG,
+    "rosgraph_msgs/msg/Log": RosRole.LOG,
+    "irobot_create_msgs/msg/HazardDetectionVector": RosRole.BUMPER,
+    "kobuki_ros_interfaces/msg/BumperEvent": RosRole.BUMPER,
+    "kobuki_msgs/msg/BumperEvent": RosRole.BUMPER,
+    "gazebo_msgs/msg/ContactsState": RosRole.BUMPER,
 }
 """The role of each type of ROS 2; topics of other types are shown as trees, tables and plots."""
 
@@ -112,6 +122,8 @@ SHOWN_BY: Final[Mapping[RosRole, str]] = {
     RosRole.PRESSURE: "visualizePlot of GCM_FluidPressure",
     RosRole.JOINTS: "visualizeVehicle",
     RosRole.PROBLEMS: "visualizeAlarms",
+    RosRole.LOG: "errors as `!` on the timeline",
+    RosRole.BUMPER: "`B` on the timeline",
 }
 """The visualizer of each role, or what else it is used for."""
 

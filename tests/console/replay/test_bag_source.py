@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import random
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -20,7 +21,7 @@ from rune_tui.model.topics import Topics, topics_of
 from rune_tui.replay.bag_layout import bag_layout
 from rune_tui.replay.bag_source import STEP_NS, BagSource
 from rune_tui.replay.player import Player
-from rune_tui.replay.source import ReplayFrame
+from rune_tui.replay.source import EventKind, ReplayFrame
 from rune_tui.replay.topic_choice import TopicChoice
 from rune_tui.startup.opening import open_layout
 from tests.support import ros_bags
@@ -203,6 +204,81 @@ def test_robots_of_other_encodings_are_shown(opened: Opened, name: str) -> None:
     chosen = topics(frame)
     assert chosen.field
     assert len(chosen.read_series().values)
+
+
+def test_what_went_wrong_is_on_the_timeline(opened: Opened, tmp_path: Path) -> None:
+    def problem(level: int, name: str = "motors") -> Any:
+        status = make("diagnostic_msgs/msg/DiagnosticStatus", level=level, name=name, message="hot")
+        return make("diagnostic_msgs/msg/DiagnosticArray", status=[status])
+
+    def log(level: int, text: str = "no path") -> Any:
+        return make("rcl_interfaces/msg/Log", level=level, name="nav", msg=text)
+
+    def charge(share: float) -> Any:
+        return make("sensor_msgs/msg/BatteryState", percentage=share)
+
+    said = [
+        *((1, "/diagnostics", problem(0)), (2, "/diagnostics", problem(1))),
+        *((3, "/diagnostics", problem(2)), (4, "/diagnostics", problem(2))),
+        *((5, "/diagnostics", problem(0)), (6, "/diagnostics", problem(2))),
+        *((3.2, "/rosout", log(30)), (4.2, "/rosout", log(40)), (5.2, "/rosout", log(40))),
+        *((20.2, "/rosout", log(40)), (20.4, "/rosout", log(50, "stopped"))),
+        *((1.1, "/battery", charge(0.3)), (2.1, "/battery", charge(0.19))),
+        *((3.1, "/battery", charge(0.21)), (4.1, "/battery", charge(0.18))),
+    ]
+    entries = [entry(topic, each, START + int(at * 10) * SECOND // 10) for at, topic, each in said]
+    # Two topics: one is silent while the other goes on, then both are.
+    beat = make("std_msgs/msg/Float64", data=1.0)
+    entries += [entry("/a", beat, START + at * SECOND // 10) for at in range(80)]
+    entries += [entry("/b", beat, START + at * SECOND // 2) for at in range(24)]
+    entries.append(entry("/b", beat, START + 30 * SECOND))
+    source = opened(ros_bags.write_mcap(tmp_path / "a.mcap", sorted(entries, key=lambda e: e[2])))
+    overview = source.overview()
+    found = [
+        ((each.stamp - START) / SECOND, each.kind.value, each.text) for each in overview.events
+    ]
+    assert found == [
+        (2.1, "!", "the battery is low: 19 %"),
+        (3.0, "!", "motors: hot"),
+        (4.2, "!", "nav: no path"),
+        (6.0, "!", "motors: hot"),
+        (20.2, "!", "nav: no path"),
+        (20.4, "!", "nav: stopped"),
+    ]
+    gaps = [((each.start - START) / SECOND, (each.end - START) / SECOND) for each in overview.gaps]
+    assert gaps == [(11.5, 20.2), (20.4, 30.0)]
+
+
+def test_errors_of_foxglove_are_on_the_timeline(opened: Opened) -> None:
+    overview = opened(FOREIGN / "foxglove.mcap").overview()
+    assert [each.text for each in overview.events] == ["base: motor too hot"]
+
+
+def test_bumpers_are_on_the_timeline(opened: Opened, tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    with path.open("wb") as file:
+        writer = McapWriter(file)
+        writer.start()
+        for at, (kind, pressed) in enumerate(
+            (
+                ("irobot_create_msgs/msg/HazardDetectionVector", {"detections": [{"type": 1}]}),
+                ("irobot_create_msgs/msg/HazardDetectionVector", {"detections": [{"type": 3}]}),
+                ("kobuki_ros_interfaces/msg/BumperEvent", {"state": 1, "bumper": 0}),
+                ("kobuki_msgs/BumperEvent", {"state": 0, "bumper": 0}),
+                ("gazebo_msgs/msg/ContactsState", {"states": [{}]}),
+                ("gazebo_msgs/msg/ContactsState", {"states": []}),
+            )
+        ):
+            channel = writer.register_channel(
+                f"/bumper{at}", "json", writer.register_schema(kind, "jsonschema", b"{}")
+            )
+            for again in range(3):  # one touch
+                stamp = START + at * 10 * SECOND + again * SECOND // 4
+                writer.add_message(channel, stamp, json.dumps(pressed).encode(), stamp)
+        writer.finish()
+    events = opened(path).overview().events
+    assert [(each.stamp - START) // SECOND for each in events] == [0, 20, 40]
+    assert {each.kind for each in events} == {EventKind.BUMP}
 
 
 def test_keys_choose_topic_and_field(opened: Opened, rover: Path) -> None:
