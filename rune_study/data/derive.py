@@ -18,6 +18,7 @@ from rune_study.data.lacking import lacking_files, lacking_time
 from rune_study.data.overlay import TrialOverlay, overlay_of
 from rune_study.data.probes import probes_of, rows_of
 from rune_study.data.rows import EventRow, MetricRow, ProbeRow, TrialRow, metric_rows
+from rune_study.data.secondary import TaskScore, alone_of, score_of, secondary_of
 from rune_study.errors import DataError
 from rune_study.metrics.questionnaires import SUS_ITEMS, TLX_SCALES
 from rune_study.metrics.registry import measure, scores
@@ -39,6 +40,7 @@ from rune_study.session.journal import (
     head_of,
     read_journal,
 )
+from rune_study.session.study_log import CONSOLE_FILE, STUDY_FILE
 from rune_study.trial_data.measured import Surroundings, roles_of, trial_data
 from rune_study.trial_data.trial_log import TrialLog
 from rune_study.trial_data.truth import truth_of
@@ -79,12 +81,13 @@ def derive(study: StudySpec, participant: int) -> ParticipantData:
     damaged = damaged_lines(folder / JOURNAL)
     steps = {step.number: step for step in plan(study, participant, replaces)}
     answers = read_answers(folder / ANSWERS) if (folder / ANSWERS).exists() else []
+    asked = _Asked(answers=answers, alone=alone_of(records, steps))
     trials: list[TrialRow] = []
     metrics: list[MetricRow] = []
     overlays: list[TrialOverlay] = []
     probes: list[ProbeRow] = []
     for attempt in _attempts(records, steps):
-        row, measured, overlay = _measured(study, participant, replaces, folder, attempt, answers)
+        row, measured, overlay = _measured(study, participant, replaces, folder, attempt, asked)
         if row.excluded == _OPEN and damaged:
             why = f"{_OPEN}, or its end is in a damaged line of {JOURNAL}"
             row = dataclasses.replace(row, excluded=why)
@@ -102,6 +105,14 @@ def derive(study: StudySpec, participant: int) -> ParticipantData:
         overlays=tuple(overlays),
         probes=tuple(probes),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Asked:
+    """What a participant was asked: all answers, and the secondary task without a robot."""
+
+    answers: Sequence[GivenAnswer]
+    alone: TaskScore
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,7 +146,7 @@ def _measured(
     replaces: int,
     folder: Path,
     attempt: _Attempt,
-    answers: Sequence[GivenAnswer],
+    asked: _Asked,
 ) -> tuple[TrialRow, list[MetricRow], list[TrialOverlay]]:
     step, done = attempt.step, attempt.first(DONE)
     begin, result = attempt.first("trial-begin"), done.data["result"] if done is not None else {}
@@ -150,9 +161,9 @@ def _measured(
     }
     if done is None or begin is None:
         return TrialRow(**row, excluded=_OPEN), [], []
-    files = sorted(folder.glob(f"{step.name}-a{attempt.number}*.mcap"))
+    files = sorted(folder.glob(f"{step.name}-a{attempt.number}.*mcap"))
     try:
-        data, lacks = _trial_data(study, attempt, files, answers)
+        data, lacks = _trial_data(study, attempt, files, asked)
         found = metric_rows(own, measure(data, measures(study)))
     except (RecordingError, ArenaError, DataError) as fault:
         return TrialRow(**row, excluded=str(fault)), [], []
@@ -178,7 +189,7 @@ def _probes(
 
 
 def _trial_data(
-    study: StudySpec, attempt: _Attempt, files: Sequence[Path], answers: Sequence[GivenAnswer]
+    study: StudySpec, attempt: _Attempt, files: Sequence[Path], asked: _Asked
 ) -> tuple[TrialData, list[str]]:
     """The data of a trial, and what its recordings lack."""
     if not files:
@@ -197,13 +208,13 @@ def _trial_data(
         effectiveness=study.metrics.effectiveness,
         queries=tuple(
             each.query
-            for each in probes_of(attempt.records, attempt.step.name, attempt.number, answers)
+            for each in probes_of(attempt.records, attempt.step.name, attempt.number, asked.answers)
         ),
-        secondary=None,
-        answers=questionnaires(attempt.step.trial, answers),
+        secondary=secondary_of(score_of(attempt.records, time.length), asked.alone),
+        answers=questionnaires(attempt.step.trial, asked.answers),
     )
-    consoles = [file for file in files if file.name.endswith(".console.mcap")]
-    hubs = [file for file in files if file not in consoles]
+    consoles = [file for file in files if file.name.endswith(CONSOLE_FILE)]
+    hubs = [file for file in files if not file.name.endswith((CONSOLE_FILE, STUDY_FILE))]
     with contextlib.ExitStack() as stack:
         opened = [
             stack.enter_context(RecordingSet.open([*consoles, *hub]))

@@ -66,7 +66,7 @@ def probes_of(
                     freeze=freeze if isinstance(freeze, int) else 0,
                     asked=asked,
                     given=answer,
-                    query=_query(asked, answer),
+                    query=asked.query(answer.value if answer is not None else None),
                 )
             )
     return found
@@ -123,17 +123,6 @@ def _asked(record: Record) -> Iterator[AskedQuery]:
         if not fits or not isinstance(asked.tolerance, int | float):
             raise _wrong()
         yield asked
-
-
-def _query(asked: AskedQuery, given: GivenAnswer | None) -> Query:
-    answer: Any = given.value if given is not None else None
-    return Query(
-        level=asked.level,
-        kind=AnswerKind(asked.kind),
-        answer=answer,
-        truth=asked.right if asked.right is not None else "",
-        tolerance=asked.tolerance,
-    )
 
 
 def _wrong() -> DataError:

@@ -79,7 +79,14 @@ _ROWS = (
          "only with more robots than that."),
     _row("ft_secondary", "share", "higher", of.secondary_free_time,
          "Free time by the secondary task: correct answers per second, over those without a "
-         "robot. May exceed 1."),
+         "robot in the steps `secondary` of the session. May exceed 1."),
+    _row("secondary_right", "share", "higher", of.secondary_right,
+         "Correct answers to the secondary task beside the robot, of all its questions. Those "
+         "that a freeze, a pause or the end of the trial took away do not count."),
+    _row("secondary_missed", "questions", "lower", of.secondary_missed,
+         "Questions of the secondary task without an answer in time."),
+    _row("secondary_time", "s", "lower", of.secondary_time,
+         "Time from a question of the secondary task to its correct answer. Median."),
     _row("first_victim", "s", "lower", of.first_victim,
          "Time to the first mark within 1 m of a victim; censored at the end of the trial. "
          "Removed marks do not count."),

@@ -122,13 +122,19 @@ class Secondary:
         correct: Correct answers beside the robot.
         seconds: Time beside the robot [s].
         correct_alone: Correct answers without a robot.
-        seconds_alone: Time without a robot [s].
+        seconds_alone: Time without a robot [s]; 0: the task was not done alone.
+        asked: Questions beside the robot that could be answered.
+        missed: Those of them without an answer.
+        times: Time from a question beside the robot to its correct answer [s].
     """
 
     correct: int
     seconds: float
     correct_alone: int
     seconds_alone: float
+    asked: int = 0
+    missed: int = 0
+    times: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

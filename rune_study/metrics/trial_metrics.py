@@ -18,7 +18,7 @@ from rune_study.metrics.effectiveness import Signal, signal
 from rune_study.metrics.map_quality import MapQuality, map_quality
 from rune_study.metrics.trial import Motion, RobotData, Travel
 from rune_study.metrics.victims import VictimsFound
-from rune_study.statistics.means import mean
+from rune_study.statistics.means import mean, share
 
 Function = Callable[[TrialAnalysis], Estimate]
 
@@ -95,6 +95,30 @@ def secondary_free_time(it: TrialAnalysis) -> Estimate:
     return fan_out.free_time_of_secondary_task(
         task.correct, task.seconds, task.correct_alone, task.seconds_alone
     )
+
+
+def secondary_right(it: TrialAnalysis) -> Estimate:
+    """Share of the secondary task's questions that were answered correctly."""
+    task = it.trial.secondary
+    if task is None or not task.asked:
+        return unknown("no question of a secondary task was asked")
+    return share(task.correct, task.asked)
+
+
+def secondary_missed(it: TrialAnalysis) -> Estimate:
+    """Questions of the secondary task without an answer."""
+    task = it.trial.secondary
+    if task is None or not task.asked:
+        return unknown("no question of a secondary task was asked")
+    return Estimate(value=task.missed, n=task.asked)
+
+
+def secondary_time(it: TrialAnalysis) -> Estimate:
+    """Median time of correct answers to the secondary task."""
+    task = it.trial.secondary
+    if task is None or not task.times:
+        return unknown("no question of a secondary task was answered correctly")
+    return Estimate(value=float(np.median(task.times)), n=len(task.times))
 
 
 def first_victim(it: TrialAnalysis) -> Estimate:

@@ -24,16 +24,17 @@ from rune_study.plan.folder import (
 )
 from rune_study.plan.practice import practice_of
 from rune_study.plan.real_robots import not_for_real
-from rune_study.plan.steps import BREAK, PRACTICE, TRIALS
+from rune_study.plan.steps import BREAK, PRACTICE, SECONDARY, TRIALS
 from rune_study.plan.study_file import StudyDraft, read_draft
 from rune_study.plan.study_spec import ConditionSpec, StudySpec
 from rune_study.questionnaires.items import ComparedItem, Item, PlaceItem
 from rune_study.questionnaires.questionnaire import read, shipped
 from rune_study.trial_data.measured import EFFECTIVENESS
 
-_OWN_STEPS = (TRIALS, PRACTICE, BREAK)
+_OWN_STEPS = (TRIALS, PRACTICE, BREAK, SECONDARY)
 _QUESTIONNAIRES = {"tlx_raw": "nasa-tlx", "tlx_weighted": "nasa-tlx", "sus": "sus", "sart": "sart"}
 """Questionnaires that metrics need."""
+_OF_TASK = ("ft_secondary", "secondary_right", "secondary_missed", "secondary_time")
 _OF_VICTIMS = ("victims_", "first_victim", "coverage", "map_")
 
 
@@ -213,8 +214,10 @@ def unmeasured(study: StudySpec) -> Iterator[str]:
                 )
         elif name.startswith("sagat_") and study.freeze is None:
             yield f"{name} needs freezes: the table [freeze]"
-        elif name == "ft_secondary" and study.task is None:
+        elif name in _OF_TASK and study.task is None:
             yield f"{name} needs a secondary task: the table [secondary]"
+        elif name == "ft_secondary" and SECONDARY not in study.session.steps:
+            yield f"{name} needs the task without a robot: the step `secondary` of [session]"
         elif name.startswith(_OF_VICTIMS) and not all(spec.arena for spec in study.conditions):
             yield f"{name} needs the true arena: the key 'arena' of each condition"
     if chosen.effectiveness == "new_area" and not all(spec.arena for spec in study.conditions):

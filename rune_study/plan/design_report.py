@@ -11,6 +11,7 @@ from rune_study.plan.orders import BY_LOT, MOST_TRIES, ROWS, balance, counts_kep
 from rune_study.plan.steps import (
     BREAK,
     PRACTICE,
+    SECONDARY,
     TRIAL,
     Step,
     base_row,
@@ -101,7 +102,7 @@ def design_report(study: StudySpec) -> DesignReport:
 
 def minutes_of(step: Step) -> float:
     """Expected length of a step [min]; of practice, its longest."""
-    if step.kind in (BREAK, PRACTICE):
+    if step.kind in (BREAK, PRACTICE, SECONDARY):
         return step.seconds / 60.0
     return step.seconds / 60.0 + _MINUTES.get(step.kind, _OTHER_MINUTES)
 

@@ -13,6 +13,7 @@ from rune_study.plan.study_file import latest
 from rune_study.plan.study_spec import MomentsSpec, StudySpec
 
 TRIALS, PRACTICE, BREAK = "trials", "practice", "break"
+SECONDARY = "secondary"
 TRIAL = "trial"
 _SEEDS = 1 << 31
 
@@ -23,7 +24,7 @@ class Step:
 
     Attributes:
         number: Of the step, from 0.
-        kind: `trial`, `practice`, `break`, or the name of a text or questionnaire.
+        kind: `trial`, `practice`, `break`, `secondary`, or the name of a text or questionnaire.
         trial: Number of the trial that it belongs to, from 1; 0: none.
         condition: Index of the trial's condition; -1: none.
         code: The condition's code, A for example; empty: none.
@@ -113,8 +114,15 @@ def plan(study: StudySpec, participant: int, replaces: int = 0) -> tuple[Step, .
         else:
             seconds = {PRACTICE: study.practice.most_s if study.practice else 0.0}
             seconds[BREAK] = study.session.break_s
+            seconds[SECONDARY] = study.task.alone_s if study.task else 0.0
             seed = _seed(study, "simulation", participant, kind)
-            steps.append(Step(kind=kind, seconds=seconds.get(kind, 0.0), seed=seed))
+            alone = (
+                _questions(study, seconds[SECONDARY], participant, "alone", len(steps))
+                if kind == SECONDARY
+                else ()
+            )
+            given = seconds.get(kind, 0.0)
+            steps.append(Step(kind=kind, seconds=given, seed=seed, questions=alone))
     return tuple(dataclasses.replace(step, number=number) for number, step in enumerate(steps))
 
 
@@ -128,7 +136,7 @@ def _around_trial(study: StudySpec, participant: int, trial: int, condition: int
         seconds=study.trial.seconds,
         freezes=_moments(study, study.freeze, "freeze", participant, trial),
         withheld=_moments(study, study.withhold, "withhold", participant, trial),
-        questions=_questions(study, participant, trial),
+        questions=_questions(study, study.trial.seconds, participant, trial),
         seed=_seed(study, "simulation", participant, trial),
         link_seed=_seed(study, "link", *same[spec.link_seed]),
         **of_trial,
@@ -152,8 +160,8 @@ def _moments(study: StudySpec, spec: MomentsSpec | None, *words: object) -> tupl
     return tuple(round(moment, 3) for moment in moments)
 
 
-def _questions(study: StudySpec, *words: object) -> tuple[float, ...]:
-    """When the secondary task asks: pauses by lot until the trial's end."""
+def _questions(study: StudySpec, seconds: float, *words: object) -> tuple[float, ...]:
+    """When the secondary task asks: pauses by lot until the end [s]."""
     if study.task is None:
         return ()
     least, most = study.task.every_s
@@ -161,6 +169,6 @@ def _questions(study: StudySpec, *words: object) -> tuple[float, ...]:
     at = 0.0
     while True:
         at += least + (most - least) * draw(study.seed, "secondary", *words, len(moments))
-        if at >= study.trial.seconds:
+        if at >= seconds:
             return tuple(moments)
         moments.append(round(at, 3))

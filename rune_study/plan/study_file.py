@@ -327,6 +327,10 @@ def _check_session(study: StudySpec, problems: toml.Problems) -> None:
         problems.add(
             "[session]", "[session]: the step `practice` needs the table [practice]", "steps"
         )
+    if "secondary" in session.steps and study.task is None:
+        problems.add(
+            "[session]", "[session]: the step `secondary` needs the table [secondary]", "steps"
+        )
 
 
 def _check_moments(study: StudySpec, sound: Set[str], problems: toml.Problems) -> None:

@@ -138,7 +138,7 @@ class SessionSpec:
     steps: tuple[str, ...] = key(
         _NAMES,
         ("trials",),
-        "`practice`, `trials`, `break`, questionnaires, and texts of the folder `texts/`",
+        "`practice`, `trials`, `break`, `secondary`, questionnaires, texts of `texts/`",
     )
     break_s: float = key(_SECONDS, 60.0, "least length of a break [s]")
 
@@ -197,6 +197,9 @@ class SecondarySpec:
         _span, (15.0, 30.0), "least and longest time between two [s]"
     )
     longest_s: float = key(number(0.5, 600.0), 10.0, "time for an answer [s]")
+    alone_s: float = key(
+        number(10.0, 3600.0), 120.0, "length of the step `secondary`: the task without a robot [s]"
+    )
     ask: tuple[str, ...] = key(
         several(text(60), 100), ("EVEN OR ODD: 4", "EVEN OR ODD: 7"), "what is shown"
     )

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from hub.pose import Pose
 from hub.values import dataclass
 from rune_study.errors import StudyError
 from rune_study.lots import shuffled
+from rune_study.metrics.awareness import AnswerKind
+from rune_study.metrics.awareness import Query as AnsweredQuery
 from rune_study.metrics.coverage import TrueGrid
 from rune_study.plan.folder import arena_of, questionnaire_path
 from rune_study.plan.steps import Step
@@ -23,7 +25,7 @@ from rune_study.questionnaires.answers import GivenAnswer
 from rune_study.questionnaires.asking import ask
 from rune_study.questionnaires.entries import Grounds
 from rune_study.questionnaires.ground import Ground
-from rune_study.questionnaires.items import ComparedItem, GroundShown, Item, PlaceItem
+from rune_study.questionnaires.items import Answer, ComparedItem, GroundShown, Item, PlaceItem
 from rune_study.questionnaires.questionnaire import Questionnaire
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.questionnaires.truths import Moment, Value, rounded, with_moving
@@ -35,8 +37,8 @@ from rune_study.session.stage import Stage
 from rune_study.trial_data.truth import truth_of, walls_of
 
 ANSWERS = "answers.log"
-FROZEN = "frozen"
-"""Kind of the journal's record with the truths."""
+FROZEN, PROBE = "frozen", "probe"
+"""Kinds of the journal's records: with all truths, and with each answer."""
 _OCCUPIED = 65
 """Share from which on a cell of a map is a wall [%], as in ROS 2."""
 
@@ -63,6 +65,16 @@ class AskedQuery:
     right: Value
     tolerance: float
 
+    def query(self, answer: Answer | None) -> AnsweredQuery:
+        """The question with its answer, as metrics take it; None: there is no answer."""
+        return AnsweredQuery(
+            level=self.level,
+            kind=AnswerKind(self.kind),
+            answer=answer,
+            truth=self.right if self.right is not None else "",
+            tolerance=self.tolerance,
+        )
+
 
 def occasion_of(step: str, attempt: int, freeze: int) -> str:
     """How answers name a freeze of a trial's attempt."""
@@ -85,15 +97,12 @@ class Freezes:
         self._journal = journal
         self._stage = stage
 
-    def ask(
-        self, number: int, time_left: float, given: Callable[[GivenAnswer], None] | None = None
-    ) -> bool:
+    def ask(self, number: int, time_left: float) -> bool:
         """Ask all questions of a freeze; the view is away, and robots stand still.
 
         Args:
             number: Of the freeze, from 1.
             time_left: Until the end of the trial [s].
-            given: Gets each answer once it is on the disk.
 
         Returns:
             Whether all are answered.
@@ -122,10 +131,38 @@ class Freezes:
         chosen = dataclasses.replace(whole, items=tuple(items))
         occasion = occasion_of(self._step.name, self._attempt, number)
         path = self._journal.path.parent / ANSWERS
+        given = self._note_of({each.id: each for each in queries}, number)
         with listening(robots):
             forget_keys()
             seed = f"{self._study.seed} {occasion}"
             return ask(chosen, path, occasion, seed, grounds=grounds, given=given)
+
+    def _note_of(
+        self, queries: Mapping[str, AskedQuery], freeze: int
+    ) -> Callable[[GivenAnswer], None]:
+        """What writes an answer with its truth into the journal."""
+
+        def note(given: GivenAnswer) -> None:
+            asked = queries.get(given.item)
+            if asked is not None:
+                self._journal.put(
+                    PROBE,
+                    n=self._step.number,
+                    number=freeze,
+                    id=asked.id,
+                    about=asked.truth,
+                    level=asked.level,
+                    robot=asked.robot,
+                    asked=given.moment - given.seconds,
+                    answered=given.moment,
+                    answer=given.value,
+                    truth=asked.right,
+                    tolerance=asked.tolerance,
+                    correct=asked.query(given.value).right,
+                    seconds=given.seconds,
+                )
+
+        return note
 
     def _questionnaire(self, number: int) -> Questionnaire:
         """All questions, in the order in which they are drawn."""

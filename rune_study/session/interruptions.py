@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from rune_study.lots import shuffled
 from rune_study.plan.steps import Step
 from rune_study.plan.study_spec import StudySpec
 from rune_study.session.freezing import Freezes
 from rune_study.session.journal import Journal
 from rune_study.session.progress import LeftError
 from rune_study.session.schedule import FREEZE, QUESTION, WITHHOLD, Due, Schedule
+from rune_study.session.secondary import SecondaryTask
 from rune_study.session.stage import Stage
 
 
@@ -26,10 +26,10 @@ class Interruptions:
         self._journal = journal
         self._stage = stage
         self._freezes = Freezes(study, step, attempt, journal, stage)
-        self._question: tuple[Due, float] | None = None
+        self._task = SecondaryTask(study, step, journal)
         self._withheld_at: float | None = None
-        if study.task is not None:
-            stage.console.order("listen", keys=list(study.task.keys))
+        if self._task.keys:
+            stage.console.order("listen", keys=list(self._task.keys))
 
     def begin(self, due: Due, schedule: Schedule) -> None:
         """Begin what is due.
@@ -44,17 +44,13 @@ class Interruptions:
             self._stage.console.order("withhold")
             self._stage.console.order("say", text="CONTROL IS WITHHELD")
             self._note("withheld", due)
-        elif due.what == QUESTION and self._study.task is not None:
-            self._end_question(None, time.monotonic())
-            self._question = due, time.monotonic()
-            self._stage.console.order("say", text=self._asked(due))
+        elif due.what == QUESTION:
+            self._stage.console.order("say", text=self._task.ask(due, time.monotonic()))
 
     def look(self, now: float) -> None:
         """End what is over."""
-        task, spec = self._study.task, self._study.withhold
-        asked = self._question
-        if task is not None and asked is not None and now - asked[1] > task.longest_s:
-            self._end_question(None, now)
+        spec = self._study.withhold
+        self._task.look(now)
         if spec is not None and self._withheld_at is not None:
             still = max(robot.still_for(now) for robot in self._stage.robots)
             waited = now - self._withheld_at
@@ -66,11 +62,16 @@ class Interruptions:
 
     def answer(self, key: str, moment: float) -> None:
         """Take a key that the console reported, pressed at a moment [s]."""
-        self._end_question(key, moment)
+        self._task.end(key, moment)
+
+    def close(self) -> None:
+        """End what is open at the end of the trial."""
+        self._task.end(None, time.monotonic(), counts=False)
 
     def pause(self, schedule: Schedule) -> None:
-        """Stop clock, simulation and view."""
+        """Stop clock, simulation and view; an open question of the secondary task is withdrawn."""
         schedule.pause(time.monotonic())
+        self._task.end(None, time.monotonic(), counts=False)
         for robot in self._stage.robots:
             robot.pause(on=True)
         self._stage.console.order("withdraw")
@@ -93,27 +94,6 @@ class Interruptions:
         if not complete:
             why = "the questions of a freeze were left"
             raise LeftError(why)
-
-    def _asked(self, due: Due) -> str:
-        task = self._study.task
-        return task.ask[self._which(due)] if task is not None else ""
-
-    def _which(self, due: Due) -> int:
-        """Index of the text that a question shows."""
-        task = self._study.task
-        order = range(len(task.ask)) if task is not None else range(1)
-        return shuffled(order, self._study.seed, self._step.seed, "ask", due.number)[0]
-
-    def _end_question(self, key: str | None, moment: float) -> None:
-        task = self._study.task
-        if task is None or self._question is None:
-            return
-        due, asked = self._question
-        self._question = None
-        right = task.right[self._which(due)]
-        seconds = None if key is None else round(moment - asked, 4)
-        given = {"key": key, "right": right, "correct": key == right, "seconds": seconds}
-        self._note("secondary", due, asked=asked, text=self._asked(due), **given)
 
     def _note(self, what: str, due: Due | None, **data: Any) -> None:  # noqa: ANN401 - JSON
         number = {} if due is None else {"number": due.number}

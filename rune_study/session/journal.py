@@ -18,7 +18,7 @@ import contextlib
 import fcntl
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -68,6 +68,7 @@ class Journal:
         """
         self.path = path
         self.records: list[Record] = []
+        self._listeners: list[Callable[[Record], None]] = []
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._lock = _locked(path.parent)
@@ -149,6 +150,17 @@ class Journal:
             text = f"{fault}; free some space, then run the session again"
             raise StudyError(text) from fault
         self._take(line)
+        for each in self._listeners:
+            each(self.records[-1])
+
+    @contextlib.contextmanager
+    def heard_by(self, listener: Callable[[Record], None]) -> Iterator[None]:
+        """Call a function with each record that is put within the context."""
+        self._listeners.append(listener)
+        try:
+            yield
+        finally:
+            self._listeners.remove(listener)
 
     def close(self) -> None:
         """Close the file, so that another process may go on."""

@@ -10,7 +10,7 @@ from rune_study.errors import StudyError
 from rune_study.plan.folder import questionnaire_path, text_path
 from rune_study.plan.practice import practice_of
 from rune_study.plan.real_robots import RealRobots, real_problems
-from rune_study.plan.steps import BREAK, PRACTICE, TRIAL, Step, plan
+from rune_study.plan.steps import BREAK, PRACTICE, SECONDARY, TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.asking import ask, is_refused
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
@@ -20,11 +20,14 @@ from rune_study.session.markers import lsl_markers, no_markers
 from rune_study.session.orders import ABORT, BEGIN, OrderBook
 from rune_study.session.progress import DeclinedError, LeftError, Result, run_steps
 from rune_study.session.reading import forget_keys, read
+from rune_study.session.secondary import do_alone
 from rune_study.session.stage import stage
+from rune_study.session.study_log import study_log
 from rune_study.session.trial import Trial
 from rune_study.session.warnings import PRIVATE
 
 _BREAK = "# A break\n\nPlease rest."
+_SECONDARY = "# Questions\n\nAnswer each question that appears with one of the keys {keys}."
 _PRACTICE = "# Practice\n\nDrive the robot until you know how. Quit the console when you are ready."
 _NOT_PASSED = (
     "# Practice\n\nThe practice ended before its aim was reached. Please tell the experimenter."
@@ -83,12 +86,17 @@ class Session:
 
     def _do(self, step: Step, attempt: int) -> Result | None:
         if step.kind in (TRIAL, PRACTICE):
-            return self._try(step, attempt)
+            with study_log(self._journal, self._study.digest, self._code, step, attempt):
+                return self._try(step, attempt)
         self._mark(f"step {step.name}")
         if step.kind == BREAK:
             text = text_path(self._study, BREAK)
             read(_BREAK if text is None else _text(text), seconds=step.seconds)
             return {}
+        if step.kind == SECONDARY:
+            text = text_path(self._study, SECONDARY)
+            read(_secondary_page(self._study) if text is None else _text(text))
+            return do_alone(self._study, step, self._journal)
         return self._page_and_questions(step)
 
     def _page_and_questions(self, step: Step) -> Result:
@@ -169,6 +177,11 @@ def misses_aim(result: Result) -> bool:
 def length_in_words(seconds: float) -> str:
     """A length of time [s] as people say it: in seconds below two minutes."""
     return f"{seconds / 60.0:.0f} minutes" if seconds >= 120.0 else f"{seconds:.0f} seconds"
+
+
+def _secondary_page(study: StudySpec) -> str:
+    keys = " ".join(study.task.keys).upper() if study.task is not None else ""
+    return _SECONDARY.format(keys=keys)
 
 
 def _text(path: Path) -> str:

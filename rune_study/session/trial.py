@@ -101,6 +101,7 @@ class Trial:
             ending = self._loop(schedule)
         except CentralUnreachableError as lost:
             ending = Ending(why=str(lost), counts=False)
+        self._interruptions.close()
         seconds = schedule.elapsed(time.monotonic())
         self._mark(f"end {self._step.name} {ending.why}")
         robots = [state_of(robot) for robot in self._stage.robots]

@@ -14,7 +14,7 @@ import numpy as np
 
 from rune_study.errors import StudyError
 from rune_study.plan.folder import participant_folder, questionnaire_path, text_path
-from rune_study.plan.steps import BREAK, PRACTICE, TRIAL, Step, plan
+from rune_study.plan.steps import BREAK, PRACTICE, SECONDARY, TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.answers import read_answers
 from rune_study.questionnaires.questionnaire import Questionnaire
@@ -92,6 +92,8 @@ class TypingOperator:
             self._drive(step, attempt)
         elif step.kind == BREAK:
             self._read_page(step.seconds)
+        elif step.kind == SECONDARY:
+            self._read_page()
         else:
             if text_path(self._study, step.kind) is not None:
                 self._read_page()

@@ -18,7 +18,7 @@ from hub.recording.anchor import TimeAnchor
 from hub.recording.reader import LoggedMessage
 from hub.recording.topics import RecordedTopic, topic_of
 from rune_tui.link.pictures import picture_of
-from rune_tui.model import own_records, team_events
+from rune_tui.model import own_records, study_records, team_events
 from rune_tui.model.robot_state import Picture, Received
 
 OWN: Mapping[str, MessageDefinition[Any]] = {
@@ -33,9 +33,12 @@ OWN: Mapping[str, MessageDefinition[Any]] = {
         own_records.RUNE_INPUT,
         own_records.RUNE_SELECT,
         team_events.RUNE_TEAM,
+        study_records.RUNE_STUDY,
+        study_records.RUNE_PROBE,
+        study_records.RUNE_SECONDARY,
     )
 }
-"""Messages of the console itself, by name."""
+"""Messages of the console itself and of studies, by name."""
 _GREY = np.full((3, 4, 3), 64, np.uint8)
 
 

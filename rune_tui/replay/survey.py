@@ -11,6 +11,14 @@ from hub.gcm.recording import RECORD_MARK, RecordMark
 from hub.recording.anchor import TimeAnchor
 from hub.recording.recording_set import RecordingSet
 from rune_tui.model.own_records import RUNE_INPUT, InputOutcome, InputRecord
+from rune_tui.model.study_records import (
+    RUNE_PROBE,
+    RUNE_SECONDARY,
+    RUNE_STUDY,
+    ProbeRecord,
+    SecondaryRecord,
+    StudyRecord,
+)
 from rune_tui.model.team_events import RUNE_TEAM, TeamEvent, TeamEventKind
 from rune_tui.replay.logged_values import Decoder
 from rune_tui.replay.source import EventKind, Overview, ReplayEvent, Span
@@ -25,19 +33,35 @@ GAP_NS: Final = 2 * SECOND
 AGAIN_NS: Final = SECOND
 """Time after a bump in which contact is the same bump [ns]."""
 _READ = tuple(
-    each.name for each in (RUNE_INPUT, RUNE_TEAM, INTEREST_POINTS, ROBOT_STATE, RECORD_MARK)
+    each.name
+    for each in (
+        RUNE_INPUT,
+        RUNE_TEAM,
+        INTEREST_POINTS,
+        ROBOT_STATE,
+        RECORD_MARK,
+        RUNE_STUDY,
+        RUNE_PROBE,
+        RUNE_SECONDARY,
+    )
 )
+_STUDY_EVENTS = {
+    "trial-begin": EventKind.TRIAL,
+    "trial-end": EventKind.TRIAL,
+    "frozen": EventKind.FREEZE,
+    "unfrozen": EventKind.FREEZE,
+    "withheld": EventKind.NOTE,
+    "allowed": EventKind.NOTE,
+    "order": EventKind.NOTE,
+}
+"""Records of a study's session that the timeline shows."""
 
 
 def survey(recording: RecordingSet) -> Overview:
     """Read a whole recording."""
     decoder = Decoder(recording.channels, TimeAnchor(0, 0.0), [])
     found = _Survey()
-    channels = {
-        channel
-        for channel, topic in recording.channels.items()
-        if topic.message in _READ or topic.name.startswith("/study/")
-    }
+    channels = {channel for channel, topic in recording.channels.items() if topic.message in _READ}
     busiest = max(recording.channels, key=lambda each: recording.counts.get(each, 0), default=None)
     if busiest is not None:
         channels.add(busiest)
@@ -48,9 +72,7 @@ def survey(recording: RecordingSet) -> Overview:
         if message.stamp - before > GAP_NS:
             gaps.append(Span(start=before, end=message.stamp))
         before = max(before, message.stamp)
-        if topic.name.startswith("/study/"):
-            found.step(message.stamp, topic.message)
-        elif topic.message in _READ:
+        if topic.message in _READ:
             found.take(message.stamp, topic.robot, decoder.value(message))
     events = sorted(found.events, key=lambda event: event.stamp)
     return Overview(events=events, episodes=tuple(found.episodes()), gaps=gaps)
@@ -79,12 +101,16 @@ class _Survey:
                 self._note(stamp, EventKind.NOTE, value.text, robot)
             case InterestPoints():
                 self._marks(stamp, robot, value)
+            case StudyRecord():
+                self._study(stamp, value)
+            case ProbeRecord():
+                said = "right" if value.correct else "wrong"
+                self._note(stamp, EventKind.NOTE, f"{value.id}: {said}", "")
+            case SecondaryRecord() if value.counts:
+                said = "right" if value.correct else "wrong" if value.answer else "missed"
+                self._note(stamp, EventKind.NOTE, f"{value.text}: {said}", "")
             case RobotState():
                 self._bump(stamp, robot, value.bumpers)
-
-    def step(self, stamp: int, message: str) -> None:
-        kind = EventKind.FREEZE if message == "RuneProbe" else EventKind.TRIAL
-        self._note(stamp, kind, message.removeprefix("Rune").lower(), "")
 
     def episodes(self) -> Iterator[Span]:
         """When the operator interacted with each robot."""
@@ -96,6 +122,12 @@ class _Survey:
                     begin = stamp
                 last = stamp
             yield Span(start=begin, end=max(last, begin + LEAST_NS), robot=robot)
+
+    def _study(self, stamp: int, record: StudyRecord) -> None:
+        kind = _STUDY_EVENTS.get(record.what)
+        if kind is not None:
+            words = f"{record.step} {record.what.replace('-', ' ')}"
+            self._note(stamp, kind, words, "")
 
     def _marks(self, stamp: int, robot: str, value: InterestPoints) -> None:
         known = self._points.get(robot)

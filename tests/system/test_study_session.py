@@ -11,9 +11,15 @@ import psutil
 import pytest
 
 from hub.recording.reader import Recording
+from hub.recording.recording_set import RecordingSet
 from rune_study.data.derive import derive
+from rune_study.data.store import recordings_of
 from rune_study.plan.study_file import read_study
 from rune_study.session.journal import JOURNAL, Record, read_journal
+from rune_study.trial_data.trial_log import TrialLog
+from rune_tui.model.study_records import RUNE_PROBE
+from rune_tui.replay.source import EventKind
+from rune_tui.replay.survey import survey
 from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, family, gone
 
@@ -218,6 +224,20 @@ def test_answers_at_a_freeze_are_scored_by_the_truth_of_that_moment(folder: Path
     scores = {row.metric: row.value for row in data.metrics if row.metric.startswith("sagat")}
     assert scores["sagat_1"] == (1.0 if position.correct else 0.5)
     assert scores["sagat_unanswered"] == 0.0
+    files = recordings_of(read_study(folder), 1, 1)
+    assert [file.name for file in files] == [
+        "t1-a1.console.mcap",
+        "t1-a1.mcap",
+        "t1-a1.study.mcap",
+    ]
+    with RecordingSet.open(files) as recordings:
+        log = TrialLog(recordings)
+        probes = [record for _, record in log.values("study", RUNE_PROBE)]
+        frozen = [each for each in survey(recordings).events if each.kind is EventKind.FREEZE]
+    assert [(each.id, each.correct) for each in probes] == [
+        (row.id, bool(row.correct)) for row in data.probes
+    ]
+    assert [each.text for each in frozen] == ["t1 frozen", "t1 unfrozen"]
 
 
 @pytest.mark.timeout(150)
