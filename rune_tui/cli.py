@@ -283,10 +283,17 @@ def _replay(options: argparse.Namespace) -> int:
     _need_screen([], ())
     log_to_file()
     from rune_tui.replay.app import ReplayApp
+    from rune_tui.replay.clip_writer import ClipWriter
+    from rune_tui.replay.review_notes import ReviewNotes
 
-    with closing(opening.player_of(opened, options)) as player:
+    first: Path = options.files[0]
+    with (
+        closing(opening.player_of(opened, options)) as player,
+        closing(ClipWriter(opened, first)) as clips,
+    ):
         traits, answers, took, _ = _ask_terminal(options)
-        ReplayApp(player, traits, took if answers.complete else 0.0).run()
+        trip = took if answers.complete else 0.0
+        ReplayApp(player, traits, trip, notes=ReviewNotes(first), clips=clips).run()
         _report(*player.source.faults)
     return ExitCode.OK
 

@@ -11,9 +11,12 @@ from textual import events
 from textual.app import ComposeResult
 
 from rune_tui.compositor.cells import Cells
-from rune_tui.replay.desk import HELP, Desk, no_urgencies
+from rune_tui.replay.clip_writer import ClipWriter
+from rune_tui.replay.desk import Desk, no_urgencies
 from rune_tui.replay.player import Knowledge, Player
-from rune_tui.replay.source import Overview
+from rune_tui.replay.review_keys import SHORT
+from rune_tui.replay.review_notes import ReviewNotes
+from rune_tui.replay.source import Overview, with_notes
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved
@@ -45,18 +48,29 @@ class ReplayApp(MouseApp, inherit_bindings=False):
     BINDINGS: ClassVar = []
     CSS = "Screen { layers: view; overflow: hidden; }"
 
-    def __init__(self, player: Player, traits: Traits, round_trip: float = 0.0) -> None:
+    def __init__(
+        self,
+        player: Player,
+        traits: Traits,
+        round_trip: float = 0.0,
+        *,
+        notes: ReviewNotes,
+        clips: ClipWriter,
+    ) -> None:
         """Prepare.
 
         Args:
             player: Plays the recording.
+            notes: Keeps what the person notes.
+            clips: Writes clips.
             traits: Abilities of the terminal.
             round_trip: Answer time of the terminal [s].
         """
         super().__init__(driver_class=terminal_driver())
         self.title = f"RECORDING {player.source.title}"
-        self.desk = Desk(player, time.monotonic)
-        self.desk.say(HELP)
+        self._notes = notes
+        self.desk = Desk(player, time.monotonic, notes, clips)
+        self.desk.say(notes.fault or SHORT)
         self._pane = ViewPane(traits.glyphs.half)
         self._painter = Painter(self, self._pane, traits, round_trip)
         self._look: tuple[int, int, object, Cells | None] = (0, 0, None, None)
@@ -124,7 +138,8 @@ class ReplayApp(MouseApp, inherit_bindings=False):
     def _turn(self) -> None:
         now, player = time.monotonic(), self.desk.player
         if self._found is not None:
-            self.desk.overview, self._found = self._found, None
+            self.desk.overview = with_notes(self._found, self._notes.events)
+            self._found = None
         player.tick(now, time.monotonic, _BUSY_S)
         if self._painter.ready(now):
             self._paint(now)
@@ -133,7 +148,8 @@ class ReplayApp(MouseApp, inherit_bindings=False):
 
     def _paint(self, now: float) -> None:
         columns, rows = self.size
-        look = columns, rows, self.desk.words(columns), self.desk.player.drawer.cells
+        words = self.desk.helps, self.desk.words(columns)
+        look = columns, rows, words, self.desk.player.drawer.cells
         cells = None
         if self._look[:3] != look[:3] or self._look[3] is not look[3]:
             self._look = look

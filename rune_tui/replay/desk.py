@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import datetime
+import enum
 import math
 import re
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
+from hub.command_line import login_name
+from hub.values import dataclass
 from rune_tui.compositor.cells import Cells
 from rune_tui.controls.keyboard import name_of_key
+from rune_tui.errors import LogError
 from rune_tui.replay import screen, timeline
 from rune_tui.replay.drawing import FrameCheck
 from rune_tui.replay.player import Knowledge, Player
-from rune_tui.replay.source import Overview, ReplayFrame
+from rune_tui.replay.review_keys import SHORT, TASKS, ReviewTask, help_lines
+from rune_tui.replay.review_notes import LONGEST, ReviewNotes
+from rune_tui.replay.source import Overview, ReplayFrame, with_notes
 from rune_tui.widgets.listeners import Listeners
 
 SECOND: Final = 1_000_000_000
@@ -23,10 +29,42 @@ _TIME: Final = re.compile(r"(\d{1,9}:){0,2}\d{1,9}(\.\d{0,9})?", re.ASCII)
 _JUMP_S: Final = 5.0
 _LONG_JUMP_S: Final = 60.0
 _NOTICE_S: Final = 3.0
-HELP: Final = (
-    "Space play  arrows 5 s  , . frame  + - rate  R reverse  [ ] marks  :1:30 go to  "
-    "home end  L loop  Q quit"
-)
+
+
+class EntryKind(enum.Enum):
+    """What is typed; the value leads it in the first row."""
+
+    TIME = "go to :"
+    NOTE = "note: "
+
+
+@dataclass(slots=True)
+class Entry:
+    """Letters that are typed.
+
+    Attributes:
+        kind: What they are.
+        text: The letters.
+        stamp: The time that a note is about [ns].
+    """
+
+    kind: EntryKind
+    text: str = ""
+    stamp: int = 0
+
+
+class Clips(Protocol):
+    """Writes clips while the recording is shown."""
+
+    @property
+    def progress(self) -> str:
+        """What it writes, and how far it is; empty: nothing."""
+
+    def result(self) -> str:
+        """What became of the last clip, in one sentence; empty: it was asked for, or none is."""
+
+    def write(self, begin: int, end: int) -> str:
+        """Begin to write a clip between two times after the begin [ns]; returns why not."""
 
 
 class Desk:
@@ -36,60 +74,71 @@ class Desk:
         player: Plays the recording.
         overview: What happened in it.
         ended: Whether the person ends the replay.
+        helps: Whether the page of the keys is shown.
     """
 
-    def __init__(self, player: Player, clock: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        player: Player,
+        clock: Callable[[], float],
+        notes: ReviewNotes | None = None,
+        clips: Clips | None = None,
+    ) -> None:
         """Prepare.
 
         Args:
             player: Plays the recording.
             clock: Monotonic time [s].
+            notes: Keeps what a person notes; None: nothing is kept.
+            clips: Writes clips; None: none are written.
         """
         self.player = player
         self.overview = Overview()
         self.ended = False
         self._clock = clock
-        self._entry: str | None = None
-        self._notice, self._noticed = HELP, -math.inf
+        self._notes, self._clips = notes, clips
+        self._entry: Entry | None = None
+        self._clip_begin: int | None = None
+        self.helps = False
+        self._notice, self._noticed = SHORT, -math.inf
         self._bound: tuple[object, frozenset[str]] = None, frozenset()
-        self._keys: dict[str, Callable[[], None]] = {
-            "space": self._play,
-            "left": lambda: self.go(-_JUMP_S),
-            "right": lambda: self.go(_JUMP_S),
-            "shift+left": lambda: self.go(-_LONG_JUMP_S),
-            "shift+right": lambda: self.go(_LONG_JUMP_S),
-            "home": lambda: self._seek(player.source.start),
-            "end": lambda: self._seek(player.source.end),
-            ",": lambda: self._step(-1),
-            ".": lambda: self._step(1),
-            "+": lambda: player.faster(1),
-            "=": lambda: player.faster(1),
-            "-": lambda: player.faster(-1),
-            "r": player.turn,
-            "l": self._loop,
-            "[": lambda: self._mark(-1),
-            "]": lambda: self._mark(1),
-            "?": lambda: self.say(HELP),
-            "f1": lambda: self.say(HELP),
-            "q": self._quit,
-            "ctrl+c": self._quit,
+        self._tasks: dict[ReviewTask, Callable[[int], None]] = {
+            ReviewTask.PLAY: lambda _: self._play(),
+            ReviewTask.JUMP: lambda place: self.go((2 * place - 1) * _JUMP_S),
+            ReviewTask.LONG_JUMP: lambda place: self.go((2 * place - 1) * _LONG_JUMP_S),
+            ReviewTask.STEP: lambda place: self._step(2 * place - 1),
+            ReviewTask.RATE: lambda place: player.faster(2 * place - 1),
+            ReviewTask.FASTER: lambda _: player.faster(1),
+            ReviewTask.TURN: lambda _: player.turn(),
+            ReviewTask.EVENT: lambda place: self._mark(2 * place - 1),
+            ReviewTask.TIME: lambda _: self._ask(Entry(EntryKind.TIME)),
+            ReviewTask.ENDS: lambda place: self._seek(player.source.end if place else 0),
+            ReviewTask.LOOP: lambda _: self._loop(),
+            ReviewTask.NOTE: lambda _: self._begin_note(),
+            ReviewTask.CLIP: lambda _: self._clip(),
+            ReviewTask.DROP: lambda _: self._drop(),
+            ReviewTask.HELP: lambda _: self._help(),
+            ReviewTask.QUIT: lambda _: self._quit(),
         }
 
     def key(self, key: str, character: str | None) -> None:
         """Handle a key by the terminal's names of it."""
         name = name_of_key(key, character)
+        task, place = TASKS.get(name, (None, 0))
         if self._entry is not None:
-            self._type(name, self._entry)
-        elif name == ":" or name.isdecimal():
-            self._entry = "" if name == ":" else name
-        elif name in self._keys:
-            self._keys[name]()
+            self._type(name, character, self._entry)
+        elif self.helps and task is not ReviewTask.QUIT:
+            self.helps = False
+        elif name.isdecimal():
+            self._ask(Entry(EntryKind.TIME, name))
+        elif task is not None:
+            self._tasks[task](place)
         elif self.player.source.press(name, self.player.position):
             self.player.seek(self.player.position)
         elif name in self._driving():
             self.say(f"{name} does nothing: this is a recording")
         else:
-            self.say(HELP)
+            self.say(SHORT)
 
     def click(self, column: int, row: int, columns: int, rows: int) -> None:
         """Handle a click on a cell of a screen of some size."""
@@ -108,6 +157,8 @@ class Desk:
     def words(self, columns: int) -> tuple[str, str, str]:
         """The first row, and the two of the timeline, at a width."""
         source, position = self.player.source, self.player.position
+        if self._clips is not None and (result := self._clips.result()):
+            self.say(result)
         line = columns, source.start, source.end, position
         marks = timeline.marks_row(*line, self.overview)
         return self._head(columns), marks, timeline.pointer_row(*line, self._time_forms())
@@ -115,7 +166,10 @@ class Desk:
     def cells(self, columns: int, rows: int) -> Cells:
         """The whole screen at a size."""
         head, *line = self.words(columns)
-        return screen.framed(self.player.drawer.cells, columns, rows, head, line)
+        cells = screen.framed(self.player.drawer.cells, columns, rows, head, line)
+        if self.helps:
+            screen.write_page(cells, list(help_lines()))
+        return cells
 
     def fit(self, columns: int, rows: int) -> None:
         """Draw at the size of the console then if there is room, else as large as there is."""
@@ -137,8 +191,13 @@ class Desk:
             said += f"  filling trails and plots ({player.ready:.0%})"
         elif (check := self._checked()).value:
             said += f"  {check.value}"
+        if self._clip_begin is not None:
+            begin = timeline.clock_text((self._clip_begin - player.source.start) / SECOND)
+            said += f"  clip from {begin}, X ends it"
+        if self._clips is not None and (progress := self._clips.progress):
+            said += f"  {progress}"
         if self._entry is not None:
-            said += f"  go to :{self._entry}_"
+            said += f"  {self._entry.kind.value}{self._entry.text}_"
         elif self._clock() - self._noticed < _NOTICE_S:
             said += f"  · {self._notice}"
         elif player.source.faults:
@@ -194,21 +253,74 @@ class Desk:
         event = next(each for each in self.overview.events if each.stamp == found)
         self.say(event.text or event.kind.name.lower())
 
-    def _type(self, name: str, entry: str) -> None:
-        """A key while a time is entered."""
-        if name in {"escape", "q", "ctrl+c"}:
+    def _ask(self, entry: Entry) -> None:
+        self._entry = entry
+
+    def _type(self, name: str, character: str | None, entry: Entry) -> None:
+        """A key while something is typed."""
+        is_time = entry.kind is EntryKind.TIME
+        if name in ("escape", "ctrl+c") or (name == "q" and is_time):
             self._entry = None
         elif name == "backspace":
-            self._entry = entry[:-1]
+            entry.text = entry.text[:-1]
         elif name == "enter":
             self._entry = None
-            stamp = entered(entry, self.player.source.start)
-            if stamp is None:
-                self.say(f"{entry} is no time; 90, 1:30 and 1:02:30 are")
+            if is_time:
+                self._go_to(entry.text)
             else:
-                self._seek(stamp)
-        elif name in {":", "."} or name.isdecimal():
-            self._entry = entry + name
+                self._keep_note(entry)
+        elif is_time and (name in (":", ".") or name.isdecimal()):
+            entry.text += name
+        elif not is_time and character is not None and character.isprintable():
+            entry.text = (entry.text + character)[:LONGEST]
+
+    def _go_to(self, text: str) -> None:
+        stamp = entered(text, self.player.source.start)
+        if stamp is None:
+            self.say(f"{text} is no time; 90, 1:30 and 1:02:30 are")
+        else:
+            self._seek(stamp)
+
+    def _begin_note(self) -> None:
+        self.player.playing = False
+        self._ask(Entry(EntryKind.NOTE, stamp=self.player.position))
+
+    def _keep_note(self, entry: Entry) -> None:
+        if self._notes is None:
+            self.say("notes are not kept here")
+            return
+        try:
+            event = self._notes.add(entry.stamp, entry.text, login_name())
+        except LogError as error:
+            self.say(str(error))
+            return
+        self.overview = with_notes(self.overview, [event])
+        self.say(f"noted in {self._notes.path.name}")
+
+    def _clip(self) -> None:
+        """Begin a clip, or write the one that was begun."""
+        begin, here = self._clip_begin, self.player.position
+        if self._clips is None:
+            self.say("clips are not written here")
+        elif begin is None:
+            self._clip_begin = here
+        elif begin == here:
+            self.say(
+                "a clip needs an end at another time; go there and press X, or drop it with Esc"
+            )
+        else:
+            start = self.player.source.start
+            why = self._clips.write(min(begin, here) - start, max(begin, here) - start)
+            if why:
+                self.say(why)
+            else:
+                self._clip_begin = None
+
+    def _drop(self) -> None:
+        self._clip_begin = None
+
+    def _help(self) -> None:
+        self.helps = True
 
     def _driving(self) -> frozenset[str]:
         """The inputs that the shown layout binds."""

@@ -20,6 +20,7 @@ from rune_tui.replay.desk import Desk
 from rune_tui.replay.mission_page import mission_page
 from rune_tui.replay.opening import moment_of
 from rune_tui.replay.player import Player
+from rune_tui.replay.review_notes import ReviewNotes
 from rune_tui.replay.source import ReplaySource
 
 _PAGE = ".html"
@@ -51,9 +52,13 @@ def export(options: Namespace, opened: Callable[[], ReplaySource]) -> list[str]:
     with closing(Player(opened)) as player:
         source = player.source
         start = moment_of(options.start, source)
+        faults: list[str] = []
         end = moment_of(options.end, source) if options.end is not None else source.end
         if suffix == _PAGE:
-            _write(path, mission_page(player, _progress(f"writing {path.name}")))
+            notes = ReviewNotes(options.files[0])
+            faults = [notes.fault] if notes.fault else []
+            page = mission_page(player, _progress(f"writing {path.name}"), notes.events)
+            _write(path, page)
         elif suffix in PICTURES:
             _export_picture(player, start, path, as_seen=options.as_seen)
         else:
@@ -67,7 +72,7 @@ def export(options: Namespace, opened: Callable[[], ReplaySource]) -> list[str]:
                 lossless=options.lossless,
             )
             write_clip(player, path, clip, _progress(f"writing {path.name}"))
-        return [*source.faults]
+        return [*source.faults, *faults]
 
 
 def _write(path: Path, text: str) -> None:

@@ -18,7 +18,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.replay import timeline
 from rune_tui.replay.desk import SECOND
 from rune_tui.replay.player import Player
-from rune_tui.replay.source import EventKind, Overview, ReplayEvent, ReplaySource
+from rune_tui.replay.source import EventKind, Overview, ReplayEvent, ReplaySource, with_notes
 
 _MOST_PICTURES: Final = 12
 _STEP_NS: Final = SECOND
@@ -46,14 +46,17 @@ class _Way:
     last: RobotState
 
 
-def mission_page(player: Player, progress: Callable[[float], None]) -> str:
+def mission_page(
+    player: Player, progress: Callable[[float], None], notes: Sequence[ReplayEvent] = ()
+) -> str:
     """The page: what went wrong, all events, each robot's map with its way, and pictures.
 
     Args:
         player: Plays the recording.
         progress: Gets the share that is done, 0 to 1.
+        notes: What people noted while they looked at the recording.
     """
-    source, overview = player.source, player.survey()
+    source, overview = player.source, with_notes(player.survey(), notes)
     ways = _ways(player, lambda share: progress(0.7 * share))
     moments = _moments(player, overview)
     pictures = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -77,3 +77,17 @@ def write(cells: Cells, row: int, text: str) -> None:
     cells.glyphs[row] = 0
     cells.glyphs[row, : len(letters)] = np.where(letters == ord(" "), 0, letters)
     cells.ink[row, :, :3] = INK
+
+
+def write_page(cells: Cells, lines: Sequence[str]) -> None:
+    """Write lines over the middle of the frame, as many as there is room for."""
+    wide, high = room(cells.columns, cells.rows)
+    shown = [f"  {line}"[:wide] for line in lines][:high]
+    width = min(wide, max(map(len, shown), default=0) + 2)
+    left, top = SIDES + (wide - width) // 2, TOP + (high - len(shown)) // 2
+    inside = slice(left, left + width)
+    cells.pixels[2 * top : 2 * (top + len(shown)), inside, :3] = HUE
+    for row, line in enumerate(shown, top):
+        letters = np.array([ord(each) for each in f"{line:<{width}}"[:width]], np.uint32)
+        cells.glyphs[row, inside] = np.where(letters == ord(" "), 0, letters)
+        cells.ink[row, inside, :3] = INK

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import enum
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
@@ -103,6 +104,12 @@ class Overview:
     events: Sequence[ReplayEvent] = ()
     episodes: Sequence[Span] = ()
     gaps: Sequence[Span] = ()
+
+
+def with_notes(overview: Overview, notes: Sequence[ReplayEvent]) -> Overview:
+    """An overview with further events."""
+    events = sorted([*overview.events, *notes], key=lambda event: event.stamp)
+    return dataclasses.replace(overview, events=events)
 
 
 class ReplaySource(Protocol):

@@ -9,8 +9,14 @@ from hub.recording.ros.decoding import READABLE
 from hub.recording.ros.foxglove import foxglove_names
 from hub.recording.ros.images import ENCODINGS
 from hub.recording.ros.topic_roles import ROLES, SHOWN_BY, RosRole
+from rune_tui.replay.review_keys import ReviewTask
 
 PAGE = Path(__file__).parents[3] / "docs" / "replay.md"
+
+
+def key_rows() -> list[str]:
+    keys = [task.value for task in ReviewTask if task.value.written]
+    return [f"| {key.written.replace('|', chr(92) + '|')} | {key.does} |" for key in keys]
 
 
 def role_rows() -> list[str]:
@@ -34,6 +40,7 @@ TABLES = {
             for encoding, schemas in READABLE.items()
         ),
     ],
+    "keys": ["| key | does |", "| --- | --- |", *key_rows()],
     "encodings": [
         "| encodings of sensor_msgs/Image |",
         "| --- |",
