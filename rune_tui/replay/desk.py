@@ -31,7 +31,7 @@ _LONG_JUMP_S: Final = 60.0
 _NOTICE_S: Final = 3.0
 
 
-class EntryKind(enum.Enum):
+class TypedKind(enum.Enum):
     """What is typed; the value leads it in the first row."""
 
     TIME = "go to :"
@@ -39,7 +39,7 @@ class EntryKind(enum.Enum):
 
 
 @dataclass(slots=True)
-class Entry:
+class TypedText:
     """Letters that are typed.
 
     Attributes:
@@ -48,7 +48,7 @@ class Entry:
         stamp: The time that a note is about [ns].
     """
 
-    kind: EntryKind
+    kind: TypedKind
     text: str = ""
     stamp: int = 0
 
@@ -97,7 +97,7 @@ class Desk:
         self.ended = False
         self._clock = clock
         self._notes, self._clips = notes, clips
-        self._entry: Entry | None = None
+        self._entry: TypedText | None = None
         self._clip_begin: int | None = None
         self.helps = False
         self._notice, self._noticed = SHORT, -math.inf
@@ -111,7 +111,7 @@ class Desk:
             ReviewTask.FASTER: lambda _: player.faster(1),
             ReviewTask.TURN: lambda _: player.turn(),
             ReviewTask.EVENT: lambda place: self._mark(2 * place - 1),
-            ReviewTask.TIME: lambda _: self._ask(Entry(EntryKind.TIME)),
+            ReviewTask.TIME: lambda _: self._ask(TypedText(TypedKind.TIME)),
             ReviewTask.ENDS: lambda place: self._seek(player.source.end if place else 0),
             ReviewTask.LOOP: lambda _: self._loop(),
             ReviewTask.NOTE: lambda _: self._begin_note(),
@@ -130,7 +130,7 @@ class Desk:
         elif self.helps and task is not ReviewTask.QUIT:
             self.helps = False
         elif name.isdecimal():
-            self._ask(Entry(EntryKind.TIME, name))
+            self._ask(TypedText(TypedKind.TIME, name))
         elif task is not None:
             self._tasks[task](place)
         elif self.player.source.press(name, self.player.position):
@@ -253,12 +253,12 @@ class Desk:
         event = next(each for each in self.overview.events if each.stamp == found)
         self.say(event.text or event.kind.name.lower())
 
-    def _ask(self, entry: Entry) -> None:
+    def _ask(self, entry: TypedText) -> None:
         self._entry = entry
 
-    def _type(self, name: str, character: str | None, entry: Entry) -> None:
+    def _type(self, name: str, character: str | None, entry: TypedText) -> None:
         """A key while something is typed."""
-        is_time = entry.kind is EntryKind.TIME
+        is_time = entry.kind is TypedKind.TIME
         if name in ("escape", "ctrl+c") or (name == "q" and is_time):
             self._entry = None
         elif name == "backspace":
@@ -283,9 +283,9 @@ class Desk:
 
     def _begin_note(self) -> None:
         self.player.playing = False
-        self._ask(Entry(EntryKind.NOTE, stamp=self.player.position))
+        self._ask(TypedText(TypedKind.NOTE, stamp=self.player.position))
 
-    def _keep_note(self, entry: Entry) -> None:
+    def _keep_note(self, entry: TypedText) -> None:
         if self._notes is None:
             self.say("notes are not kept here")
             return
