@@ -269,10 +269,11 @@ def _shot(options: argparse.Namespace) -> int:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    from contextlib import closing
-
     from rune_tui.replay import opening
 
+    if options.set and options.layout is None:
+        text = "--set needs --layout: a recorded layout keeps the values that it had"
+        raise _UsageError(text)
     layout = _load(options.layout, options.set) if options.layout is not None else None
     opened = opening.opener(options.files, layout, topics=options.topics)
     if options.export is not None:
@@ -282,19 +283,9 @@ def _replay(options: argparse.Namespace) -> int:
         return ExitCode.OK
     _need_screen([], ())
     log_to_file()
-    from rune_tui.replay.app import ReplayApp
-    from rune_tui.replay.clip_writer import ClipWriter
-    from rune_tui.replay.review_notes import ReviewNotes
+    from rune_tui.replay.command import show
 
-    first: Path = options.files[0]
-    with (
-        closing(opening.player_of(opened, options)) as player,
-        closing(ClipWriter(opened, first)) as clips,
-    ):
-        traits, answers, took, _ = _ask_terminal(options)
-        trip = took if answers.complete else 0.0
-        ReplayApp(player, traits, trip, notes=ReviewNotes(first), clips=clips).run()
-        _report(*player.source.faults)
+    _report(*show(options, opened, lambda: _ask_terminal(options)[:3]))
     return ExitCode.OK
 
 

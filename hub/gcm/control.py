@@ -124,6 +124,10 @@ CONSOLE_HEARTBEAT = MessageDefinition(
 )
 
 
+PLAYED = "RECORDING"
+"""The owner of control where a recording is played: the sender of its `ControlState` itself."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlState:
     """The owner of control; sent at each change and once a second.

@@ -7,6 +7,7 @@ import math
 import time
 
 from hub.command_line import login_name
+from hub.gcm.control import CONTROL_STATE, PLAYED, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
 from hub.inspection.output import print_error, put
 from hub.ipc.client import Client
@@ -30,6 +31,7 @@ class Halt:
     Attributes:
         report: The newest report; None: none arrived.
         seen: Whether the robot has reported a stop.
+        played: Whether the hub plays a recording.
     """
 
     def __init__(self, limit: float = LIMIT_S) -> None:
@@ -37,6 +39,7 @@ class Halt:
         self._limit = limit
         self.report: RobotState | None = None
         self.seen = False
+        self.played = False
         self._stops_before: int | None = None
 
     def take(self, report: RobotState) -> None:
@@ -54,6 +57,7 @@ class Halt:
         report = self.report
         return (
             self.seen
+            and not self.played
             and report is not None
             and report.motion not in _MOVING
             and report.commanded_linear == report.commanded_angular == 0.0
@@ -63,6 +67,8 @@ class Halt:
 
     def problem(self) -> str:
         """A sentence with the reason why it does not stand, and the remedy."""
+        if self.played:
+            return "this hub plays a recording, so no robot was stopped; nothing moves there"
         report = self.report
         if report is None:
             return (
@@ -85,7 +91,8 @@ def halt(client: Client, *, as_json: bool) -> int:
     Sends stops until the robot has reported one, because a single stop may be lost.
 
     Returns:
-        The exit code: 1 if the robot does not report in time that it stands.
+        The exit code: 1 if the robot does not report in time that it stands, and where a recording
+        is played.
     """
     round_trip = 0.0 if math.isnan(client.round_trip) else client.round_trip
     limit = LIMIT_S + _ROUND_TRIPS * round_trip
@@ -99,12 +106,17 @@ def halt(client: Client, *, as_json: bool) -> int:
         if how.measured >= begun:
             course.take(report)
 
+    def look(control: ControlState, how: MessageInfo) -> None:
+        # On a robot the owner is a console, never the hub that says so.
+        course.played = control.owner_name == PLAYED and control.owner == how.publisher
+
     def send() -> None:
         if not course.seen:
             client.publish(STOP, stop)
 
     send()
     client.subscribe(ROBOT_STATE, take)
+    client.subscribe(CONTROL_STATE, look)
     timer = client.every(_REPEAT_S, send)
     while not course.stands and time.monotonic() < begun + limit:
         client.listen(_REPEAT_S)

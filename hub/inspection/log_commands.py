@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
+import shutil
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from hub.errors import RecordingError
@@ -123,7 +125,22 @@ def _show_topics(facts: RecordingFacts, *, quick: bool) -> None:
         table(("topic", "type", "messages"), [row[:3] for row in rows], words=2)
     elif rows:
         heads = ("topic", "type", "messages", "rate", "size", "missing", "longest gap")
-        table(heads, rows, words=2)
+        _fitting_table(heads, rows)
+
+
+def _fitting_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Write a table of topics; a narrow terminal gets fewer columns."""
+    wide = shutil.get_terminal_size().columns if sys.stdout.isatty() else math.inf
+    left_out: set[int] = set()
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    for name in ("type", "size"):
+        kept = [each for place, each in enumerate(widths) if place not in left_out]
+        if sum(kept) + 2 * (len(kept) - 1) > wide:
+            left_out.add(heads.index(name))
+    shown = [
+        [cell for place, cell in enumerate(row) if place not in left_out] for row in (heads, *rows)
+    ]
+    table(shown[0], shown[1:], words=2 - len(left_out & {1}))
 
 
 def _list(folder: Path | None, *, as_json_lines: bool) -> int:

@@ -22,7 +22,13 @@ from hub.control_gate import ControlGate
 from hub.errors import RecordingError
 from hub.gcm.catalog import MESSAGES
 from hub.gcm.common import COMMON_RESULT, CommonResult
-from hub.gcm.control import CONTROL_REQUEST, CONTROL_STATE, ControlState, is_restricted
+from hub.gcm.control import (
+    CONTROL_REQUEST,
+    CONTROL_STATE,
+    PLAYED,
+    ControlState,
+    is_restricted,
+)
 from hub.gcm.diagnostics import DIAGNOSTICS, Diagnostics, DiagnosticStatus, Severity
 from hub.gcm.mapping import MAP_COMMAND
 from hub.gcm.mission import MISSION_COMMAND
@@ -39,8 +45,6 @@ from hub.ipc.security.publish_rights import ROBOMON
 from hub.recording.live.player import Player, robots_of
 from hub.recording.recording_set import RecordingSet
 
-OPERATOR = "RECORDING"
-"""The operator of a recording, as consoles show the owner of control."""
 _STEP_NS = 5_000_000_000
 _FASTEST, _SLOWEST = 100.0, 0.1
 _CONNECT_S = 10.0
@@ -235,8 +239,8 @@ class _Playback:
             CONTROL_STATE,
             ControlState(
                 owner=self._client.number,
-                owner_name=OPERATOR,
-                operator=OPERATOR,
+                owner_name=PLAYED,
+                operator=PLAYED,
                 why=why,
                 modules=modules,
             ),

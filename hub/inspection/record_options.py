@@ -19,6 +19,8 @@ T = TypeVar("T")
 _INSTALL = (
     "a library for recordings is missing; install it with pip install 'robot-user-nexus[record]'"
 )
+_LONGEST = 1000
+"""Most letters of a text in `RecordCommand`."""
 _FORMATS = ("RLE", "JPEG", "RAW", "WEBP")
 """As in `ImageCoding`, whose import costs every command 0.1 s."""
 
@@ -164,9 +166,9 @@ def _add_orders(record: CommandParser) -> None:
     )
     one.add_argument("--stop", action="store_true", help="end the recording")
     one.add_argument("--split", action="store_true", help="go on in another file")
-    one.add_argument("--mark", metavar="TEXT", help="mark this moment")
+    one.add_argument("--mark", metavar="TEXT", type=reader(_mark_text), help="mark this moment")
     one.add_argument(
-        "--snapshot", nargs="?", const="", metavar="TEXT",
+        "--snapshot", nargs="?", const="", metavar="TEXT", type=reader(_short_text),
         help="keep the time around this moment as a file of its own",
     )  # fmt: skip
     orders.add_argument(
@@ -189,6 +191,30 @@ def add_topics(options: argparse.ArgumentParser | argparse._ArgumentGroup) -> No
         "-x", "--exclude", nargs="+", type=reader(words.pattern_of), default=[], metavar="REGEX",
         help="no topics with one of these",
     )  # fmt: skip
+
+
+def _mark_text(text: object) -> str:
+    """The words of a mark.
+
+    Raises:
+        RefusedError: There are none, or too many.
+    """
+    if not str(text).strip():
+        reason = "a mark needs words: say what happens at this moment"
+        raise RefusedError(reason)
+    return _short_text(text)
+
+
+def _short_text(text: object) -> str:
+    """The words of a mark or a snapshot.
+
+    Raises:
+        RefusedError: There are too many.
+    """
+    if len(str(text)) > _LONGEST:
+        reason = f"the text has {len(str(text))} letters; {_LONGEST} are the most"
+        raise RefusedError(reason)
+    return str(text)
 
 
 def reader(read: Callable[[object], T]) -> Callable[[str], T]:

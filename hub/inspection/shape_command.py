@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from hub.command_line import CommandParser, Commands, ExitCode, number_type
-from hub.errors import EndpointError, HubError
+from hub.errors import EndpointError, HubError, LinkShaperError
 
 if TYPE_CHECKING:
     from hub.ipc.client import Client
@@ -118,7 +118,7 @@ def _relay(options: argparse.Namespace, profile: LinkProfile) -> int:
     with contextlib.ExitStack() as stack:
         outputs: list[TextIO] = [sys.stdout] if options.json else []
         if options.log is not None:
-            outputs.append(stack.enter_context(options.log.open("a", encoding="utf-8")))
+            outputs.append(stack.enter_context(_opened_log(options.log)))
         client = connect(options.hub, "shape", options.keys)
         try:
             relay = _listen(options, client, profile)
@@ -132,6 +132,19 @@ def _relay(options: argparse.Namespace, profile: LinkProfile) -> int:
         reporter.start()
         relay.run(stdin_ended if options.stop_with_stdin else lambda: False)
     return 0
+
+
+def _opened_log(path: Path) -> TextIO:
+    """The file of the states.
+
+    Raises:
+        LinkShaperError: It cannot be written.
+    """
+    try:
+        return path.open("a", encoding="utf-8")
+    except OSError as error:
+        message = f"{path} cannot be written: {error.strerror}; give --log another file"
+        raise LinkShaperError(message) from error
 
 
 def _listen(options: argparse.Namespace, client: Client, profile: LinkProfile) -> Relay:

@@ -103,7 +103,8 @@ class Relay:
                 )
         except OSError as error:
             self.close()
-            text = f"the link shaper cannot listen at {address}:{port}: {error.strerror}"
+            text = f"the link shaper cannot listen at {address}:{port}: "
+            text += f"{error.strerror}; name another address of this machine, such as 127.0.0.9"
             raise EndpointError(text) from error
 
     @property

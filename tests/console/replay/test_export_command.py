@@ -83,3 +83,11 @@ def test_a_page_of_a_damaged_recording_says_that_parts_are_missing(
         assert words in page.read_text()
         assert bool(done.stderr) == (path == damaged)
         assert "0 events" in page.read_text()
+
+
+def test_a_variable_without_a_layout_that_has_it_is_refused(session: Path, tmp_path: Path) -> None:
+    options = ["--set", "unknown=1", "--export", str(tmp_path / "a.txt")]
+    done = rune("replay", str(session), *options)
+    assert done.returncode == ExitCode.USAGE
+    assert "--set needs --layout" in done.stderr
+    assert not (tmp_path / "a.txt").exists()

@@ -10,11 +10,13 @@ from typing import Any
 
 import pytest
 
+from hub.gcm.control import CONTROL_STATE, PLAYED, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState
 from hub.inspection import halt_command
 from hub.inspection.halt_command import Halt
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
+from hub.ipc.security.publish_rights import ROBOMON
 from tests.hub.ipc.conftest import Peer
 from tests.support.cases import for_each
 from tests.support.command_line import rune_hub
@@ -124,6 +126,50 @@ def test_robot_that_reports_nothing_is_not_taken_for_one_that_stands(
     monkeypatch.setattr(halt_command, "LIMIT_S", 0.2)
     assert halt_command.halt(client, as_json=False) == 1
     assert "may still move" in capsys.readouterr().err
+
+
+class Owner(Peer):
+    """A hub that says who has control."""
+
+    def __init__(self, endpoint: str, owner: int | None) -> None:
+        super().__init__(ROBOMON, endpoint)
+        self.owner = owner
+        self.connect()
+        self.call(self._begin)
+
+    def _begin(self) -> None:
+        self.client.define(CONTROL_STATE)
+        self.client.every(0.05, self._report)
+
+    def _report(self) -> None:
+        owner = self.client.number if self.owner is None else self.owner
+        self.client.publish(CONTROL_STATE, ControlState(owner=owner, owner_name=PLAYED))
+
+
+def test_a_played_recording_is_no_robot_that_still_moves(
+    central: Central,
+    client: Client,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(halt_command, "LIMIT_S", 0.5)
+    endpoint = central.endpoints[0]
+    with closing(Owner(endpoint, None)), closing(Robot(endpoint, brakes=False)):
+        assert halt_command.halt(client, as_json=False) == 1
+    assert "this hub plays a recording" in capsys.readouterr().err
+
+
+def test_a_console_of_that_name_makes_no_recording_of_a_robot(
+    central: Central,
+    client: Client,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(halt_command, "LIMIT_S", 0.5)
+    endpoint = central.endpoints[0]
+    with closing(Owner(endpoint, client.number)), closing(Robot(endpoint, brakes=False)):
+        assert halt_command.halt(client, as_json=False) == 1
+    assert "still moves" in capsys.readouterr().err
 
 
 def test_without_a_hub_the_code_is_3() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import shlex
 import subprocess
 import sys
@@ -75,6 +76,19 @@ def test_info_says_what_is_in_a_recording(drive: Path) -> None:
     assert (known["duration_s"], known["finished"], known["faults"]) == (99.5, True, [])
     assert known["attachments"] == ["search.xml"]
     assert facts("info drive.mcap --quick")["messages"] == 260
+
+
+def test_info_fits_a_terminal_of_80_columns(drive: Path) -> None:
+    master, terminal = os.openpty()
+    with os.fdopen(master, "rb", buffering=0) as screen:
+        command = [sys.executable, "-m", "hub", "log", "info", str(drive)]
+        subprocess.run(command, stdout=terminal, env={**os.environ, "COLUMNS": "80"}, check=True)
+        os.close(terminal)
+        said = screen.read(65536).decode()
+    head, *rows = said.split("\ntopic ")[1].splitlines()
+    assert "messages" in head
+    assert "longest gap" in head
+    assert all(len(row) <= 80 for row in rows if row.startswith("/"))
 
 
 def test_info_names_gaps_and_what_the_writer_lost() -> None:
