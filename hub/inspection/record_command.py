@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import select
 import signal
@@ -36,6 +37,8 @@ _LISTEN_S = 0.1
 _ENDS = (signal.SIGINT, signal.SIGTERM)
 _SHOW_S = 0.5
 """Time between two lines of progress [s]."""
+_LONG_S = 30 * 86_400.0
+"""Room on the disk for this time is no news [s]."""
 
 
 def record(client: Client, options: argparse.Namespace) -> int:
@@ -107,6 +110,7 @@ class _Foreground:
         self._ending = False
         self._paused = False
         self._marks = 0
+        self._shown = False
         self._said = ""
         robot, cameras = _robot_of(client)
         self._robot = robot
@@ -138,6 +142,7 @@ class _Foreground:
                 writer=WriterLimits(least_free=options.least_free),
             ),
             latched=self._bus.latched,
+            say=self._say,
         )
         if self._series.state.fault:
             text = f"nothing is recorded: {self._series.state.fault}"
@@ -169,8 +174,7 @@ class _Foreground:
                 self._obey(keys)
             self._bus.look()
             now, state = time.monotonic(), self._series.state
-            if state.fault and not self._said:
-                self._say_fault(state)
+            self._said = state.fault or self._said
             most = self._options.max_bytes
             over = 0.0 < self._options.duration <= now - begun or 0 < most <= state.bytes
             if over or (self._options.stop_with_stdin and stdin_ended()):
@@ -204,23 +208,26 @@ class _Foreground:
         topic = topic_of(self._robot, RECORD_MARK)
         self._series.add(topic, b"".join(RECORD_MARK.encode(mark)), now, now, self._marks)
 
-    def _say_fault(self, state: SeriesState) -> None:
-        self._said = state.fault
-        print_error(f"nothing is recorded now: {state.fault}")
+    def _say(self, text: str) -> None:
+        """Write a sentence in place of the line of progress, which follows below."""
+        if self._shown:
+            sys.stderr.write("\r\x1b[K")
+        print_error(text)
 
     def _show(self, state: SeriesState, seconds: float) -> None:
         """Write the line of progress over the one before."""
+        self._shown = True
         minutes, rest = divmod(int(seconds), 60)
         free = free_room(state.path.parent) - self._options.least_free
-        left = f"{span(free / (state.bytes / seconds))} left" if state.bytes else ""
+        left = free / (state.bytes / seconds) if state.bytes and not state.fault else math.inf
         words = (
-            "PAUSED" if self._paused else "REC",
+            "NOT RECORDING" if state.fault else "PAUSED" if self._paused else "REC",
             f"{minutes // 60}:{minutes % 60:02}:{rest:02}",
             f"{state.messages} messages of {self._bus.topics} topics",
             f"{state.bytes / 1e6:.1f} MB",
             f"{self._marks} marks" if self._marks else "",
             f"LOST {self._bus.lost().total()}" if self._bus.lost() else "",
-            left,
+            f"{span(left)} left" if left < _LONG_S else "",
         )
         sys.stderr.write("\r" + "  ".join(filter(None, words))[:100] + "\x1b[K")
         sys.stderr.flush()

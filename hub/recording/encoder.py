@@ -96,6 +96,11 @@ class McapEncoder:
         """Length of the chunk that is not complete."""
         return len(self._records)
 
+    @property
+    def counts(self) -> Counter[int]:
+        """Number of messages of each channel in the chunks that are complete."""
+        return Counter(self._counts)
+
     def begin(self) -> bytes:
         """The first bytes of the file."""
         head = self._made(MAGIC + _record(HEADER, _text("ros2") + _text(LIBRARY)))

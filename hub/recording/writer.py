@@ -5,6 +5,7 @@
 | the writer is killed | all messages but those of the last `chunk_s`, without an index |
 | the power fails | all messages but those of the last `sync_s`, without an index |
 | the disk is full, or nearly | all messages until then; `fault` says so, later ones are counted |
+| the file is deleted | none; all are counted, and `fault` says so |
 | the disk is slow | messages beyond `waiting_bytes` are lost, counted by topic |
 | the date is set | the same order and distances: stamps follow the monotonic clock |
 """
@@ -260,6 +261,8 @@ class RecordingWriter:
             free = _free(self.path)
             if free < self._limits.least_free:
                 self._fault = f"only {free // 1024**2} MB are free on the disk of {self.path}"
+            if self._deleted():
+                self._fault = f"{self.path} was deleted"
         if now >= self._sync_due:
             os.fdatasync(self._file.fileno())
             self._sync_due = math.inf
@@ -317,8 +320,16 @@ class RecordingWriter:
             os.fdatasync(self._file.fileno())
         except OSError as error:
             self._give_up(error)
+        if self._deleted():
+            names = {number: name for name, number in self._channels.items()}
+            self._lose(names[channel] for channel in self._encoder.counts.elements())
+            self._written = self._whole = 0
         with contextlib.suppress(OSError):
             self._file.close()
+
+    def _deleted(self) -> bool:
+        """Whether the file has no name any more."""
+        return os.fstat(self._file.fileno()).st_nlink == 0
 
 
 def clock_facts(anchor: TimeAnchor) -> dict[str, str]:

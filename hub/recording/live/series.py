@@ -138,6 +138,7 @@ class RecordingSeries:
         attached: Iterable[Attached] = (),
         clock: Callable[[], float] = time.monotonic,
         anchor: Callable[[], TimeAnchor] = TimeAnchor.now,
+        say: Callable[[str], object] = _logger.warning,
     ) -> None:
         """Begin the first file; `state` has the fault if it cannot be written.
 
@@ -149,9 +150,10 @@ class RecordingSeries:
             attached: Files within each file.
             clock: Monotonic time [s].
             anchor: The date.
+            say: Gets a sentence about faults, their ends, and a date that was set.
         """
         self._next_path, self._about, self._limits = next_path, about, limits
-        self._clock, self._read_date = clock, anchor
+        self._clock, self._read_date, self._say = clock, anchor, say
         self._anchor = anchor()
         self._began = self._split_at = clock()
         self._files = self._split_bytes = 0
@@ -241,7 +243,7 @@ class RecordingSeries:
             self._end_file(now)
             self._room = min(max(state.bytes, _LEAST_ROOM), _MOST_ROOM)
             self._fault, self._retry_at = state.fault, now + self._retry_s
-            _logger.warning("nothing is recorded: %s", state.fault)
+            self._say(f"nothing is recorded: {state.fault}")
             return
         old = 0.0 < self._limits.split_s <= now - self._split_at
         if old or 0 < self._split_bytes <= state.bytes:
@@ -285,7 +287,7 @@ class RecordingSeries:
             - (self._anchor.wall_ns / 1e9 - self._anchor.monotonic)
         )
         if abs(off) > _STEP_S:
-            _logger.warning("the date was set by %.1f s; %s", off, "the next file follows it")
+            self._say(f"the date was set by {off:.1f} s; the next file follows it")
             self._anchor = date
         path = self._next_path(self._files)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -298,6 +300,8 @@ class RecordingSeries:
             text = f"only {free // 10**6} MB are free on the disk of {path.parent}"
             raise OSError(text)
         self._writer = RecordingWriter(path, self._anchor, self._about, self._limits.writer)
+        if self._fault:
+            self._say(f"recording goes on in {path}")
         self._path, self._split_at, self._fault = path, now, ""
         self._split_bytes = self._limits.split_bytes
         if self._limits.keep_s:
@@ -318,7 +322,7 @@ class RecordingSeries:
             reason = error.strerror or str(error)
             fault = f"{error.filename} cannot be made: {reason}" if error.filename else reason
             if fault != self._fault:
-                _logger.warning("nothing is recorded: %s", fault)
+                self._say(f"nothing is recorded: {fault}")
             self._fault, self._retry_at = fault, now + self._retry_s
 
     def _end_file(self, now: float) -> None:

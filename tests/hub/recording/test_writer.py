@@ -154,6 +154,20 @@ def test_a_disk_with_too_little_room_ends_the_recording_with_an_index(tmp_path: 
     assert writer.state.lost == {"/rover/T": 1}
 
 
+def test_a_deleted_file_ends_the_recording_and_costs_all_of_it(tmp_path: Path) -> None:
+    path = tmp_path / "x.mcap"
+    writer = RecordingWriter(path, ANCHOR, {}, WriterLimits(least_free=0, chunk_s=0.1))
+    writer.add(TOPIC, b"x", 50.0, 50.0, 1)
+    until(lambda: writer.state.messages == 1, 10.0)
+    path.unlink()
+    writer.add(TOPIC, b"x", 51.0, 51.0, 2)
+    until(lambda: writer.state.fault, 10.0)
+    writer.close()
+    assert writer.state.fault == f"{path} was deleted"
+    assert (writer.state.messages, writer.state.lost) == (0, {TOPIC.name: 2})
+    assert not path.exists()
+
+
 class SlowFile(io.FileIO):
     """A file on a disk that does not answer until it is let go."""
 

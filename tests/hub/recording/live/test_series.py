@@ -43,6 +43,7 @@ class Rig:
     def __init__(self, folder: Path, **limits: Any) -> None:
         self.clock = Clock()
         self.folder = folder
+        self.said: list[str] = []
         self.latched: dict[str, LatchedMessage] = {}
         limits.setdefault("writer", SEEN)
         self.series = RecordingSeries(
@@ -52,6 +53,7 @@ class Rig:
             latched=self.latched,
             clock=self.clock,
             anchor=self.clock.anchor,
+            say=self.said.append,
         )
         self._numbers = itertools.count(1)
 
@@ -196,6 +198,10 @@ def test_a_disk_that_stays_full_gets_no_more_files(
     rig.series.look()
     assert rig.series.state.fault == ""
     assert rig.series.close().files == 2
+    assert rig.said == [
+        f"nothing is recorded: only 0 MB are free on the disk of {tmp_path}",
+        f"recording goes on in {tmp_path / 'a_1.mcap'}",
+    ]
 
 
 def test_a_date_that_is_set_moves_no_stamp_within_a_file(tmp_path: Path) -> None:
