@@ -5,9 +5,10 @@ The format: https://mcap.dev/spec. Sizes that a file declares are checked before
 
 from __future__ import annotations
 
+import contextlib
 import struct
 import zlib
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import lz4.frame
 import numpy as np
@@ -19,6 +20,8 @@ from hub.recording.records import CHUNK, MESSAGE, MESSAGE_INDEX, RECORD, records
 
 MOST_CHUNK: Final = 256 * 1024 * 1024
 """Longest part that is read, unpacked [bytes]."""
+_PIECE: Final = 256
+"""What is unpacked at once of a damaged part [bytes]."""
 _MESSAGE = struct.Struct("<BQHIQQ")
 _CHUNK = struct.Struct("<QQQI")
 _INDEX = struct.Struct("<HI")
@@ -101,7 +104,7 @@ class LoggedMessage(NamedTuple):
     payload: bytes
 
 
-def load(raw: bytes, place: ChunkPlace) -> LoadedChunk:
+def load(raw: bytes, place: ChunkPlace, *, partial: bool = False) -> LoadedChunk:
     """Unpack a part of a file.
 
     An index that is wrong is not used: the messages themselves say where they are.
@@ -109,15 +112,20 @@ def load(raw: bytes, place: ChunkPlace) -> LoadedChunk:
     Args:
         raw: The part and the indexes behind it.
         place: Where it is.
+        partial: Whether a damaged part has those messages that can be found in it; they may be
+            wrong themselves.
 
     Raises:
         RecordingError: It is damaged, or longer than `MOST_CHUNK`.
     """
     try:
-        records = unpack(raw[: place.length]) if place.packed else raw
+        records = unpack(raw[: place.length], partial=partial) if place.packed else raw
         found = _read_indexes(raw[place.length :]) if place.index_length else None
-        if found is None or not _is_right(records, *found):
-            found = _walk(records)
+        whole = _are_whole(records, *found) if found is not None else np.zeros(0, bool)
+        if found is None or not (whole.all() or partial):
+            found = _walk(records, partial=partial)
+        elif not whole.all():
+            found = found[0][whole], found[1][whole], found[2][whole]
         return LoadedChunk(records, *found)
     except RecordingError:
         raise
@@ -126,8 +134,8 @@ def load(raw: bytes, place: ChunkPlace) -> LoadedChunk:
         raise RecordingError(text) from error
 
 
-def unpack(raw: bytes) -> bytes:
-    """The records of a chunk, whose record this is.
+def unpack(raw: bytes, *, partial: bool = False) -> bytes:
+    """The records of a chunk, whose record this is; of a damaged one those before the damage.
 
     Raises:
         RecordingError: It is damaged, or longer than `MOST_CHUNK`.
@@ -141,9 +149,11 @@ def unpack(raw: bytes) -> bytes:
         at += 4 + named
         (length,) = struct.unpack_from("<Q", raw, at)
         data = raw[at + 8 : at + 8 + length]
-        if kind != CHUNK or len(data) != length or size > MOST_CHUNK:
+        if kind != CHUNK or (len(data) != length and not partial) or size > MOST_CHUNK:
             text = "a part of it is no chunk of messages, cut, or too long"
             raise RecordingError(text)
+        if partial:
+            return _begin_of(name, data, size)
         records = _unpacked(name, data, size)
     except RecordingError:
         raise
@@ -198,6 +208,24 @@ def without(chunk: LoadedChunk, channels: npt.NDArray[np.uint16]) -> LoadedChunk
     return LoadedChunk(chunk.records, chunk.channels[keep], chunk.stamps[keep], chunk.offsets[keep])
 
 
+def _begin_of(name: str, data: bytes, size: int) -> bytes:
+    """What can be unpacked before the damage."""
+    if not name:
+        return data[:size]
+    unpacker: Any = None
+    if name == "lz4":
+        unpacker = lz4.frame.LZ4FrameDecompressor()
+    elif name == "zstd":
+        unpacker = zstandard.ZstdDecompressor().decompressobj()
+    found = bytearray()
+    with contextlib.suppress(AttributeError, EOFError, *_DAMAGE):
+        for at in range(0, len(data), _PIECE):
+            found += unpacker.decompress(data[at : at + _PIECE])
+            if len(found) >= size:
+                break
+    return bytes(found[:size])
+
+
 def _unpacked(name: str, data: bytes, size: int) -> bytes:
     if not name:
         return data
@@ -238,21 +266,22 @@ def _read_indexes(raw: bytes) -> _Found | None:
     return np.concatenate(channels)[order], both[order, 0], both[order, 1]
 
 
-def _is_right(
+def _are_whole(
     records: bytes, channels: npt.NDArray[np.uint16], stamps: Stamps, offsets: Stamps
-) -> bool:
-    """Whether there is a whole message with this channel and stamp at each offset."""
-    if not offsets.size:
-        return True
-    if len(records) < _MESSAGE.size or offsets.max() > len(records) - _MESSAGE.size:
-        return False
-    if np.unique(offsets).size != offsets.size:
-        return False
-    heads = _heads(records, offsets)
-    whole = heads["length"] <= len(records) - RECORD.size - offsets
-    same = (heads["channel"] == channels) & (heads["stamp"] == stamps)
+) -> npt.NDArray[np.bool_]:
+    """Whether there is a whole message with this channel and stamp at each offset (n,)."""
+    whole = np.zeros(offsets.size, bool)
+    if len(records) < _MESSAGE.size:
+        return whole
+    _, firsts = np.unique(offsets, return_index=True)
+    whole[firsts] = offsets[firsts] <= len(records) - _MESSAGE.size
+    inside = np.flatnonzero(whole)
+    heads = _heads(records, offsets[inside])
+    ends = heads["length"] <= len(records) - RECORD.size - offsets[inside]
+    same = (heads["channel"] == channels[inside]) & (heads["stamp"] == stamps[inside])
     shape = (heads["kind"] == MESSAGE) & (heads["length"] >= _MESSAGE.size - RECORD.size)
-    return bool((whole & same & shape).all())
+    whole[inside] = ends & same & shape
+    return whole
 
 
 def _heads(records: bytes, offsets: Stamps) -> npt.NDArray[np.void]:
@@ -264,13 +293,17 @@ def _heads(records: bytes, offsets: Stamps) -> npt.NDArray[np.void]:
     return everywhere[offsets]
 
 
-def _walk(records: bytes) -> _Found:
+def _walk(records: bytes, *, partial: bool) -> _Found:
     """The same from the messages themselves."""
     found = []
-    for kind, begin, end in records_of(records):
-        if kind == MESSAGE and end - begin >= _MESSAGE.size - RECORD.size:
-            _, _, channel, _, stamp, _ = _MESSAGE.unpack_from(records, begin - RECORD.size)
-            found.append((channel, stamp, begin - RECORD.size))
+    try:
+        for kind, begin, end in records_of(records):
+            if kind == MESSAGE and end - begin >= _MESSAGE.size - RECORD.size:
+                _, _, channel, _, stamp, _ = _MESSAGE.unpack_from(records, begin - RECORD.size)
+                found.append((channel, stamp, begin - RECORD.size))
+    except RecordingError:
+        if not partial:
+            raise
     channels, stamps, offsets = zip(*found, strict=True) if found else ((), (), ())
     both = np.array(stamps, np.uint64), np.array(offsets, np.uint64)
     order = np.lexsort((both[1], both[0]))

@@ -59,7 +59,7 @@ class Recording(OpenRecording):
         unreadable: Length of what was found to be damaged, between the parts and in them [bytes].
     """
 
-    def __init__(self, path: Path, handle: int, summary: Summary) -> None:
+    def __init__(self, path: Path, handle: int, summary: Summary, *, partial: bool = False) -> None:
         """Use `open`."""
         self.path = path
         self.channels: Mapping[int, RecordedTopic] = summary.topics
@@ -70,6 +70,7 @@ class Recording(OpenRecording):
         self.faults = summary.faults
         self.unreadable = summary.unreadable
         self._handle = handle
+        self._partial = partial
         self._places = sorted(
             (place for place in summary.chunks if place.start <= place.end),
             key=lambda place: (place.start, place.offset),
@@ -85,8 +86,13 @@ class Recording(OpenRecording):
         self._known = np.array(sorted(summary.topics), np.uint16)
 
     @classmethod
-    def open(cls, path: Path) -> Self:
+    def open(cls, path: Path, *, partial: bool = False) -> Self:
         """Open a file.
+
+        Args:
+            path: The file.
+            partial: Whether damaged parts have those messages that can be found in them; these
+                may be wrong themselves.
 
         Raises:
             RecordingError: It cannot be read, or is no recording.
@@ -97,7 +103,7 @@ class Recording(OpenRecording):
             text = f"{path} cannot be read: {error.strerror}"
             raise RecordingError(text) from error
         try:
-            return cls(path, handle, summary_of(handle))
+            return cls(path, handle, summary_of(handle, partial=partial), partial=partial)
         except BaseException as error:
             os.close(handle)
             if isinstance(error, OSError | RecordingError):
@@ -256,7 +262,7 @@ class Recording(OpenRecording):
         place = self._places[number]
         try:
             raw = os.pread(self._handle, place.length + place.index_length, place.offset)
-            chunk = self._checked(number, load(raw, place))
+            chunk = self._checked(number, self._unpacked(number, raw))
         except (RecordingError, OSError, MemoryError) as error:
             self._damaged.add(number)
             self._note(number, str(error))
@@ -267,6 +273,25 @@ class Recording(OpenRecording):
             _, oldest = self._loaded.popitem(last=False)
             self._loaded_bytes -= len(oldest.records)
         return chunk
+
+    def _unpacked(self, number: int, raw: bytes) -> LoadedChunk:
+        """A part of the file; of a damaged one what can be found, if that is wanted.
+
+        Raises:
+            RecordingError: It is damaged.
+        """
+        place = self._places[number]
+        try:
+            return load(raw, place)
+        except RecordingError as error:
+            if not self._partial:
+                raise
+            chunk = load(raw, place, partial=True)
+            if not chunk.stamps.size:
+                raise
+            count = f"{len(chunk.stamps)} of its messages are shown, which may be wrong"
+            self._note(number, f"{error}; {count}")
+            return chunk
 
     def _checked(self, number: int, chunk: LoadedChunk) -> LoadedChunk:
         """The messages whose channel is known, and whose time is that of their part."""

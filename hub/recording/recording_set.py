@@ -66,8 +66,13 @@ class RecordingSet(OpenRecording):
         self.finished = all(each.finished for each in recordings)
 
     @classmethod
-    def open(cls, paths: Sequence[Path]) -> Self:
+    def open(cls, paths: Sequence[Path], *, partial: bool = False) -> Self:
         """Open files and folders.
+
+        Args:
+            paths: The files and folders.
+            partial: Whether damaged parts have those messages that can be found in them; these
+                may be wrong themselves.
 
         Raises:
             RecordingError: One of them cannot be read, or there are more than `MOST`.
@@ -76,7 +81,7 @@ class RecordingSet(OpenRecording):
             text = f"1 to {MOST} recordings are read at once, not {len(paths)}"
             raise RecordingError(text)
         with contextlib.ExitStack() as opened:
-            recordings = [opened.enter_context(Bag.open(path)) for path in paths]
+            recordings = [opened.enter_context(Bag.open(path, partial=partial)) for path in paths]
             made = cls(recordings)
             opened.pop_all()
         return made

@@ -95,8 +95,12 @@ class Summary:
     unreadable: int = 0
 
 
-def summary_of(handle: int) -> Summary:
+def summary_of(handle: int, *, partial: bool = False) -> Summary:
     """Read what is in an open file.
+
+    Args:
+        handle: The file.
+        partial: Whether a part that is cut or damaged counts as well.
 
     Raises:
         OSError: It cannot be read.
@@ -106,7 +110,7 @@ def summary_of(handle: int) -> Summary:
     if os.pread(handle, len(MAGIC), 0) != MAGIC:
         text = "it is no MCAP file"
         raise RecordingError(text)
-    return _Indexed(handle, size).read() or _Scan(handle, size).read()
+    return _Indexed(handle, size).read() or _Scan(handle, size, partial=partial).read()
 
 
 class _Fields:
@@ -262,9 +266,10 @@ class _Scan:
     Behind a damaged record it goes on at the next chunk whose checksum is right.
     """
 
-    def __init__(self, handle: int, size: int) -> None:
+    def __init__(self, handle: int, size: int, *, partial: bool) -> None:
         self._handle = handle
         self._size = size
+        self._partial = partial
         self._summary = Summary()
         self._topics = _Topics(self._summary)
         self._loose: list[tuple[int, int, int]] = []  # stamp, begin, end
@@ -287,6 +292,8 @@ class _Scan:
                 self._forget_index()
                 at = self._next_chunk(last + 1)
                 lost = (self._size if at is None else at) - last
+                if self._partial:
+                    self._add_damaged(last, lost)
                 self._summary.unreadable += lost
                 self._note(f"after byte {last} {lost} bytes cannot be read: {error}")
         if not self._summary.finished:
@@ -297,6 +304,15 @@ class _Scan:
             if place.packed and self._unknown(place):
                 self._look_inside(place)
         return self._summary
+
+    def _add_damaged(self, at: int, length: int) -> None:
+        """Take what is left of a chunk."""
+        head = os.pread(self._handle, RECORD.size + _CHUNK_TIMES.size, at)
+        if len(head) == RECORD.size + _CHUNK_TIMES.size and head[0] == CHUNK:
+            self._end_run()
+            self._end_index()
+            first, last = _CHUNK_TIMES.unpack_from(head, RECORD.size)
+            self._add(ChunkPlace(first, last, at, length, 0, b""))
 
     def _note(self, fault: str) -> None:
         if len(self._summary.faults) < MOST_FAULTS:
@@ -449,7 +465,8 @@ class _Scan:
     def _look_inside(self, place: ChunkPlace) -> None:
         """Find schemas and channels in a chunk."""
         try:
-            records = unpack(os.pread(self._handle, place.length, place.offset))
+            raw = os.pread(self._handle, place.length, place.offset)
+            records = unpack(raw, partial=self._partial)
             for kind, begin, end in records_of(records):
                 if kind in (SCHEMA, CHANNEL):
                     self._kept += end - begin

@@ -61,7 +61,7 @@ def open_source(
                 framed = has_frames(one)
             if framed:
                 return ConsoleLog(path, [other for other in files if other != path])
-    recording = RecordingSet.open(files)
+    recording = RecordingSet.open(files, partial=True)
     try:
         if next(recording.messages(), None) is None and recording.faults:
             reason = "; ".join((f"nothing of {recording.path} can be read", *recording.faults[:3]))

@@ -91,8 +91,12 @@ class Bag(OpenRecording):
         self._count(metadata)
 
     @classmethod
-    def open(cls, path: Path) -> Self:
+    def open(cls, path: Path, *, partial: bool = False) -> Self:
         """Open a file or folder; a folder with one good split is open, `faults` has the others.
+
+        Args:
+            path: The file or folder.
+            partial: See `Recording.open`.
 
         Raises:
             RecordingError: Nothing of it can be read.
@@ -102,11 +106,11 @@ class Bag(OpenRecording):
             raise RecordingError(text)
         metadata = BagMetadata.of(path if path.is_dir() else path.parent)
         if not path.is_dir() and path.suffix != ".zstd":
-            return cls(path, [_opened(path)], [], metadata)
-        return cls._of_several(path, metadata)
+            return cls(path, [_opened(path, partial=partial)], [], metadata)
+        return cls._of_several(path, metadata, partial=partial)
 
     @classmethod
-    def _of_several(cls, path: Path, metadata: BagMetadata) -> Self:
+    def _of_several(cls, path: Path, metadata: BagMetadata, *, partial: bool) -> Self:
         """Open the splits of a folder, or what is packed in a file.
 
         Raises:
@@ -121,7 +125,7 @@ class Bag(OpenRecording):
                 if file.suffix == ".zstd":
                     folder = folder or tempfile.TemporaryDirectory(prefix="rune-bag-")
                     plain = _unpacked_file(file, Path(folder.name))
-                splits.append(_opened(plain))
+                splits.append(_opened(plain, partial=partial))
             except RecordingError as error:
                 faults.append(str(error))
         if not splits:
@@ -280,14 +284,14 @@ def _files(folder: Path, metadata: BagMetadata) -> tuple[list[Path], list[str]]:
     return found, [f"{METADATA} names {name[:80]}, which is missing" for name in missing]
 
 
-def _opened(path: Path) -> Recording | SqliteBag:
+def _opened(path: Path, *, partial: bool) -> Recording | SqliteBag:
     try:
         with path.open("rb") as file:
             head = file.read(len(MAGIC))
     except OSError as error:
         text = f"{path} cannot be read: {error.strerror}"
         raise RecordingError(text) from error
-    return SqliteBag.open(path) if head == MAGIC else Recording.open(path)
+    return SqliteBag.open(path) if head == MAGIC else Recording.open(path, partial=partial)
 
 
 def _unpacked_file(path: Path, folder: Path) -> Path:

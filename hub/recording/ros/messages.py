@@ -138,7 +138,8 @@ def laser_scan(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
         name: Name of the sensor's frame.
     """
     step, first = float(value.get("angle_increment")), float(value.get("angle_min"))
-    ranges = np.array(value.get("ranges"), np.float32)
+    with np.errstate(over="ignore"):  # beyond all numbers is beyond all ranges
+        ranges = np.array(value.get("ranges"), np.float32)
     near, far = float(value.get("range_min")), float(value.get("range_max"))
     if not ranges.size or not all(map(math.isfinite, (step, first, near, far))):
         text = "a scan has no beams, or its angles are not finite"
@@ -181,7 +182,7 @@ def single_range(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
         nearest=near,
         farthest=far,
     )
-    ranges = np.array([math.inf if measured > far else measured], np.float32)
+    ranges = np.array([math.inf if measured > far else max(-1.0, measured)], np.float32)
     ranges[ranges < near] = np.nan
     return group, _scan(group, ranges, value)
 

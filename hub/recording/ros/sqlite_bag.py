@@ -8,7 +8,7 @@ import threading
 from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from pathlib import Path
-from typing import Final, Self
+from typing import Final, NamedTuple, Self
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
@@ -23,6 +23,18 @@ _LONGEST: Final = 1 << 29
 """Longest value that is read [bytes]."""
 _MOST_TOPICS: Final = 65_536
 _MOST_FAULTS: Final = 20
+
+
+class _Way(NamedTuple):
+    """How a file is opened.
+
+    Attributes:
+        fixed: As a file that nothing changes, without its journal.
+        cut: Also when it is shorter than its head says.
+    """
+
+    fixed: bool
+    cut: bool
 
 
 class SqliteBag(OpenRecording):
@@ -52,35 +64,41 @@ class SqliteBag(OpenRecording):
             RecordingError: It cannot be read, or is no bag.
         """
         journal = Path(f"{path}-wal")
-        journaled = journal.is_file()
         # Without a journal beside it nothing changes it, so no lock is needed. With one, the
         # system may forbid to write what readers share.
+        ways = [_Way(fixed=False, cut=False)] if journal.is_file() else []
+        ways += [_Way(fixed=True, cut=False), _Way(fixed=True, cut=True)]
         reason: object = ""
-        for fixed in (False, True) if journaled else (True,):
+        for way in ways:
             try:
-                made = cls._connected(path, fixed=fixed)
+                made = cls._connected(path, way)
             except (sqlite3.Error, OverflowError, RecordingError) as error:
                 reason = reason or error
             else:
-                if reason:
+                if way.cut:
+                    made.faults.append("it is cut, or its head is damaged")
+                if way.fixed and journal.is_file():
                     made.faults.append(f"{journal.name} cannot be read; its messages are missing")
                 return made
         text = f"{path} cannot be read: {reason}"
         raise RecordingError(text)
 
     @classmethod
-    def _connected(cls, path: Path, *, fixed: bool) -> Self:
-        """Open a file with or without its journal.
+    def _connected(cls, path: Path, way: _Way) -> Self:
+        """Open a file in a way.
 
         Raises:
             RecordingError: It is no bag.
             sqlite3.Error: It cannot be read.
             OverflowError: Its numbers are too large.
         """
-        location = f"{path.absolute().as_uri()}?mode=ro{'&immutable=1' * fixed}"
+        location = f"{path.absolute().as_uri()}?mode=ro{'&immutable=1' * way.fixed}"
         database = sqlite3.connect(location, uri=True, check_same_thread=False)
         try:
             database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LONGEST)
+            if way.cut:
+                # Else SQLite refuses each file that is shorter than its head says.
+                database.execute("PRAGMA writable_schema=ON")
             database.execute("PRAGMA trusted_schema=OFF")
             database.execute("PRAGMA cell_size_check=ON")
             return cls(path, database)

@@ -31,6 +31,8 @@ MOST_BACK: Final = 2_000
 """How many messages back the newest of each topic is looked for in the index."""
 _SAMPLES: Final = 8
 """Messages that are looked for in the index before it counts."""
+_FARTHEST: Final = 1 << 32
+"""How far behind a damaged row others are looked for."""
 _LAST: Final = (1 << 63) - 1
 _PLACE: Final = np.dtype([("stamp", np.int64), ("row", np.int64), ("channel", np.int64)])
 _SOUND: Final = (
@@ -242,20 +244,29 @@ class MessageRows:
         """Places of messages by stamp, without any index; as far as they can be read."""
         blocks: list[Places] = []
         query = (
-            f"SELECT timestamp, id, topic_id FROM messages NOT INDEXED WHERE {condition} {_SOUND}"
+            f"SELECT timestamp, id, topic_id FROM messages NOT INDEXED WHERE {condition} {_SOUND} "
+            f"AND id > ? ORDER BY id LIMIT {_BLOCK}"
         )
-        try:
-            with self._lock:
-                cursor = self._database.execute(query)
-                while rows := cursor.fetchmany(_BLOCK):
-                    if len(blocks) * _BLOCK >= _MOST_MESSAGES:
-                        self._note(f"only its first {_MOST_MESSAGES} messages are read")
-                        break
-                    numbers = np.fromiter(itertools.chain.from_iterable(rows), np.int64)
-                    blocks.append(numbers.view(_PLACE))
-        except sqlite3.Error as error:
-            self._note(f"a part of it cannot be read: {error}")
-        return _in_order(np.concatenate(blocks) if blocks else np.zeros(0, _PLACE))
+        after, skip = -_LAST, 0
+        for _ in range(_MOST_MESSAGES // _BLOCK):
+            rows: list[tuple[int, int, int]] = []
+            try:
+                with self._lock:
+                    rows.extend(self._database.execute(query, (after + skip,)))
+                ends = len(rows) < _BLOCK
+            except sqlite3.Error as error:
+                self._note(f"a part of it cannot be read: {error}")
+                # Rows behind the damage are looked for, farther and farther.
+                ends = skip > _FARTHEST
+                after, skip = (rows[-1][1], 0) if rows else (max(after, 0), 2 * skip or 1)
+            else:
+                after, skip = (rows[-1][1] if rows else after), 0
+            blocks.append(np.array(rows, np.int64).reshape(-1, 3).view(_PLACE)[:, 0])
+            if ends:
+                break
+        else:
+            self._note(f"only its first {_MOST_MESSAGES} messages are read")
+        return _in_order(np.concatenate(blocks))
 
 
 def _in_order(places: Places) -> Places:

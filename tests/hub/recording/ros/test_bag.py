@@ -165,6 +165,66 @@ def test_cut_and_flipped_bags_are_read_as_far_as_they_go(whole: Path, tmp_path: 
     assert seen[".db3 True"] > 5
 
 
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.95])
+def test_a_cut_database_has_the_messages_before_the_cut(
+    whole: Path, tmp_path: Path, share: float
+) -> None:
+    data = next(whole.glob("*.db3")).read_bytes()
+    path = tmp_path / "cut.db3"
+    path.write_bytes(data[: int(share * len(data))])
+    with Bag.open(path) as bag:
+        found = Counter(read(bag))
+        assert found <= Counter(CONTENT)
+        assert found.total() > (share - 0.15) * len(CONTENT)
+        assert "it is cut, or its head is damaged" in bag.faults
+
+
+def test_a_damaged_page_costs_its_messages_only(whole: Path, tmp_path: Path) -> None:
+    path = changed(whole, tmp_path, "DROP INDEX timestamp_idx")
+    data = bytearray(path.read_bytes())
+    place = data.index(CONTENT[len(CONTENT) // 2][3][:60]) // 4096 * 4096
+    data[place : place + 4096] = b"\xff" * 4096
+    path.write_bytes(data)
+    with Bag.open(path) as bag:
+        found = {each[2] for each in read(bag)}
+        assert {CONTENT[0][2], CONTENT[-1][2]} <= found
+        assert "a part of it cannot be read" in bag.faults[0]
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+@pytest.mark.parametrize("share", [0.5, 0.8])
+def test_what_is_left_of_a_cut_part_is_read_if_wanted(
+    tmp_path: Path, compression: CompressionType, share: float
+) -> None:
+    chance = random.Random(1)
+    entries = [("/a", "std_msgs/msg/Float64", START + n, chance.randbytes(900)) for n in range(900)]
+    path = ros_bags.write_mcap(
+        tmp_path / "one.mcap", entries, compression=compression, chunk_size=1 << 30
+    )
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    with Bag.open(path) as bag:
+        assert not read(bag)
+    with Bag.open(path, partial=True) as bag:
+        found = Counter(read(bag))
+        assert found <= Counter(entries)
+        assert found.total() > (share - 0.3) * len(entries)
+        assert any("which may be wrong" in each for each in bag.faults)
+
+
+@pytest.mark.parametrize("indexed", [True, False])
+def test_a_flipped_bit_costs_one_message_if_wanted(tmp_path: Path, *, indexed: bool) -> None:
+    options = {} if indexed else {"index_types": IndexType.NONE}
+    path = ros_bags.write_mcap(tmp_path / "one.mcap", CONTENT, chunk_size=1 << 30, **options)
+    data = bytearray(path.read_bytes())
+    data[data.index(CONTENT[-20][3]) + 50] ^= 4
+    path.write_bytes(data)
+    with Bag.open(path, partial=True) as bag:
+        found = read(bag)
+        assert len(found) == len(CONTENT)
+        assert (Counter(found) & Counter(CONTENT)).total() == len(CONTENT) - 1
+        assert any("which may be wrong" in each for each in bag.faults)
+
+
 HOSTILE = {
     "a view in place of the messages": (
         "DROP TABLE messages; CREATE VIEW messages AS WITH RECURSIVE n(i) AS "
