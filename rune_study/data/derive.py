@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from hub.errors import ArenaError, RecordingError
-from hub.recording.recording_set import RecordingSet
 from hub.values import dataclass
 from rune_study.data.lacking import lacking_files, lacking_time
 from rune_study.data.overlay import TrialOverlay, overlay_of
@@ -22,9 +21,10 @@ from rune_study.data.secondary import TaskScore, alone_of, score_of, secondary_o
 from rune_study.errors import DataError
 from rune_study.metrics.questionnaires import SUS_ITEMS, TLX_SCALES
 from rune_study.metrics.registry import measure, scores
-from rune_study.metrics.trial import MeasureSpec, Questionnaires, TrialData
+from rune_study.metrics.trial import Questionnaires, TrialData
 from rune_study.metrics.trial_time import TrialTime, trial_time
 from rune_study.plan.folder import arena_of, participant_folder
+from rune_study.plan.measures import measures
 from rune_study.plan.steps import TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.answers import GivenAnswer, read_answers
@@ -38,11 +38,12 @@ from rune_study.session.journal import (
     Record,
     damaged_lines,
     head_of,
+    pauses_of,
     read_journal,
 )
 from rune_study.session.study_log import CONSOLE_FILE, STUDY_FILE
-from rune_study.trial_data.measured import Surroundings, roles_of, trial_data
-from rune_study.trial_data.trial_log import TrialLog
+from rune_study.trial_data.measured import Surroundings, trial_data
+from rune_study.trial_data.recorded import recorded_robots
 from rune_study.trial_data.truth import truth_of
 
 _OPEN = "it was not completed"
@@ -215,40 +216,12 @@ def _trial_data(
     )
     consoles = [file for file in files if file.name.endswith(CONSOLE_FILE)]
     hubs = [file for file in files if not file.name.endswith((CONSOLE_FILE, STUDY_FILE))]
-    with contextlib.ExitStack() as stack:
-        opened = [
-            stack.enter_context(RecordingSet.open([*consoles, *hub]))
-            for hub in ([[each] for each in hubs] or [[]])
-        ]
-        logs = [_log(each, time) for each in opened]
-        roles = roles_of(logs[0]) if consoles else []
-        roles += [f"robot {number + 1}" for number in range(len(roles), len(logs))]
-        data = trial_data(dict(zip(roles, logs, strict=False)), around)
+    with recorded_robots(consoles, hubs, time.begin, time.end) as robots:
+        data = trial_data({role: log for role, (log, _) in robots.items()}, around)
         lacks = [*lacking_files(consoles, hubs, spec.robots)]
-        for log, recordings in zip(logs, opened, strict=True):
+        for log, recordings in robots.values():
             lacks += lacking_time(recordings, log.begin, log.end)
     return data, list(dict.fromkeys(lacks))
-
-
-def _log(recordings: RecordingSet, time: TrialTime) -> TrialLog:
-    """A trial in recordings that follow the monotonic clock of one machine."""
-    anchor = recordings.anchor
-    if anchor is None:
-        text = f"{recordings.path.name} does not say its clock"
-        raise DataError(text)
-    return TrialLog(recordings, anchor.stamp(time.begin), anchor.stamp(time.end))
-
-
-def measures(study: StudySpec) -> MeasureSpec:
-    """The numbers that a study fixed for its metrics."""
-    chosen = study.metrics
-    return MeasureSpec(
-        gap=chosen.gap_s,
-        fraction=chosen.threshold,
-        hold=chosen.hold_s,
-        tau=chosen.tau_s,
-        radius=chosen.victim_radius_m,
-    )
 
 
 def _time(attempt: _Attempt) -> TrialTime:
@@ -257,16 +230,7 @@ def _time(attempt: _Attempt) -> TrialTime:
     if begin is None or end is None:
         text = "the journal lacks its begin or end"
         raise DataError(text)
-    pauses: list[tuple[float, float]] = []
-    since: float | None = None
-    for each in attempt.records:
-        order = each.data.get("do") if each.what == "order" else None
-        if each.what == "frozen" or order == "pause":
-            since = each.moment
-        elif (each.what == "unfrozen" or order == "begin") and since is not None:
-            pauses.append((since, each.moment))
-            since = None
-    return trial_time(float(begin.data["moment_s"]), end.moment, pauses)
+    return trial_time(float(begin.data["moment_s"]), end.moment, pauses_of(attempt.records))
 
 
 def questionnaires(trial: int, answers: Sequence[GivenAnswer]) -> Questionnaires:

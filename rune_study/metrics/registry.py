@@ -5,7 +5,7 @@ The data dictionary of a study and docs/study-metrics.md come from it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from types import MappingProxyType
 
 from hub.values import dataclass
@@ -162,17 +162,20 @@ METRICS: Mapping[str, Metric] = MappingProxyType({each.name: each for each in _R
 """All metrics of a trial by name."""
 
 
-def measure(trial: TrialData, spec: MeasureSpec | None = None) -> dict[str, Estimate]:
-    """All metrics of a trial, by name; those that cannot be known say why.
+def measure(
+    trial: TrialData, spec: MeasureSpec | None = None, names: Collection[str] = METRICS
+) -> dict[str, Estimate]:
+    """Metrics of a trial, by name; those that cannot be known say why.
 
     Data with a wrong shape or range are a reason too: they cost the metrics that need them only.
 
     Args:
         trial: Its data.
         spec: Numbers that the study fixed; None: the usual ones.
+        names: Which metrics.
     """
     analysis = TrialAnalysis(trial, spec or MeasureSpec())
-    return {name: _computed(each, analysis) for name, each in METRICS.items()}
+    return {name: _computed(METRICS[name], analysis) for name in names}
 
 
 def scores(answers: Questionnaires) -> dict[str, Estimate]:

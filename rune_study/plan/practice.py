@@ -12,6 +12,7 @@ from typing import Self
 from hub.nearest import did_you_mean
 from hub.values import dataclass
 from rune_study.errors import StudyError
+from rune_study.metrics.registry import METRICS
 from rune_study.plan.study_spec import ConditionSpec, StudySpec
 
 QUANTITIES = {
@@ -20,14 +21,16 @@ QUANTITIES = {
     "victims": "victims marked where one is",
     "seconds": "s of practice in all",
 }
-"""What a criterion can name, with its unit."""
+"""What a criterion can name besides metrics, with its unit."""
+_NOT_THEN = ("tlx_", "sus", "sart", "sagat_", "ft_secondary", "secondary_")
+"""Begins of metrics that practice does not measure: they need questions."""
 _COMPARISONS: Mapping[str, Callable[[float, float], bool]] = {
     ">=": operator.ge,
     "<=": operator.le,
     ">": operator.gt,
     "<": operator.lt,
 }
-_CLAUSE = re.compile(r"([a-z_]{1,20})\s*(>=|<=|>|<)\s*([0-9]{1,9}(?:\.[0-9]{1,6})?)")
+_CLAUSE = re.compile(r"([a-z][a-z0-9_]{0,39})\s*(>=|<=|>|<)\s*([0-9]{1,9}(?:\.[0-9]{1,6})?)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +57,11 @@ class Criterion:
         """
         return cls(tuple(_clause(part.strip()) for part in text.split(" and ")))
 
+    @property
+    def metrics(self) -> frozenset[str]:
+        """The metrics that it names."""
+        return frozenset(each.quantity for each in self.clauses) - QUANTITIES.keys()
+
     def holds(self, values: Mapping[str, float]) -> bool:
         """Whether values, by quantity, fulfil all clauses; a missing one fulfils none."""
         return all(
@@ -67,8 +75,9 @@ def _clause(text: str) -> Clause:
     if found is None:
         reason = f"{text!r:.60} is no comparison such as `distance >= 5`"
         raise StudyError(reason)
-    if found[1] not in QUANTITIES:
-        hint = did_you_mean(found[1], QUANTITIES) or f"; known are {', '.join(QUANTITIES)}"
+    known = [*QUANTITIES, *(name for name in METRICS if not name.startswith(_NOT_THEN))]
+    if found[1] not in known:
+        hint = did_you_mean(found[1], known) or f"; known are {', '.join(known)}"
         reason = f"{found[1]!r} is not measured during practice{hint}"
         raise StudyError(reason)
     return Clause(quantity=found[1], comparison=found[2], limit=float(found[3]))

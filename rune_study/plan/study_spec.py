@@ -218,7 +218,7 @@ class PracticeSpec:
     criterion: str = key(
         text(200),
         "",
-        "when it is enough: clauses such as `distance >= 5` with `and` between",
+        "when it is enough: clauses such as `bumps <= 1` with `and` between",
         without="the operator's key",
     )
     window_s: float = key(number(1.0, 3600.0), 120.0, "the criterion looks back so far [s]")

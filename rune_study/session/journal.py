@@ -196,6 +196,20 @@ def has_declined(records: Sequence[Record]) -> bool:
     return any(each.what == DECLINED for each in records)
 
 
+def pauses_of(records: Sequence[Record]) -> list[tuple[float, float]]:
+    """Begin and end of the freezes and pauses of a trial that are over [s, monotonic clock]."""
+    pauses: list[tuple[float, float]] = []
+    since: float | None = None
+    for each in records:
+        order = each.data.get("do") if each.what == "order" else None
+        if each.what == "frozen" or order == "pause":
+            since = each.moment
+        elif (each.what == "unfrozen" or order == "begin") and since is not None:
+            pauses.append((since, each.moment))
+            since = None
+    return pauses
+
+
 def _locked(folder: Path) -> int:
     """A handle that locks a folder until it is closed, or this process ends.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from hub.values import dataclass
 from rune_study.plan.steps import Step
@@ -50,6 +50,19 @@ class Schedule:
         """Time of the trial, without pauses [s]."""
         until = now if self._paused_at is None else self._paused_at
         return until - self._begun - self._paused_s
+
+    def moment(self, elapsed: float, pauses: Sequence[tuple[float, float]]) -> float:
+        """When a time of the trial was [s, monotonic clock].
+
+        Args:
+            elapsed: From the trial's start, without pauses [s].
+            pauses: Begin and end of each pause on that clock [s], ascending.
+        """
+        moment = self._begun + elapsed
+        for first, last in pauses:
+            if self._begun <= first < moment:
+                moment += last - first
+        return moment
 
     def due(self, now: float) -> list[Due]:
         """What begins now; each comes once, and none during a pause."""

@@ -32,6 +32,7 @@ class Stage:
         recorders: Of the hubs.
         links: Bad links of the condition; none: links are as they are.
         files: Recordings of the hubs, and last the one of the console, which may not exist yet.
+        arena: Name or path of the arena; empty: it is not known.
     """
 
     console: ConsoleProcess
@@ -39,6 +40,7 @@ class Stage:
     recorders: Recorders
     links: tuple[ShapedLink, ...]
     files: tuple[Path, ...]
+    arena: str
 
     def broken(self, now: float) -> str:
         """Which part has ended, so that the trial does not count; empty: all run."""
@@ -110,7 +112,7 @@ def stage(
             for number, hub in enumerate(own)
         )
         seen = [link.endpoint for link in links] or own
-        part = of_console.with_suffix(".part")
+        part = part_of(of_console)
         stack.callback(_keep, part, of_console)
         options = console_options(seen, operator, part, spec.variables, real.keys)
         console = stack.enter_context(ConsoleProcess(layout_of(study, spec), options))
@@ -120,7 +122,13 @@ def stage(
             recorders=recorders,
             links=links,
             files=(*recordings, of_console),
+            arena=arena_of(study, spec),
         )
+
+
+def part_of(console: Path) -> Path:
+    """Folder in which the console's recording is until its end."""
+    return console.with_suffix(".part")
 
 
 def _keep(part: Path, file: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -9,17 +10,19 @@ from typing import Any
 
 from hub.errors import CentralUnreachableError
 from hub.values import dataclass
+from rune_study.plan.measures import measures
 from rune_study.plan.practice import Criterion
 from rune_study.plan.steps import Step
 from rune_study.plan.study_spec import PracticeSpec, StudySpec
 from rune_study.session.interruptions import Interruptions
-from rune_study.session.journal import Journal
+from rune_study.session.journal import Journal, pauses_of
 from rune_study.session.orders import ABORT, BEGIN, END, MARK, NOTE, PAUSE, OrderBook
+from rune_study.session.practice_meter import PracticeFiles, PracticeMeter
 from rune_study.session.progress import LeftError, Result
 from rune_study.session.reading import read
 from rune_study.session.robots import listening, state_of
 from rune_study.session.schedule import Schedule
-from rune_study.session.stage import Stage
+from rune_study.session.stage import Stage, part_of
 
 _LOOK_S = 0.02
 _PAUSED = "# Pause\n\nThe trial goes on when the experimenter says so."
@@ -75,6 +78,21 @@ class Trial:
         self._mark = mark
         self._interruptions = Interruptions(study, step, attempt, journal, stage)
         self._practice = None if step.trial else study.practice
+        self._criterion = (
+            Criterion.read(self._practice.criterion)
+            if self._practice is not None and self._practice.criterion
+            else None
+        )
+        *hubs, console = stage.files
+        files = PracticeFiles(
+            consoles=part_of(console),
+            hubs=hubs,
+            arena=stage.arena,
+            effectiveness=study.metrics.effectiveness,
+            measures=measures(study),
+        )
+        self._meter = PracticeMeter(files, self._criterion.metrics if self._criterion else ())
+        self._lately: Mapping[str, float] = {}
         self.failure = ""
         self._window: deque[tuple[float, float, int]] = deque()
 
@@ -102,9 +120,16 @@ class Trial:
         except CentralUnreachableError as lost:
             ending = Ending(why=str(lost), counts=False)
         self._interruptions.close()
+        self._meter.close()
         seconds = schedule.elapsed(time.monotonic())
         self._mark(f"end {self._step.name} {ending.why}")
         robots = [state_of(robot) for robot in self._stage.robots]
+        if self._criterion is not None:
+            values = {
+                each.quantity: _known(self._lately.get(each.quantity))
+                for each in self._criterion.clauses
+            }
+            self._note("criterion", met=ending.why == "criterion", values=values)
         self._note("trial-end", why=ending.why, seconds=seconds, robots=robots)
         if not ending.counts:
             self.failure = ending.why
@@ -167,7 +192,7 @@ class Trial:
         if elapsed >= self._step.seconds:
             return Ending(why="time")
         if self._practice is not None:
-            met = self._meets(self._practice, elapsed)
+            met = self._meets(self._practice, schedule)
             return Ending(why="criterion") if met else None
         robots, ends = self._stage.robots, self._study.trial.ends
         victims = max((robot.number_of_victims for robot in robots), default=0)
@@ -184,8 +209,12 @@ class Trial:
         counts = self._practice is not None or "operator" in self._study.trial.ends
         return Ending(why="operator", counts=counts)
 
-    def _meets(self, spec: PracticeSpec, elapsed: float) -> bool:
+    def _meets(self, spec: PracticeSpec, schedule: Schedule) -> bool:
         """Whether the criterion of practice holds over the last part of it."""
+        now = time.monotonic()
+        elapsed = schedule.elapsed(now)
+        pauses = pauses_of(self._journal.records)
+        self._meter.look(schedule.moment(max(0.0, elapsed - spec.window_s), pauses), now, pauses)
         robots = self._stage.robots
         driven = sum(robot.distance for robot in robots)
         collisions = sum(robot.collisions for robot in robots)
@@ -193,14 +222,15 @@ class Trial:
         while self._window[0][0] < elapsed - spec.window_s:
             self._window.popleft()
         first = self._window[0]
-        lately: Mapping[str, float] = {
+        self._lately = {
+            **self._meter.values,
             "distance": driven - first[1],
             "collisions": collisions - first[2],
             "victims": max(robot.victims for robot in robots),
             "seconds": elapsed,
         }
         enough = elapsed >= spec.least_s
-        return bool(spec.criterion) and enough and Criterion.read(spec.criterion).holds(lately)
+        return self._criterion is not None and enough and self._criterion.holds(self._lately)
 
     def _passed(self, ending: Ending) -> dict[str, bool]:
         if self._practice is None:
@@ -210,3 +240,8 @@ class Trial:
 
     def _note(self, what: str, **data: Any) -> None:  # noqa: ANN401 - what JSON has
         self._journal.put(what, n=self._step.number, **data)
+
+
+def _known(value: float | None) -> float | None:
+    """A number as a journal has it; None: it is not known."""
+    return round(value, 6) if value is not None and math.isfinite(value) else None

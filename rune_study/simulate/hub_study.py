@@ -18,13 +18,13 @@ from hub.ipc.client import Client
 from hub.recording.recording_set import RecordingSet
 from hub.shaper.shaped_link import ShapedLink
 from hub.values import dataclass
-from rune_study.data.derive import measures
 from rune_study.data.rows import MetricRow, TrialRow, metric_rows
 from rune_study.data.store import StudyData
 from rune_study.errors import DataError, StudyError
 from rune_study.metrics.registry import measure
 from rune_study.metrics.trial_time import trial_time
 from rune_study.plan.folder import arena_of, hub_settings, link_of, participant_folder, robot_of
+from rune_study.plan.measures import measures
 from rune_study.plan.steps import TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.session.robots import Recorders, simulated

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from hub.values import dataclass
-from rune_study.data.derive import measures
 from rune_study.data.rows import MetricRow, TrialRow, metric_rows
 from rune_study.errors import StudyError
 from rune_study.lots import draw
 from rune_study.metrics.registry import measure
+from rune_study.plan.measures import measures
 from rune_study.plan.steps import TRIAL, plan
 from rune_study.plan.study_spec import StudySpec
 from rune_study.simulate.operator_model import OperatorModel, run

@@ -288,3 +288,23 @@ def test_practice_that_is_quit_too_early_says_so(folder: Path) -> None:
         session.close()
     (done,) = seen(folder, "done")
     assert done.data["result"]["passed"] is False
+
+
+@pytest.mark.timeout(150)
+def test_practice_ends_when_a_metric_of_its_last_part_is_reached(folder: Path) -> None:
+    criterion = "command_rate <= 1 and driven < 1 and bumps <= 0 and seconds >= 2"
+    practice = f'[practice]\ncriterion = "{criterion}"\nwindow_s = 2\nmost_s = 60\n'
+    session = begun(folder, 3.0, practice, steps='"practice", "trials"')
+    try:
+        shows(session, "Practice")
+        session.type("\r")
+        shows(session, "Trial 1 of 1")
+    finally:
+        session.close()
+    (done,) = seen(folder, "done")
+    assert (done.data["result"]["ended"], done.data["result"]["passed"]) == ("criterion", True)
+    (note,) = seen(folder, "criterion")
+    assert note.data["met"] is True
+    assert note.data["values"]["driven"] == pytest.approx(0.0, abs=0.05)
+    assert note.data["values"]["command_rate"] == 0.0
+    assert note.data["values"]["bumps"] == 0.0

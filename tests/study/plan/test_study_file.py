@@ -154,6 +154,11 @@ def test_moments_of_a_trial_keep_the_rules(tmp_path: Path) -> None:
 
 
 def test_a_criterion_compares_what_is_measured() -> None:
+    assert Criterion.read("photon_p50 < 1 and distance > 2").metrics == {"photon_p50"}
+    with pytest.raises(StudyError, match=r"'bump' is not measured .* did you mean 'bumps'"):
+        Criterion.read("bump <= 1")
+    with pytest.raises(StudyError, match="'sus' is not measured during practice"):
+        Criterion.read("sus >= 70")
     criterion = Criterion.read("distance >= 3.5 and collisions <= 1")
     assert criterion.holds({"distance": 3.5, "collisions": 1})
     assert not criterion.holds({"distance": 3.4, "collisions": 0})
