@@ -60,23 +60,31 @@ def bumps(
 
     Args:
         times: Ascending [s], shape (n,).
-        contacts: Contacts so far, shape (n,).
+        contacts: Contacts so far, shape (n,); those of the first time are no bump.
         bumpers: Bit i is set while bumper i is pressed, shape (n,).
         linear: Forward speed [m/s], shape (n,).
         directions: Of each bumper, counter-clockwise from straight ahead [rad].
         rearm: Shortest time between two bumps [s].
 
     Raises:
-        DataError: Lengths differ.
+        DataError: Lengths differ, times are not finite and ascending, counts are not finite, or
+            bumpers are no whole numbers from 0 on.
     """
     at, count, speed = (
         floats(times, "times"),
         floats(contacts, "contacts"),
         floats(linear, "linear"),
     )
-    bits = np.asarray(bumpers, np.uint64) if len(at) else np.empty(0, np.uint64)
+    try:
+        bits = np.asarray(bumpers, np.uint64) if len(at) else np.empty(0, np.uint64)
+    except (TypeError, ValueError, OverflowError):
+        text = "bumpers: these are not all whole numbers from 0 on, whose bits are bumpers"
+        raise DataError(text) from None
     if not len(at) == len(count) == len(speed) == len(bits):
         text = "contacts, bumpers and speeds need one value for each time"
+        raise DataError(text)
+    if not (np.isfinite(at).all() and np.isfinite(count).all()) or (np.diff(at) < 0.0).any():
+        text = "contacts need finite, ascending times and finite counts"
         raise DataError(text)
     sides = {"front": 0, "rear": 0, "side": 0}
     for place in bump_moments(at, count, rearm=rearm):

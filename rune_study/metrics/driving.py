@@ -58,9 +58,15 @@ def success_by_path_length(done: float, shortest: float, *, arrived: bool) -> fl
         done: Length of the path [m].
         shortest: Length of the shortest one [m]; NaN: SPL is NaN, unless the goal was not reached.
         arrived: Whether the goal was reached.
+
+    Raises:
+        DataError: A length is negative.
     """
     if not arrived:
         return 0.0
+    if shortest < 0.0 or done < 0.0:
+        text = f"a path is not shorter than 0 m, but they are {shortest:g} m and {done:g} m"
+        raise DataError(text)
     longer = max(shortest, done)
     return shortest / longer if longer > 0.0 else 1.0
 

@@ -70,10 +70,11 @@ def rate_of_progress(
         From 0 up to `until` [unit/s]; NaN where progress is not known.
 
     Raises:
-        DataError: The window or the rate is not above 0, or times do not ascend.
+        DataError: The window or the rate is not above 0, the end is not finite, or times do not
+            ascend.
     """
-    if not (window > 0.0 and rate_hz > 0.0):
-        text = "the window and the rate of TE must be above 0"
+    if not (window > 0.0 and rate_hz > 0.0 and math.isfinite(until)):
+        text = "the window and the rate of TE must be above 0, and the end of the trial finite"
         raise DataError(text)
     grid = np.arange(math.floor(until * rate_hz + 1e-9) + 1) / rate_hz
     kept = signal(progress.times, progress.values)

@@ -158,6 +158,8 @@ _ROWS = (
          "46."),
 )  # fmt: skip
 
+LONGEST_S = 1e6
+"""Longest trial [s]: 11 days."""
 METRICS: Mapping[str, Metric] = MappingProxyType({each.name: each for each in _ROWS})
 """All metrics of a trial by name."""
 
@@ -173,7 +175,13 @@ def measure(
         trial: Its data.
         spec: Numbers that the study fixed; None: the usual ones.
         names: Which metrics.
+
+    Raises:
+        DataError: The length of the trial is no duration.
     """
+    if not 0.0 <= trial.length <= LONGEST_S:
+        text = f"a trial lasts from 0 s to {LONGEST_S:g} s, not {trial.length:g} s"
+        raise DataError(text)
     analysis = TrialAnalysis(trial, spec or MeasureSpec())
     return {name: _computed(METRICS[name], analysis) for name in names}
 

@@ -56,11 +56,11 @@ def held(times: npt.ArrayLike, values: npt.ArrayLike, until: float, rate_hz: flo
         rate_hz: Samples per second [1/s].
 
     Raises:
-        DataError: Lengths differ, or times do not ascend.
+        DataError: Lengths differ, times do not ascend, or the end is not finite.
     """
     at, given = floats(times, "times"), floats(values, "values")
-    if len(at) != len(given) or (np.diff(at) < 0.0).any():
-        text = "a signal needs one ascending time for each value"
+    if len(at) != len(given) or (np.diff(at) < 0.0).any() or not math.isfinite(until):
+        text = "a signal needs one ascending time for each value, and a finite end"
         raise DataError(text)
     grid = np.arange(math.floor(until * rate_hz + 1e-9) + 1) / rate_hz
     place = np.searchsorted(at, grid + 1e-9, side="right")
