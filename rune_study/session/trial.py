@@ -16,6 +16,7 @@ from rune_study.plan.steps import Step
 from rune_study.plan.study_spec import PracticeSpec, StudySpec
 from rune_study.session.interruptions import Interruptions
 from rune_study.session.journal import Journal, pauses_of
+from rune_study.session.live import LiveSigns
 from rune_study.session.orders import ABORT, BEGIN, END, MARK, NOTE, PAUSE, OrderBook
 from rune_study.session.practice_meter import PracticeFiles, PracticeMeter
 from rune_study.session.progress import LeftError, Result
@@ -94,6 +95,7 @@ class Trial:
         self._meter = PracticeMeter(files, self._criterion.metrics if self._criterion else ())
         self._lately: Mapping[str, float] = {}
         self.failure = ""
+        self._signs = LiveSigns(journal.path.parent)
         self._window: deque[tuple[float, float, int]] = deque()
 
     def run(self) -> Result | None:
@@ -153,6 +155,7 @@ class Trial:
                 self._mark(f"{due.what} {due.number}")
                 self._interruptions.begin(due, schedule)
             self._interruptions.look(now)
+            self._signs.tell(self._stage.robots)
 
     def _ordered(self, schedule: Schedule) -> Ending | None:
         for order in self._book.fresh():

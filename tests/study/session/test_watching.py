@@ -8,10 +8,12 @@ from pathlib import Path
 
 from rune_study.plan.blinding import key_path, write_key
 from rune_study.plan.steps import codes, plan
-from rune_study.session.journal import Journal
+from rune_study.session.journal import Journal, Record
+from rune_study.session.live import LIVE, read_signs
 from rune_study.session.orders import ORDERS, OrderBook, give_order
+from rune_study.session.overview import State, overview
 from rune_study.session.status import status_lines
-from rune_study.session.watching import WatchScreen
+from rune_study.session.watching import WatchScreen, keys_line
 from tests.study.studies import FOUR, study_of
 from tests.support.cases import for_each
 
@@ -60,7 +62,7 @@ def test_the_screen_shows_steps_and_gives_orders(tmp_path_factory, size: tuple[i
         return shown
 
     shown = asyncio.run(watch())
-    assert f"> t1 {step.code}" in shown
+    assert f"NOW  t1 {step.code}" in shown
     assert "note calm" in shown
     assert "hri-a" not in shown
     assert [(each.do, each.text) for each in book.fresh()] == [
@@ -68,6 +70,90 @@ def test_the_screen_shows_steps_and_gives_orders(tmp_path_factory, size: tuple[i
         ("note", "ok"),
         ("mark", ""),
     ]
+
+
+def history(*records: tuple[float, str, dict[str, object]]) -> list[Record]:
+    """Records of a journal, at these seconds."""
+    head = Record(what="session", at=0.0, moment=0.0, data={"replaces": 0, "study": ""})
+    return [head, *(Record(what=what, at=at, moment=at, data=data) for at, what, data in records)]
+
+
+TRIAL_1 = (10.0, "begin", {"n": 0, "attempt": 1})
+RUNNING = (20.0, "trial-begin", {"n": 0})
+
+
+@for_each(
+    ("records", "state", "elapsed"),
+    [
+        ([], State.BETWEEN, 0.0),
+        ([TRIAL_1], State.WAITS, 0.0),
+        ([TRIAL_1, RUNNING], State.RUNS, 80.0),
+        ([TRIAL_1, RUNNING, (50.0, "frozen", {"n": 0})], State.FROZEN, 30.0),
+        (
+            [TRIAL_1, RUNNING, (50.0, "frozen", {"n": 0}), (70.0, "unfrozen", {"n": 0})],
+            State.RUNS,
+            60.0,
+        ),
+        ([TRIAL_1, RUNNING, (30.0, "order", {"do": "pause"})], State.PAUSED, 10.0),
+        (
+            [TRIAL_1, RUNNING, (30.0, "order", {"do": "pause"}), (90.0, "order", {"do": "begin"})],
+            State.RUNS,
+            20.0,
+        ),
+        ([TRIAL_1, RUNNING, (90.0, "trial-end", {"n": 0})], State.BETWEEN, 0.0),
+        ([TRIAL_1, (95.0, "declined", {"n": 0})], State.DECLINED, 0.0),
+        ([TRIAL_1, RUNNING, (90.0, "done", {"n": 0})], State.BETWEEN, 0.0),
+    ],
+)
+def test_the_state_of_a_session_follows_from_its_journal(
+    tmp_path_factory, records, state, elapsed
+) -> None:
+    study = study_of(tmp_path_factory.mktemp("study"), FOUR)
+    found = overview(study, 2, history(*records), [], now=100.0, seen=100.0)
+    assert found.state is state
+    assert found.elapsed == elapsed
+
+
+def test_what_is_left_of_a_session_shrinks_with_each_step(tmp_path: Path) -> None:
+    study = study_of(tmp_path, FOUR)
+    whole = overview(study, 2, history(), [], now=0.0, seen=0.0)
+    done = [(1.0, "done", {"n": step.number}) for step in whole.steps]
+    one = overview(study, 2, history(*done[:1]), [], now=0.0, seen=0.0)
+    every = overview(study, 2, history(*done), [], now=0.0, seen=0.0)
+    assert (whole.minutes, one.minutes, every.minutes) == (44.0, 33.0, 0.0)
+    assert (every.state, overview(study, 2, [], [], now=0.0, seen=0.0).state) == (
+        State.COMPLETE,
+        State.ABSENT,
+    )
+
+
+def test_silence_and_failures_are_alarms(tmp_path: Path) -> None:
+    study = study_of(tmp_path, FOUR)
+    runs = history(TRIAL_1, RUNNING)
+    silent = [{"silent": 0.1}, {"silent": 2.5}]
+    given = {"now": 100.0, "seen": 99.5}
+    assert overview(study, 2, runs, silent, **given).alarms == ("robot 2 says nothing for 2.5 s",)
+    lost = overview(study, 2, runs, silent, now=100.0, seen=80.0)
+    assert lost.alarms == ("the session gave no sign of life for 20 s",)
+    failed = history(TRIAL_1, (90.0, "lost", {"n": 0, "why": "the console did not start"}))
+    assert overview(study, 2, failed, [], **given).alarms == (
+        "t1 does not count and begins again: the console did not start",
+    )
+    assert overview(study, 2, failed, [], now=1000.0, seen=0.0).alarms == ()
+
+
+def test_the_keys_fit_the_smallest_terminal() -> None:
+    assert all(len(keys_line(state)) <= 78 for state in State)
+    assert "BEGIN" in keys_line(State.WAITS)
+
+
+def test_a_damaged_file_of_signs_is_none(tmp_path: Path) -> None:
+    assert read_signs(tmp_path) == (0.0, [])
+    for content in (b"", b"[]", b'{"at": 1}', b'{"at": 1, "robots": [3]}', b"[" * 9000, b"\xff"):
+        (tmp_path / LIVE).write_bytes(content)
+        assert read_signs(tmp_path) == (0.0, [])
+    (tmp_path / LIVE).write_bytes(b'{"at": 5, "robots": [{"silent": 1, "speed": NaN}]}')
+    assert read_signs(tmp_path) == (5.0, [{"silent": 1.0}])
 
 
 def test_the_key_of_a_blind_study_is_its_owners(tmp_path: Path) -> None:
