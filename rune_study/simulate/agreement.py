@@ -53,7 +53,7 @@ def findings(
         lengths: Of trials [s], by the same.
     """
     rows = {(row.participant, row.trial, row.attempt, row.metric): row for row in metrics}
-    trials = sorted({key[:3] for key in rows})
+    trials = sorted({key[:3] for key in rows if key[1]})  # 0: asked once per session
     found: list[Finding] = []
     for trial in trials:
         own = [each for each in episodes if (each.participant, each.trial, each.attempt) == trial]

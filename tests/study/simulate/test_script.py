@@ -10,11 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rune_study.data.rows import MetricRow
 from rune_study.errors import StudyError
 from rune_study.plan.steps import Step
 from rune_study.questionnaires.entries import entry_of
 from rune_study.questionnaires.items import Answer, Bearing, Item, Pair, PlaceItem
 from rune_study.questionnaires.questionnaire import SHIPPED, read
+from rune_study.simulate.agreement import findings
 from rune_study.simulate.script import IN_REAL_TIME, check_playable, script
 from rune_study.simulate.typed_answers import ENTER, typed_answer
 from tests.study.studies import study_of
@@ -85,3 +87,12 @@ def test_more_robots_than_a_script_can_serve_are_refused(tmp_path: Path) -> None
     check_playable(study, most_robots=3)
     with pytest.raises(StudyError, match="cannot play more than 2 robots; simulate"):
         check_playable(study, most_robots=2)
+
+
+def test_what_is_asked_once_per_session_has_no_truth() -> None:
+    names = ("episodes", "ie_mean", "nt_median", "rad_mission", "fo_measured")
+    rows = [
+        MetricRow(participant=1, trial=1, code="A", metric=name, value=1.0) for name in names
+    ] + [MetricRow(participant=1, trial=0, code="", metric="sus", value=70.0)]
+    found = findings([], rows, {}, {(1, 1): 30.0})
+    assert [(each.trial, each.metric) for each in found] == [(1, name) for name in names]
