@@ -70,6 +70,7 @@ class MetricResult:
         contrasts: Effects of each factor's levels, first of all results.
         tests: Analysis of variance; None: it needs two participants and two conditions.
         reasons: Why trials have no value, with how many.
+        by_place: Means over participants of each trial of the session, by its number.
         missing: Trials without a value of each condition that has some, by its code.
         censored: For times that are partly lower bounds; then means and effects are none. None:
             all values are exact.
@@ -83,6 +84,7 @@ class MetricResult:
     tests: WithinAnalysis | None
     reasons: Mapping[str, int]
     missing: Mapping[str, int]
+    by_place: Mapping[int, Estimate]
     censored: CensoredResult | None = None
 
 
@@ -190,9 +192,11 @@ def _result(
     gathered: dict[tuple[int, str], list[float]] = {}
     reasons: dict[str, int] = {}
     missing: dict[str, int] = {}
+    places: dict[int, list[float]] = {}
     for row in rows:
         if math.isfinite(row.value):
             gathered.setdefault((row.participant, row.code), []).append(row.value)
+            places.setdefault(row.trial, []).append(row.value)
         else:
             why = row.why or ("it is infinite" if math.isinf(row.value) else "it has no value")
             reasons[why] = reasons.get(why, 0) + 1
@@ -212,6 +216,7 @@ def _result(
         tests=_tests(values, conditions),
         reasons=reasons,
         missing=missing,
+        by_place={place: mean(each) for place, each in places.items()},
     )
 
 
@@ -246,6 +251,7 @@ def _censored(
         tests=None,
         reasons={},
         missing={},
+        by_place={},
         censored=CensoredResult(curves=curves, tau=tau, test=test),
     )
 

@@ -101,7 +101,7 @@ def interval(estimate: Estimate) -> str:
     """The ends of an interval; a dash where there is none."""
     if not estimate.has_interval:
         return "–"
-    return f"{number(estimate.low)} to {number(estimate.high)}"
+    return "\N{NO-BREAK SPACE}".join((number(estimate.low), "to", number(estimate.high)))
 
 
 def p_value(value: float) -> str:

@@ -70,7 +70,9 @@ def make_page(
     of_trials = [row for row in data.metrics if row.trial]
     once = asked_once(data.metrics)
     with_data = {row.metric for row in of_trials if not row.why}
-    shown = [*chosen.primary, *(name for name in others if name in with_data or chosen.secondary)]
+    wanted = (name for name in others if name in with_data or chosen.secondary)
+    only_once = {name for name in once if name not in with_data}
+    shown = [*chosen.primary, *(name for name in wanted if name not in only_once)]
     return html_page(
         StudyReport(
             title=study.title,

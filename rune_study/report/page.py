@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
@@ -75,10 +77,15 @@ def _summary(report: StudyReport) -> str:
     trials = report.results.trials
     people = {trial.participant for trial in trials}
     counted = sum(not trial.excluded for trial in trials)
+    begins = [trial.begin for trial in trials if math.isfinite(trial.begin)]
+    days = sorted(
+        {f"{datetime.datetime.fromtimestamp(each).astimezone():%Y-%m-%d}" for each in begins}
+    )
+    when = f" Trials from {days[0]} to {days[-1]}." if days else ""
     return (
         f"{len(people)} of {report.design.participants} participants, {counted} trials that count "
         f"of {len(trials)} that were begun. Study {report.digest[:12]}, page made "
-        f"{report.made}."
+        f"{report.made}.{when}"
     )
 
 

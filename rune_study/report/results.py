@@ -105,6 +105,7 @@ def _decided(found: Results) -> Iterator[str]:
         ]
         for result in chosen
         for each in result.contrasts
+        if each.effect.n
     ]
     if rows:
         heads = ["metric", "factor", "difference", "mean", "95 % interval", "n"]
@@ -159,6 +160,8 @@ def _metric(found: Results, result: MetricResult) -> Iterator[str]:
         yield _means(found, result)
         yield _contrasts(result.contrasts, tested=found.tested)
         yield from _tests(result) if found.tested else ()
+        if result.metric in found.primary and len(result.by_place) > 1:
+            yield _places(result.by_place)
     if result.reasons:
         reasons = "; ".join(f"{count} x {why}" for why, count in sorted(result.reasons.items()))
         yield paragraph(f"Trials without a value: {reasons}.")
@@ -176,6 +179,15 @@ def _means(found: Results, result: MetricResult) -> str:
         rows.append([*cells, str(result.missing.get(code, 0))])
     heads = ["condition", "mean", "95 % interval", "SD", "participants", "trials without a value"]
     return table(heads, rows)
+
+
+def _places(by_place: Mapping[int, Estimate]) -> str:
+    rows = [
+        [str(place), number(each.value), interval(each), str(each.n)]
+        for place, each in sorted(by_place.items())
+    ]
+    heads = ["trial", "mean", "95 % interval", "n"]
+    return table(heads, rows, caption="By the place in the session: learning, or fatigue")
 
 
 def _times(
@@ -251,6 +263,7 @@ def _effects_chart(contrasts: Sequence[Contrast], label: str) -> str:
         return ""
     ends = [end for each in contrasts for end in (each.effect.mean.low, each.effect.mean.high)]
     values = [each.effect.mean.value for each in contrasts]
+    contrasts = contrasts[::-1]  # the first is at the top
     names = [f"{each.first} - {each.second}" for each in contrasts]
     x = Axis.around(f"difference of {label}", [*values, *ends, 0.0])
     chart = Chart(x, Axis.of_names("", names), height=max(160, 60 + 26 * len(names)))

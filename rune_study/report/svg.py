@@ -12,6 +12,8 @@ from hub.values import dataclass
 COLOURS = ("#1464aa", "#c8641e", "#2a8a50", "#8a3c96", "#b4960a", "#555b63")
 """Colours of conditions, readable on white and different in grey."""
 _MARGIN_LEFT, _MARGIN_RIGHT, _MARGIN_TOP, _MARGIN_BOTTOM = 58, 12, 12, 40
+_LETTER = 6.2
+"""Width of a letter of a name [px]."""
 _TICKS = 6
 
 
@@ -76,6 +78,8 @@ class Chart:
         self._x = x
         self._y = y
         self._size = width, height
+        longest = max(map(len, y.names), default=0)
+        self._left = max(_MARGIN_LEFT, min(round(12 + _LETTER * longest), width // 2 + 40))
         self._parts: list[str] = []
 
     def line(
@@ -158,8 +162,8 @@ class Chart:
         )
 
     def _across(self, x: float) -> float:
-        room = self._size[0] - _MARGIN_LEFT - _MARGIN_RIGHT
-        return _MARGIN_LEFT + (x - self._x.least) / (self._x.most - self._x.least) * room
+        room = self._size[0] - self._left - _MARGIN_RIGHT
+        return self._left + (x - self._x.least) / (self._x.most - self._x.least) * room
 
     def _down(self, y: float) -> float:
         room = self._size[1] - _MARGIN_TOP - _MARGIN_BOTTOM
@@ -176,7 +180,7 @@ class Chart:
     def _frame(self) -> str:
         """The axes with their marks and labels."""
         width, height = self._size
-        left, right = _MARGIN_LEFT, width - _MARGIN_RIGHT
+        left, right = self._left, width - _MARGIN_RIGHT
         top, bottom = _MARGIN_TOP, height - _MARGIN_BOTTOM
         parts = [
             f'<path class="axis" d="M{left} {top}V{bottom}H{right}" fill="none" stroke="#555b63"/>',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -75,6 +76,27 @@ def test_several_trials_of_a_condition_are_averaged_and_missing_ones_are_reporte
     (result,) = compare(first, Conditions(codes=("A", "B"), levels=({}, {})), ["IE"])
     assert result.values.tolist() == [[2.0, 5.0], [2.0, 6.0]]
     assert result.reasons == {"lost": 1}
+
+
+def test_means_by_the_place_in_the_session_show_learning() -> None:
+    (result,) = compare(rows(ORACLE, PLAIN.codes), PLAIN, ["IE"])
+    places = {place: each.value for place, each in result.by_place.items()}
+    assert places == {1: pytest.approx(65 / 6), 2: 9.0, 3: pytest.approx(49 / 6)}
+
+
+def test_a_log_rank_test_of_a_chosen_metric_is_corrected_with_the_others() -> None:
+    censored = [
+        dataclasses.replace(row, metric="first_victim", censored=int(row.value > 9))
+        for row in rows(ORACLE, PLAIN.codes)
+    ]
+    both = [*rows(ORACLE, PLAIN.codes), *censored]
+    results = compare(both, PLAIN, ["IE", "first_victim"])
+    assert set(corrected(results, ["IE", "first_victim"])) == {
+        "IE: condition",
+        "first_victim: condition",
+    }
+    alone = corrected(results, ["IE"])["IE: condition"]
+    assert corrected(results, ["IE", "first_victim"])["IE: condition"] == pytest.approx(2 * alone)
 
 
 def test_a_metric_without_data_has_neither_means_nor_tests() -> None:

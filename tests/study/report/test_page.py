@@ -132,6 +132,15 @@ def test_effects_come_with_intervals_and_before_tests() -> None:
     assert "p (Holm)" in page
 
 
+def test_differences_of_chosen_metrics_come_first_and_without_empty_rows() -> None:
+    page = html_page(changed(report(), primary=("NT", "IE")))
+    table = page[page.index("differences</caption>") :]
+    first = words_of(table[: table.index("</table>")])
+    assert "interaction effort [s]" in first
+    assert "NT" not in first
+    assert "learning, or fatigue" in page
+
+
 def test_a_metric_without_values_says_so() -> None:
     assert "No trial has a value." in html_page(report())
 

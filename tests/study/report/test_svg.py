@@ -19,6 +19,13 @@ def parsed(chart: Chart, title: str = "Data") -> ElementTree.Element:
     return ElementTree.fromstring(chart.svg(title))
 
 
+def test_long_names_of_an_axis_are_not_cut() -> None:
+    name = "robobot-2003-expanded - robobot-2004"
+    chart = Chart(Axis("s", 0.0, 1.0), Axis.of_names("", [name]))
+    label = next(each for each in parsed(chart).iter(f"{SVG}text") if each.text == name)
+    assert float(label.get("x", "0")) > 5.5 * len(name)
+
+
 @given(values=st.lists(st.floats(-1e6, 1e6), min_size=1))
 def test_ticks_are_round_few_and_inside(values: list[float]) -> None:
     axis = Axis.around("time [s]", values)
