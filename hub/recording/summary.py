@@ -292,10 +292,9 @@ class _Scan:
                 self._forget_index()
                 at = self._next_chunk(last + 1)
                 lost = (self._size if at is None else at) - last
-                if self._partial:
-                    self._add_damaged(last, lost)
                 self._summary.unreadable += lost
-                self._note(f"after byte {last} {lost} bytes cannot be read: {error}")
+                if not (self._partial and self._added_damaged(last, lost)):
+                    self._note(f"after byte {last} {lost} bytes cannot be read: {error}")
         if not self._summary.finished:
             self._forget_index()
         self._end_run()
@@ -305,14 +304,16 @@ class _Scan:
                 self._look_inside(place)
         return self._summary
 
-    def _add_damaged(self, at: int, length: int) -> None:
-        """Take what is left of a chunk."""
+    def _added_damaged(self, at: int, length: int) -> bool:
+        """Take what is left of a chunk, if it is one."""
         head = os.pread(self._handle, RECORD.size + _CHUNK_TIMES.size, at)
-        if len(head) == RECORD.size + _CHUNK_TIMES.size and head[0] == CHUNK:
-            self._end_run()
-            self._end_index()
-            first, last = _CHUNK_TIMES.unpack_from(head, RECORD.size)
-            self._add(ChunkPlace(first, last, at, length, 0, b""))
+        if len(head) < RECORD.size + _CHUNK_TIMES.size or head[0] != CHUNK:
+            return False
+        self._end_run()
+        self._end_index()
+        first, last = _CHUNK_TIMES.unpack_from(head, RECORD.size)
+        self._add(ChunkPlace(first, last, at, length, 0, b""))
+        return True
 
     def _note(self, fault: str) -> None:
         if len(self._summary.faults) < MOST_FAULTS:
@@ -473,7 +474,8 @@ class _Scan:
                     self._check_kept()
                     self._topics.take(kind, records[begin:end])
         except (RecordingError, struct.error) as error:
-            self._note(f"at byte {place.offset}: {error}")
+            if not self._partial:  # else it is found when its messages are read
+                self._note(f"at byte {place.offset}: {error}")
 
 
 def _is_footer(tail: bytes) -> bool:

@@ -80,7 +80,10 @@ class TopicFields(PlainVisualizer):
             return
         fields = topics.read_fields()
         if not fields:
-            write_notice(canvas, f"no message of {entry.name} until now", state.theme)
+            notice = f"no message of {entry.name} until now"
+            if topics.newest:
+                notice = f"the newest message of {entry.name} does not fit its type"
+            write_notice(canvas, notice, state.theme)
             return
         widest = max(len(each.path) for each in fields)
         column = min(widest, max(_LEAST_NAME, int(canvas.width * _SHARE)))
