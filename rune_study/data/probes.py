@@ -58,12 +58,14 @@ def probes_of(
         if record.what != FROZEN:
             continue
         freeze = record.data.get("number")
+        if not isinstance(freeze, int):
+            raise _wrong()
         for asked in _asked(record):
-            occasion = occasion_of(step, attempt, freeze if isinstance(freeze, int) else 0)
+            occasion = occasion_of(step, attempt, freeze)
             answer = given.get((occasion, asked.id))
             found.append(
                 Probe(
-                    freeze=freeze if isinstance(freeze, int) else 0,
+                    freeze=freeze,
                     asked=asked,
                     given=answer,
                     query=asked.query(answer.value if answer is not None else None),
@@ -118,6 +120,7 @@ def _asked(record: Record) -> Iterator[AskedQuery]:
                 **{**each, "right": tuple(right) if isinstance(right, list) else right}
             )
             fits = asked.kind in tuple(AnswerKind) and asked.level in (1, 2, 3)
+            fits &= isinstance(asked.id, str)
         except (TypeError, KeyError) as fault:
             raise _wrong() from fault
         if not fits or not isinstance(asked.tolerance, int | float):

@@ -61,7 +61,11 @@ class Query:
                 return abs((said - true + 180.0) % 360.0 - 180.0) <= self.tolerance + _EQUAL
             case (AnswerKind.NUMBER, float() | int() as said, float() | int() as true):
                 return abs(said - true) <= self.tolerance + _EQUAL
-            case (AnswerKind.PLACE, (x, y), (true_x, true_y)):
+            case (
+                AnswerKind.PLACE,
+                (float() | int() as x, float() | int() as y),
+                (float() | int() as true_x, float() | int() as true_y),
+            ):
                 return math.hypot(x - true_x, y - true_y) <= self.tolerance + _EQUAL
         text = f"the answer {self.answer!r} or the truth {self.truth!r} is no {self.kind}"
         raise DataError(text)

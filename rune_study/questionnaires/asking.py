@@ -9,6 +9,7 @@ from typing import ClassVar
 
 from textual.app import App, ComposeResult
 from textual.events import Key, MouseDown, Resize
+from textual.geometry import Size
 from textual.widgets import Static
 
 from rune_study.questionnaires.answers import Answers, GivenAnswer
@@ -104,6 +105,7 @@ class QuestionnaireScreen(App[bool]):
         self._unread = wrapped(questionnaire.instructions) if begins else []
         self._entry = self._next_entry()
         self._since = time.monotonic()
+        self._room = Size(0, 0)
         self._fits = False
 
     def compose(self) -> ComposeResult:
@@ -112,11 +114,12 @@ class QuestionnaireScreen(App[bool]):
 
     def on_mount(self) -> None:
         """Show the first item."""
+        self._room = self.size
         self._show()
 
     def on_resize(self, event: Resize) -> None:
         """Show the item on the new screen."""
-        del event
+        self._room = event.size
         self._show()
 
     def on_key(self, event: Key) -> None:
@@ -129,7 +132,7 @@ class QuestionnaireScreen(App[bool]):
             return
         if self._unread:
             if event.key == "enter":
-                self._unread = self._unread[self._room :]
+                self._unread = self._unread[self._page :]
                 self._since = time.monotonic()
         elif self._entry is not None:
             value = self._entry.press(event.key, event.character)
@@ -154,9 +157,9 @@ class QuestionnaireScreen(App[bool]):
         return isinstance(self._open[0], ComparedItem) and bool(self._open[0].truth)
 
     @property
-    def _room(self) -> int:
+    def _page(self) -> int:
         """Lines of the instructions that fit on the screen."""
-        return max(1, self.size.height - 4)
+        return max(1, self._room.height - 4)
 
     def _next_entry(self) -> Entry | None:
         return entry_of(self._open[0], self._grounds) if self._open else None
@@ -176,7 +179,7 @@ class QuestionnaireScreen(App[bool]):
             self.exit(not self._refused)
             return
         lines = self._lines(self._entry)
-        width, height = self.size.width, self.size.height
+        width, height = self._room.width, self._room.height
         self._fits = width >= WIDTH + 2 * _MARGIN and height >= len(lines)
         if not self._fits:
             need = f"{WIDTH + 2 * _MARGIN}x{max(len(lines), 24)}"
@@ -193,11 +196,11 @@ class QuestionnaireScreen(App[bool]):
 
     def _lines(self, entry: Entry) -> list[str]:
         if self._unread:
-            more = len(self._unread) > self._room
+            more = len(self._unread) > self._page
             keys = "Enter: read on" if more else "Enter: begin"
-            return [self._questionnaire.title, "", *self._unread[: self._room], "", keys]
+            return [self._questionnaire.title, "", *self._unread[: self._page], "", keys]
         head = self._head()
         unknown = ["Esc: I do not know"] if self._may_be_unknown else []
         if isinstance(entry, PlaceEntry):
-            entry.fit(WIDTH, self.size.height - len(head) - len(unknown))
+            entry.fit(WIDTH, self._room.height - len(head) - len(unknown))
         return [*head, *entry.lines(), *unknown]

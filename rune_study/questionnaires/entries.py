@@ -9,6 +9,8 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
+from rich.cells import cell_len, chop_cells
+
 from rune_study.errors import AnswersError
 from rune_study.questionnaires.ground import Ground
 from rune_study.questionnaires.items import (
@@ -74,7 +76,8 @@ def entry_of(item: Item, grounds: Grounds | None = None) -> Entry:
 
 def wrapped(words: str) -> list[str]:
     """Words in lines of at most `WIDTH` columns; line breaks stay."""
-    return [line for part in words.splitlines() for line in textwrap.wrap(part, WIDTH) or [""]]
+    lines = (line for part in words.splitlines() for line in textwrap.wrap(part, WIDTH) or [""])
+    return [piece for line in lines for piece in chop_cells(line, WIDTH) or [""]]
 
 
 class ScaleEntry:
@@ -107,8 +110,8 @@ class ScaleEntry:
         if self._few:
             gap = 6
         row = ("─" * gap).join(signs)
-        room = max(len(row), len(self._item.low) + len(self._item.high) + 2)
-        words = self._item.low + self._item.high.rjust(room - len(self._item.low))
+        low, high = self._item.low, self._item.high
+        words = low + " " * max(2, len(row) - cell_len(low) - cell_len(high)) + high
         keys = "← → set a mark" if self._mark is None else "← → move the mark   Enter: go on"
         digits = f"   1-{self._item.marks}: the same by number" if self._few else ""
         return [row, words, "", keys + digits]
@@ -192,7 +195,8 @@ class PairEntry:
     def lines(self) -> list[str]:
         """What is below the question."""
         left, right = self._item.first[1], self._item.second[1]
-        return [f"← {left}".ljust(WIDTH // 2) + f"{right} →".rjust(WIDTH // 2)]
+        between = max(2, WIDTH - cell_len(left) - cell_len(right) - 4)
+        return [f"← {left}{' ' * between}{right} →"]
 
 
 class TypedEntry:
@@ -219,7 +223,7 @@ class TypedEntry:
 
     def lines(self) -> list[str]:
         """What is below the question."""
-        rows = textwrap.wrap(self._typed, WIDTH - 2, drop_whitespace=False) or [""]
+        rows = chop_cells(self._typed, WIDTH - 3) or [""]
         unit = f" {self._item.unit}" if isinstance(self._item, NumberItem) else ""
         shown = [f"> {rows[0]}", *(f"  {row}" for row in rows[1:])]
         shown[-1] += "▁" + unit

@@ -11,21 +11,23 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hub.missions.journal_file import JournalFile
 from hub.pose import Pose
 from rune_study.data.derive import derive
+from rune_study.data.probes import probes_of
 from rune_study.data.rows import ProbeRow
 from rune_study.data.store import compute
 from rune_study.data.tables import read
 from rune_study.plan.steps import TRIAL, plan
 from rune_study.plan.study_file import read_study
 from rune_study.plan.study_spec import StudySpec
-from rune_study.questionnaires.answers import Answers
+from rune_study.questionnaires.answers import Answers, read_answers
 from rune_study.questionnaires.ground import Ground
 from rune_study.questionnaires.questionnaire import Questionnaire, find
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.questionnaires.truths import Moment
 from rune_study.session.freezing import ANSWERS, FROZEN, choose, occasion_of
-from rune_study.session.journal import BEGIN, DONE, Journal
+from rune_study.session.journal import BEGIN, DONE, JOURNAL, Journal, read_journal
 from rune_study.simulate.aware_operator import answer_of
 from tests.study.data.test_derive import STUDY, nothing, record
 
@@ -140,7 +142,26 @@ def test_a_freeze_that_was_left_counts_as_wrong_and_apart(study: StudySpec) -> N
 
 
 @pytest.mark.parametrize(
-    "queries", [5, [5], [{"id": "a"}], [{"right": 1.0}], ["a"], [{"id": "a", "kind": "soup"}]]
+    "queries",
+    [
+        5,
+        [5],
+        [{"id": "a"}],
+        [{"right": 1.0}],
+        ["a"],
+        [{"id": "a", "kind": "soup"}],
+        [
+            {
+                "id": [1],
+                "truth": "t",
+                "kind": "number",
+                "level": 1,
+                "robot": 1,
+                "right": 1.0,
+                "tolerance": 1.0,
+            }
+        ],
+    ],
 )
 def test_truths_that_were_changed_exclude_the_trial(study: StudySpec, queries: object) -> None:
     play(study, 1.0)
@@ -153,6 +174,37 @@ def test_truths_that_were_changed_exclude_the_trial(study: StudySpec, queries: o
         journal.put(DONE, n=0, attempt=2, result={"ended": "time", "seconds": 10.0})
     last = derive(study, 1).trials[-1]
     assert "the truths of a freeze have another form" in last.excluded
+
+
+@pytest.mark.parametrize("value", [[1], ["a", "b"], [None, None], {"a": 1}, "x", 1e308])
+def test_an_answer_of_another_form_costs_its_level_alone(study: StudySpec, value: object) -> None:
+    play(study, 1.0)
+    with contextlib.closing(JournalFile(study.folder / "sub-01" / ANSWERS)) as file:
+        given = {"questionnaire": "sagat", "occasion": "t1-a1-f1", "item": "position"}
+        file.append([{**given, "value": value, "at": 1.0, "seconds": 1.0}])
+    data = compute(study, nothing)
+    assert [row.excluded for row in data.trials] == ["", ""]
+    found = {row.metric: row for row in data.metrics if row.trial == 1}
+    assert "is no place" in found["sagat_1"].why
+    assert found["sagat_2"].value == 1.0
+
+
+def test_answers_that_were_cut_anywhere_are_never_read_twice(study: StudySpec) -> None:
+    play(study, 1.0)
+    folder = study.folder / "sub-01"
+    records = [each for each in read_journal(folder / JOURNAL) if each.data.get("n") == 0]
+    path = folder / ANSWERS
+    whole = path.read_bytes()
+    number = -1
+    for cut in range(0, len(whole) + 1, 7):
+        path.write_bytes(whole[:cut])
+        answers = read_answers(path)
+        assert len(answers) >= number
+        number = len(answers)
+        assert number in (whole[:cut].count(b"\n"), whole[:cut].count(b"\n") + 1)
+        probes = probes_of(records, "t1", 1, answers)
+        ids = [(each.freeze, each.asked.id) for each in probes if each.given is not None]
+        assert len(ids) == len(set(ids)) == min(number, FREEZES * len(SAGAT.items))
 
 
 def test_questionnaires_without_truths_leave_no_rows() -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from hypothesis import given
 from hypothesis import strategies as st
+from rich.cells import cell_len
 
-from rune_study.questionnaires.entries import WIDTH, entry_of
+from rune_study.questionnaires.entries import WIDTH, entry_of, wrapped
 from rune_study.questionnaires.items import (
     Agreement,
     Answer,
@@ -83,3 +84,20 @@ def test_any_keys_give_only_answers_that_fit_and_lines_that_fit(
         assert all(len(line) <= WIDTH for line in entry.lines())
         if answer is not None:
             entry = entry_of(item)
+
+
+@given(st.text(max_size=300))
+def test_questions_and_typed_words_fit_into_their_columns(words: str) -> None:
+    entry = entry_of(TextItem(id="e", text="?", longest=300))
+    for character in words:
+        entry.press(character, character)
+    for line in [*wrapped(words), *entry.lines()]:
+        assert cell_len(line) <= WIDTH
+
+
+def test_wide_labels_stay_at_the_ends_of_their_row() -> None:
+    low, high = "まったくない", "とても"
+    row, words, *_ = entry_of(Scale(id="a", text="?", low=low, high=high)).lines()
+    assert cell_len(words) == cell_len(row)
+    (line,) = entry_of(Pair(id="p", text="?", first=("a", low), second=("b", high))).lines()
+    assert cell_len(line) == WIDTH
