@@ -18,6 +18,7 @@ from hub.ipc.client import Client
 from hub.recording.recording_set import RecordingSet
 from hub.shaper.shaped_link import ShapedLink
 from hub.values import dataclass
+from rune_study.data.overlay import TrialOverlay, overlay_of
 from rune_study.data.rows import MetricRow, TrialRow, metric_rows
 from rune_study.data.store import StudyData
 from rune_study.errors import DataError, StudyError
@@ -71,6 +72,15 @@ class _Driven:
     services: tuple[Service, ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Measured:
+    """Metrics of a trial, what a map shows of it, and the true neglect tolerance [s]."""
+
+    metrics: list[MetricRow]
+    overlay: TrialOverlay
+    tolerance: float
+
+
 def play_on_hubs(
     study: StudySpec,
     folder: Path,
@@ -97,6 +107,7 @@ def play_on_hubs(
     episodes: list[TrueEpisode] = []
     trials: list[TrialRow] = []
     metrics: list[MetricRow] = []
+    overlays: list[TrialOverlay] = []
     tolerances: dict[tuple[int, int], float] = {}
     for participant in range(1, operators + 1):
         of = participant_folder(folder, participant)
@@ -109,16 +120,18 @@ def play_on_hubs(
             driven = _drive(study, step, recordings, model)
             own: dict[str, Any] = {"participant": participant, "trial": step.trial, "attempt": 1}
             episodes += [true_episode(own, each) for each in driven.services]
-            rows, tolerance = _measured(study, step, recordings, driven, {**own, "code": step.code})
-            metrics += rows
-            tolerances[participant, step.trial] = tolerance
+            own_metrics = {**own, "code": step.code}
+            measured = _measured(study, step, recordings, driven, own_metrics)
+            metrics += measured.metrics
+            overlays.append(measured.overlay)
+            tolerances[participant, step.trial] = measured.tolerance
             seconds = driven.end - driven.begin
             trials.append(TrialRow(**own, code=step.code, seconds=seconds, ended="time"))
         write_truth(folder / TRUTH, episodes)
         tell(f"participant {participant}: {len(trials)} trials so far")
     lengths = {(row.participant, row.trial): row.seconds for row in trials}
     found = findings(episodes, metrics, tolerances, lengths)
-    data = StudyData(trials=tuple(trials), metrics=tuple(metrics))
+    data = StudyData(trials=tuple(trials), metrics=tuple(metrics), overlays=tuple(overlays))
     return Played(study=study, data=data, found=tuple(found), wrong=())
 
 
@@ -192,9 +205,9 @@ def _measured(
     step: Step,
     recordings: Sequence[Path],
     driven: _Driven,
-    own: dict[str, object],
-) -> tuple[list[MetricRow], float]:
-    """Metrics of a trial, from the hubs' recordings and the operator's own inputs."""
+    own: dict[str, Any],
+) -> _Measured:
+    """What hubs' recordings and the operator's own inputs give."""
     arena = arena_of(study, study.conditions[step.condition])
     around = Surroundings(
         time=trial_time(0.0, driven.end - driven.begin),
@@ -221,8 +234,18 @@ def _measured(
         for each, spans in zip(data.robots, held, strict=True)
     )
     data = dataclasses.replace(data, robots=robots, inputs_known=True)
-    found = measure(data, measures(study))
-    return metric_rows(own, found), middle(stops)
+    return _Measured(
+        metrics=metric_rows(own, measure(data, measures(study))),
+        overlay=overlay_of(
+            data,
+            participant=own["participant"],
+            trial=own["trial"],
+            code=own["code"],
+            arena=arena,
+            radius=study.metrics.victim_radius_m,
+        ),
+        tolerance=middle(stops),
+    )
 
 
 def _log(recordings: RecordingSet, driven: _Driven) -> TrialLog:
