@@ -19,6 +19,7 @@ from rune_study.plan.steps import plan
 from rune_study.plan.study_file import read_study
 from rune_study.plan.study_spec import StudySpec
 from rune_study.session.journal import JOURNAL, read_journal
+from rune_study.session.study_log import CONSOLE_FILE, STUDY_FILE
 from rune_study.simulate.agreement import Finding, findings, middle, stops_after
 from rune_study.simulate.operator_model import OperatorModel
 from rune_study.simulate.script import TrueEpisode, check_playable, write_truth
@@ -125,7 +126,7 @@ def _tolerance(
     files = [
         file
         for file in recordings_of(study, participant, trial)
-        if not file.name.endswith(".console.mcap")
+        if not file.name.endswith((CONSOLE_FILE, STUDY_FILE))
     ]
     stops: list[float] = []
     try:
