@@ -126,6 +126,7 @@ class LinkDirection(Generic[P]):
     def __init__(self, conditions: DirectionConditions, profile: LinkProfile) -> None:
         self.conditions = conditions
         whole = profile.up.delay + profile.down.delay
+        self._whole = whole
         self._back = whole - conditions.spec.delay
         self._retry = whole + max(_LEAST_MARGIN_S, _JITTERS * profile.jitter)
         self._free = 0.0
@@ -252,7 +253,7 @@ class LinkDirection(Generic[P]):
     def _answer(self, stream: int, time: float) -> None:
         known = self._streams.get(stream)
         if known is not None:
-            known.window.answered(known.unanswered)
+            known.window.answered(known.unanswered, time - self._whole)
             known.unanswered -= 1
             self._send_unsent(stream, time)
 

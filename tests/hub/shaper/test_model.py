@@ -70,7 +70,7 @@ def test_streams_share_one_rate() -> None:
 
 def test_a_lost_packet_holds_up_its_own_stream_only() -> None:
     made, slow = profile(delay=0.1, rate=1e7, loss=0.1, burst=1.0), 0
-    sent = [(each * 0.01, each % 2, 100) for each in range(4000)]
+    sent = [(each * 0.04, each % 2, 100) for each in range(4000)]
     out = carried(made, sent)
     late = [each for each in out if each.time - sent[each.content][0] > 0.15]
     for each in late:
