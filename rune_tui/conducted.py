@@ -6,14 +6,14 @@ Both ends of a socket write JSON objects, one a line. The console obeys:
 | --- | --- |
 | `withdraw` | leaves the terminal to the other program, and goes on without a screen |
 | `return` | enters the terminal again |
-| `withhold` | takes no input but stops |
+| `withhold` | takes no input but stops, as soon as none was used for `quiet` [s] |
 | `allow` | takes inputs again |
 | `say` | shows `text` as a notice |
 | `listen` | reports the keys of `keys` instead of using them |
 | `end` | ends |
 
-It reports `ready`, `withdrawn`, `returned`, and `key` with `name` and `moment`: on the monotonic
-clock [s].
+It reports `ready`, `withdrawn`, `returned`, `withheld`, and `key` with `name` and `moment`: on the
+monotonic clock [s].
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ from rune_tui.ui.driver_reports import KeyMoved
 
 _logger = logging.getLogger(__name__)
 _LONGEST_LINE = 65_536
+_LOOK_S = 0.1
 
 
 class ConductedConsole(Console, inherit_bindings=True):
@@ -48,11 +49,13 @@ class ConductedConsole(Console, inherit_bindings=True):
         self._line.settimeout(0.0)
         self._unread = b""
         self._keys: Collection[str] = ()
+        self._quiet: float | None = None
         self._away = contextlib.ExitStack()
 
     def on_mount(self) -> None:
         """Begin to listen; the other program gets `ready`."""
         asyncio.get_running_loop().add_reader(self._line.fileno(), self._read)
+        self.set_interval(_LOOK_S, self._withhold_when_quiet)
         self._report("ready")
 
     def on_key(self, event: events.Key) -> None:
@@ -100,9 +103,12 @@ class ConductedConsole(Console, inherit_bindings=True):
             case "return":
                 self._away.close()
                 self._report("returned")
-            case "withhold" | "allow":
+            case "withhold":
+                self._quiet = float(order["quiet"])
+            case "allow":
+                self._quiet = None
                 self.inputs.release_all()
-                self.inputs.withheld = do == "withhold"
+                self.inputs.withheld = False
             case "say":
                 self._execute((Notify.now(self.state, str(order["text"])),))
             case "listen":
@@ -111,6 +117,13 @@ class ConductedConsole(Console, inherit_bindings=True):
                 self._end()
             case _:
                 _logger.warning("unknown order of the conducting program: %.40s", do)
+
+    def _withhold_when_quiet(self) -> None:
+        """Withhold control once the operator has left the robots alone."""
+        if self._quiet is not None and self.inputs.unused_for(time.monotonic()) >= self._quiet:
+            self._quiet = None
+            self.inputs.withheld = True
+            self._report("withheld")
 
     def _withdraw(self) -> None:
         self.inputs.release_all()

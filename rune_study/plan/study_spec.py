@@ -186,7 +186,7 @@ class WithholdSpec(MomentsSpec):
     """Control that is withheld until the robot needs its operator: neglect probes."""
 
     longest_s: float = key(number(1.0, 3600.0), 120.0, "longest time without control [s]")
-    still_s: float = key(number(0.1, 600.0), 3.0, "standstill of the robot that ends it [s]")
+    still_s: float = key(number(0.1, 600.0), 3.0, "time without work of a robot that ends it [s]")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -47,6 +47,7 @@ class ConsoleProcess:
                 raise StudyError(text) from fault
         self._line = ours
         self._unread = b""
+        self._kept: list[dict[str, Any]] = []
 
     def __enter__(self) -> Self:
         return self
@@ -76,6 +77,11 @@ class ConsoleProcess:
 
     def reports(self, timeout: float = 0.0) -> Iterator[dict[str, Any]]:
         """What it reported; waits up to `timeout` [s] for the first."""
+        kept, self._kept = self._kept, []
+        yield from kept
+        yield from self._received(timeout)
+
+    def _received(self, timeout: float) -> Iterator[dict[str, Any]]:
         self._line.settimeout(timeout)
         try:
             received = self._line.recv(_LONGEST)
@@ -89,9 +95,14 @@ class ConsoleProcess:
                     yield report
 
     def wait_for(self, event: str) -> bool:
-        """Wait for a report of this kind; False: the console ended, or takes too long."""
+        """Wait for a report of this kind; False: the console ended, or takes too long.
+
+        Others that come before are kept for `reports`.
+        """
         for _ in range(int(_ANSWER_S * 10)):
-            if any(each.get("event") == event for each in self.reports(0.1)):
+            found = list(self._received(0.1))
+            self._kept += (each for each in found if each.get("event") != event)
+            if any(each.get("event") == event for each in found):
                 return True
             if not self.running:
                 return False

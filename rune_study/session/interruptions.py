@@ -40,10 +40,8 @@ class Interruptions:
         if due.what == FREEZE:
             self._freeze(due, schedule)
         elif due.what == WITHHOLD:
-            self._withheld_at = time.monotonic()
-            self._stage.console.order("withhold")
-            self._stage.console.order("say", text="CONTROL IS WITHHELD")
-            self._note("withheld", due)
+            self._stage.console.order("withhold", quiet=self._study.metrics.gap_s)
+            self._note("withhold", due)
         elif due.what == QUESTION:
             self._stage.console.order("say", text=self._task.ask(due, time.monotonic()))
 
@@ -52,13 +50,21 @@ class Interruptions:
         spec = self._study.withhold
         self._task.look(now)
         if spec is not None and self._withheld_at is not None:
-            still = max(robot.still_for(now) for robot in self._stage.robots)
+            low = max(robot.low_for(now) for robot in self._stage.robots)
             waited = now - self._withheld_at
-            if min(still, waited) >= spec.still_s or waited >= spec.longest_s:
+            dropped = min(low, waited) >= spec.still_s
+            if dropped or waited >= spec.longest_s:
                 self._withheld_at = None
                 self._stage.console.order("allow")
                 self._stage.console.order("say", text="CONTROL IS YOURS AGAIN")
-                self._note("allowed", None, waited=round(waited, 3), still=round(still, 3))
+                why = "drop" if dropped else "time"
+                self._note("allowed", None, why=why, waited=round(waited, 3), low=round(low, 3))
+
+    def withheld(self) -> None:
+        """Take the console's report that it withholds control now."""
+        self._withheld_at = time.monotonic()
+        self._stage.console.order("say", text="CONTROL IS WITHHELD")
+        self._note("withheld", None)
 
     def answer(self, key: str, moment: float) -> None:
         """Take a key that the console reported, pressed at a moment [s]."""

@@ -26,6 +26,8 @@ from hub.ipc.message_info import MessageInfo
 from hub.ipc.security.client_keys import read_client_keys
 from hub.pose import Pose
 from rune_study.errors import TrialError
+from rune_study.plan.study_spec import MetricsSpec
+from rune_study.session.work_watch import WorkWatch
 from rune_tui.commands.demo import DemoHubs
 
 _START_S = 20.0
@@ -34,8 +36,6 @@ _POSE_S = 10.0
 _END_S = 5.0
 _MAP_S = 3.0
 _LOOK_S = 0.02
-_STILL = 0.02
-"""Velocity below which a robot stands [m/s, rad/s]."""
 
 
 @contextlib.contextmanager
@@ -147,8 +147,8 @@ class WatchedRobot:
         hub: str,
         number: int,
         victims: Sequence[tuple[float, float]],
-        radius: float,
         *,
+        metrics: MetricsSpec,
         real: bool,
         keys: Path | None = None,
     ) -> None:
@@ -158,7 +158,7 @@ class WatchedRobot:
             hub: The endpoint.
             number: Of the robot, from 0.
             victims: Where victims are in its `map` [m]; none: not known.
-            radius: Largest distance of a mark from its victim [m].
+            metrics: When a mark fits a victim, and when a robot works.
             real: Whether it is no simulated robot.
             keys: The key file, for a hub on another machine.
 
@@ -177,8 +177,9 @@ class WatchedRobot:
         self.map_in_arena: Pose | None = None
         self._contacts = self._first = 0
         self._pressed = False
-        self._still_since = math.inf
-        self._radius = radius
+        self._radius = metrics.victim_radius_m
+        self._work = WorkWatch(metrics.threshold)
+        self._way = 0.0
         self._real = real
         self._victims = victims
         self._heard = -math.inf
@@ -215,9 +216,9 @@ class WatchedRobot:
         """Number of victims in its arena."""
         return len(self._victims)
 
-    def still_for(self, now: float) -> float:
-        """How long it has been standing [s]."""
-        return max(0.0, now - self._still_since)
+    def low_for(self, now: float) -> float:
+        """How long it has not been working [s]."""
+        return self._work.low_for(now)
 
     def silent_for(self, now: float) -> float:
         """How long it has said nothing [s]."""
@@ -295,15 +296,13 @@ class WatchedRobot:
 
     def _move(self, pose: GroundTruth | RobotState, info: MessageInfo) -> None:
         if self.pose is not None:
-            self.distance += math.hypot(pose.x - self.pose.x, pose.y - self.pose.y)
+            step = math.hypot(pose.x - self.pose.x, pose.y - self.pose.y)
+            self.distance += step
+            self._way += step
         self.pose = pose
         self._heard = time.monotonic()
         self.collisions = max(0, self._contacts - self._first)
-        moves = max(abs(pose.linear), abs(pose.sway), abs(pose.heave), abs(pose.angular))
-        if moves > _STILL:
-            self._still_since = math.inf
-        else:
-            self._still_since = min(self._still_since, info.measured)
+        self._work.follow(info.measured, self._way)
 
     def _count(self, points: InterestPoints, _: MessageInfo) -> None:
         self.marks = tuple(

@@ -104,10 +104,16 @@ def stage(
             links = tuple(
                 stack.enter_context(ShapedLink(hub, profile, seed, keys=real.keys)) for hub in own
             )
-        radius = study.metrics.victim_radius_m
         watched = tuple(
             stack.enter_context(
-                WatchedRobot(hub, number, victims, radius, real=bool(real.hubs), keys=real.keys)
+                WatchedRobot(
+                    hub,
+                    number,
+                    victims,
+                    metrics=study.metrics,
+                    real=bool(real.hubs),
+                    keys=real.keys,
+                )
             )
             for number, hub in enumerate(own)
         )

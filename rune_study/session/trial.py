@@ -147,6 +147,8 @@ class Trial:
             for report in self._stage.console.reports():
                 if report.get("event") == "key":
                     self._interruptions.answer(str(report["name"]), float(report["moment"]))
+                elif report.get("event") == "withheld":
+                    self._interruptions.withheld()
             ending = self._ordered(schedule) or self._ending(schedule)
             if ending is not None:
                 return ending

@@ -62,8 +62,15 @@ class OperatorInputs:
 
 
 def inputs_of(log: TrialLog) -> OperatorInputs:
-    """The inputs of a trial; what repeats by itself, as a held key, counts as one input."""
-    inputs = tuple(log.own(RUNE_INPUT))
+    """The inputs of a trial; what repeats by itself, as a held key, counts as one input.
+
+    Inputs while control was withheld are left out: they are no interaction.
+    """
+    inputs = tuple(
+        (time, record)
+        for time, record in log.own(RUNE_INPUT)
+        if record.outcome is not InputOutcome.WITHHELD
+    )
     by_robot: dict[str, list[float]] = {}
     for time, record in inputs:
         if record.robot and record.handlers and not (record.repeat and record.value == 1):

@@ -285,12 +285,14 @@ class InputOutcome(enum.IntEnum):
         SENT: A message went to a robot.
         REFUSED: A message to a robot was meant, and a notice gave the reason why none went.
         DEAF: It is bound, and nothing came of it: it was stale, held, or under a page.
+        WITHHELD: The study withheld control, so that it could only stop.
     """
 
     NONE = 0
     SENT = 1
     REFUSED = 2
     DEAF = 3
+    WITHHELD = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

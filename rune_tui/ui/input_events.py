@@ -15,6 +15,7 @@ Events that release all inputs:
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 import math
 import time
 from collections.abc import Callable, Collection, Iterable
@@ -35,6 +36,7 @@ from rune_tui.layout.key_notes import unreported_keys
 from rune_tui.layout.names import MOUSE, WAY_OUT
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify
+from rune_tui.model.own_records import InputOutcome
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
@@ -47,6 +49,9 @@ _UNHEARD_S: Final = 1.0
 """Silence of an answering terminal that releases a held mouse button [s]."""
 _FOCUSING_S: Final = 0.3
 """Longest time from a focusing click to its report; the click has no other effect [s]."""
+_WITHHELD: Final = "control is withheld for now; only a stop works"
+_MOMENTARY: Final = (MOUSE + "wheel", MOUSE + "motion")
+"""Inputs that are never released."""
 
 
 class InputEvents:
@@ -90,6 +95,8 @@ class InputEvents:
         self._pauses = OwnPauses(PAUSE_S, stale_s=STALE_S)
         self.recorder: Recorder | None = None
         self.withheld = False
+        self._down: set[str] = set()
+        self._used = -math.inf
         self._heard = 0.0
         self._focused = -math.inf
 
@@ -228,6 +235,10 @@ class InputEvents:
         self._execute(self._current.dispatch.look(self._state()))
         return now
 
+    def unused_for(self, now: float) -> float:
+        """How long no input has been held or used [s]; withheld ones do not count."""
+        return 0.0 if self._down else now - self._used
+
     def release_all(self) -> None:
         """Release all inputs."""
         now = time.monotonic()
@@ -238,6 +249,7 @@ class InputEvents:
             self._note(each, effects, state, now)
         self._execute(effects)
         self._handle(axes)
+        self._down.clear()
 
     def _notify(self, text: str) -> None:
         self._execute((Notify.now(self._state(), text),))
@@ -248,18 +260,38 @@ class InputEvents:
             self._give(event, time.monotonic() if read is None else read)
 
     def _give(self, event: ControlEvent, read: float) -> None:
-        if self.withheld:
-            self.stop(event.name)
-            return
         state = self._state()
+        if self.withheld:
+            self._withhold(event, state, read)
+            return
         effects = self._current.dispatch.handle(event, state)
         self._note(event, effects, state, read)
         self._execute(effects)
 
+    def _withhold(self, event: ControlEvent, state: ConsoleState, read: float) -> None:
+        """Let an input do nothing but stop, and say so."""
+        dispatch = self._current.dispatch
+        effects = dispatch.stopping(event.name, state) if event.pressed else ()
+        if effects:
+            self._note(event, effects, state, read)
+            self._execute(effects)
+            return
+        if self.recorder is not None and self.recorder.path:
+            record = input_record(event, dispatch.listeners.of(event), (), state, read)
+            withheld = dataclasses.replace(record, outcome=InputOutcome.WITHHELD)
+            self.recorder.note_input(withheld)
+        if event.pressed and not event.repeat and dispatch.listeners.of(event):
+            self._notify(_WITHHELD)
+
     def _note(
         self, event: ControlEvent, effects: Collection[Effect], state: ConsoleState, read: float
     ) -> None:
-        """Record an input and what became of it."""
+        """Note that an input was used; record it, and what became of it."""
+        self._used = time.monotonic()
+        if event.pressed and event.name not in _MOMENTARY:
+            self._down.add(event.name)
+        else:
+            self._down.discard(event.name)
         if self.recorder is not None and self.recorder.path:
             bound = self._current.dispatch.listeners.of(event)
             self.recorder.note_input(input_record(event, bound, effects, state, read))

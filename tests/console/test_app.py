@@ -245,3 +245,29 @@ def test_a_step_that_fails_ends_no_console_and_leaves_the_others(
         assert len([text for text in desk.notices if "could not be done" in text]) == 1
 
     play(script)
+
+
+def test_withheld_control_lets_only_stops_through_and_says_why(
+    play: Callable[[Script], None],
+) -> None:
+    async def script(desk: Desk) -> None:
+        inputs = desk.console.inputs
+        assert inputs.unused_for(time.monotonic()) > 0.0
+        await desk.drive()
+        assert inputs.unused_for(time.monotonic()) == 0.0
+        inputs.release_all()
+        await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
+        assert inputs.unused_for(time.monotonic()) > 0.0
+        inputs.withheld = True
+        count = sum(map(bool, desk.robot.speeds))
+        await desk.press("w")
+        await desk.until(lambda: "control is withheld" in " ".join(desk.notices))
+        await desk.press("space")
+        await desk.until(lambda: desk.robot.stops)
+        assert sum(map(bool, desk.robot.speeds)) == count
+        inputs.withheld = False
+        inputs.release_all()
+        desk.robot.speeds.clear()
+        await desk.drive()
+
+    play(script)

@@ -62,7 +62,9 @@ holds the functions, with the source of each formula; they also work alone, on p
   of all neglects, and names the bound of each restricted mean.
 - **It needs drops that are seen.** If less than a third of the neglects end with one, neglect
   tolerance and what follows from it are "not identifiable". An operator who foresees drops makes
-  the tolerance too long. Neglect probes help: the console withholds control until the drop.
+  the tolerance too long. Neglect probes help: the console withholds control until the drop. In a
+  model who foresees half of the drops, 51 % are seen, and the median is 28.4 s in place of 21.7 s.
+  With probes in half of the neglects it is 74 % and 24.4 s.
 - A robot that stops when its operator releases the stick has next to no neglect tolerance, in any
   layout. Its fan-out is 1.
 - The median is the first time at which at most half is left (S <= 0.5 + 1e-12). Where the curve is
