@@ -17,7 +17,8 @@ from hub.recording.topics import RecordedTopic
 
 CHUNK_BYTES: Final = 512 * 1024
 """Length of messages with which a part of the file ends [bytes]."""
-_PARTIAL: Final = ".partial"
+PARTIAL: Final = ".partial"
+"""How the name of a file ends that is not complete; the number of its process is before it."""
 
 
 class NewRecording:
@@ -46,7 +47,7 @@ class NewRecording:
         self._encoder = McapEncoder(compression)
         if not replace and (path.exists() or path.is_symlink()):
             raise self._taken()
-        self._partial = path.with_name(f".{path.name}.{os.getpid()}{_PARTIAL}")
+        self._partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
         try:
             self._file = self._partial.open("wb", buffering=0)
         except OSError as error:

@@ -207,6 +207,24 @@ def test_a_snapshot_is_a_file_of_its_own(start_hub: Start, look: Look, folder: P
     observer.wait(lambda: not target.with_suffix(".parts").exists(), 10.0)
 
 
+def test_a_snapshot_outlives_its_recorder(start_hub: Start, look: Look, folder: Path) -> None:
+    hub = start_hub(**recorder('keep = "1h"\nalways = true'))
+    observer = look(hub, RECORD_STATE)
+    observer.wait(lambda: state_of(observer).ring_s > 2.0, 20.0)
+    order = {"text": "bump", "name": "bump", "before_s": 1.5, "after_s": 60.0}
+    assert ask(observer, action=RecordAction.SNAPSHOT, **order).done
+    asked = time.time()
+    observer.wait(lambda: time.time() > asked + 1.0, 10.0)
+    os.kill(hub.pids["recorder"], signal.SIGKILL)
+    target = folder / "snapshots" / "bump.mcap"
+    observer.wait(target.exists, 30.0)
+    with Recording.open(target) as recording:
+        assert recording.finished
+        assert recording.start / 1e9 < asked - 1.0
+        assert recording.end / 1e9 > asked
+    observer.wait(lambda: not target.with_suffix(".parts").exists(), 10.0)
+
+
 def test_a_recording_that_an_order_began_outlives_its_recorder(
     start_hub: Start, look: Look, folder: Path
 ) -> None:

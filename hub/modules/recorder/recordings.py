@@ -24,7 +24,7 @@ from hub.recording.live.series import (
     free_room,
 )
 from hub.recording.live.settings import RING_SPLIT_S
-from hub.recording.live.snapshots import MOST, Snapshot
+from hub.recording.live.snapshots import MOST, Snapshot, left_snapshots
 from hub.recording.writer import WriterLimits
 from hub.robots.description import RobotDescription
 from hub.values import dataclass
@@ -60,7 +60,7 @@ class Recordings:
         self._bus: BusRecorder | None = None
         self._ring: RecordingSeries | None = None
         self._running: _RunningRecording | None = None
-        self._snapshots: list[Snapshot] = []
+        self._snapshots = left_snapshots(self._folder.snapshots)
         self._fault = ""
         self._lost: Counter[str] = Counter()
         self._rate = _GrowthRate()
@@ -142,7 +142,9 @@ class Recordings:
         taken = {each.target for each in self._snapshots}
         while target in taken:
             target = target.with_name(f"{target.stem}+{target.suffix}")
-        self._snapshots.append(Snapshot(series, target, now - before, now + after))
+        snapshot = Snapshot(series, target, now - before, now + after)
+        snapshot.note(series.state.path.parent)
+        self._snapshots.append(snapshot)
         return f"the time from {before:g} s before to {after:g} s after now comes to {target}"
 
     def look(self) -> None:
