@@ -24,6 +24,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.robot_task import navigation_task
 from rune_tui.model.sightings import Floats
 from rune_tui.model.theme import Theme
+from rune_tui.model.topics import topics_of
 from rune_tui.model.view_cones import view_cones
 from rune_tui.model.world import WorldPoint
 from rune_tui.raster.canvas import Canvas, Colour
@@ -359,7 +360,7 @@ def _write_remark(canvas: Canvas, remark: str, theme: Theme) -> None:
 
 def _explanation(robot: RobotState, now: float) -> str:
     """Why there is no map; the banner reports a lost link."""
-    if robot.map is not None:
+    if robot.map is not None or topics_of(robot) is not None:  # a recording waits for nothing
         return ""
     trouble = link_trouble(robot, now)
     if trouble:

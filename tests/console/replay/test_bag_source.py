@@ -281,6 +281,17 @@ def test_bumpers_are_on_the_timeline(opened: Opened, tmp_path: Path) -> None:
     assert {each.kind for each in events} == {EventKind.BUMP}
 
 
+def test_a_recording_waits_for_no_map(opened: Opened, tmp_path: Path) -> None:
+    moved = ros_bags.transform(START, "odom", "base_link", 1.0, 0.0, 0.0)
+    entries = [entry("/tf", make("tf2_msgs/msg/TFMessage", transforms=[moved]), START)]
+    path = ros_bags.write_mcap(tmp_path / "a.mcap", entries)
+    cells = Player(lambda: opened(path), size=SIZE).seek(START)
+    assert cells is not None
+    text = "".join(map(chr, cells.glyphs[cells.glyphs > 0].tolist()))
+    assert "topics" in text
+    assert "waiting" not in text
+
+
 def test_keys_choose_topic_and_field(opened: Opened, rover: Path) -> None:
     choice = TopicChoice()
     source = opened(rover, choice)
