@@ -132,6 +132,8 @@ class _Painter:
         self._options = options
         self._desk = Desk(player, lambda: 0.0)
         self._desk.say("")
+        if not options.as_seen:
+            self._desk.overview = player.survey()
         self._size: tuple[int, int] | None = None
         self._last: tuple[Cells, Image.Image] | None = None
 

@@ -99,6 +99,7 @@ class Desk:
         self._notes, self._clips = notes, clips
         self._entry: TypedText | None = None
         self._clip_begin: int | None = None
+        self._leaving = False
         self.helps = False
         self._notice, self._noticed = SHORT, -math.inf
         self._bound: tuple[object, frozenset[str]] = None, frozenset()
@@ -125,6 +126,7 @@ class Desk:
         """Handle a key by the terminal's names of it."""
         name = name_of_key(key, character)
         task, place = TASKS.get(name, (None, 0))
+        self._leaving = self._leaving and task is ReviewTask.QUIT
         if self._entry is not None:
             self._type(name, character, self._entry)
         elif self.helps and task is not ReviewTask.QUIT:
@@ -228,7 +230,12 @@ class Desk:
         self.player.loop = not self.player.loop
 
     def _quit(self) -> None:
-        self.ended = True
+        """End; a clip that is not complete needs a second press."""
+        writes = self._clips.progress if self._clips is not None else ""
+        self.ended = self._leaving or not writes
+        self._leaving = True
+        if not self.ended:
+            self.say("a clip is still written; press again to drop it and end")
 
     def _step(self, count: int) -> None:
         if self.player.step(count) is None:

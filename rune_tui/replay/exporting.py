@@ -21,7 +21,7 @@ from rune_tui.replay.mission_page import mission_page
 from rune_tui.replay.opening import moment_of
 from rune_tui.replay.player import Player
 from rune_tui.replay.review_notes import ReviewNotes
-from rune_tui.replay.source import ReplaySource
+from rune_tui.replay.source import ReplaySource, with_notes
 
 _PAGE = ".html"
 
@@ -60,7 +60,7 @@ def export(options: Namespace, opened: Callable[[], ReplaySource]) -> list[str]:
             page = mission_page(player, _progress(f"writing {path.name}"), notes.events)
             _write(path, page)
         elif suffix in PICTURES:
-            _export_picture(player, start, path, as_seen=options.as_seen)
+            _export_picture(player, start, path, options)
         else:
             clip = ClipOptions(
                 start=start - source.start,
@@ -83,16 +83,18 @@ def _write(path: Path, text: str) -> None:
         raise PictureFileError(reason) from error
 
 
-def _export_picture(player: Player, stamp: int, path: Path, *, as_seen: bool) -> None:
+def _export_picture(player: Player, stamp: int, path: Path, options: Namespace) -> None:
     file = PictureFile(path)
     cells = player.seek(stamp, whole=True)
     if cells is None:
         why = f": {faults[-1]}" if (faults := player.source.faults) else ""
         reason = f"{player.source.title} has no frame there{why}"
         raise LogError(reason)
-    if not as_seen:
+    if not options.as_seen:
         columns, rows = cells.columns + 2 * screen.SIDES, cells.rows
-        cells = Desk(player, lambda: 0.0).cells(columns, rows + screen.TOP + screen.BOTTOM)
+        desk = Desk(player, lambda: 0.0)
+        desk.overview = with_notes(player.survey(), ReviewNotes(options.files[0]).events)
+        cells = desk.cells(columns, rows + screen.TOP + screen.BOTTOM)
     file.write(file.draw(cells, ()))
 
 

@@ -14,11 +14,20 @@ from hub.gcm.mapping import INTEREST_POINTS
 from hub.values import dataclass
 from rune_tui.compositor.picture import image
 from rune_tui.export.report import drawing
+from rune_tui.model.attention import Problem
 from rune_tui.model.robot_state import RobotState
 from rune_tui.replay import timeline
 from rune_tui.replay.desk import SECOND
 from rune_tui.replay.player import Player
-from rune_tui.replay.source import EventKind, Overview, ReplayEvent, ReplaySource, with_notes
+from rune_tui.replay.source import (
+    EventKind,
+    Overview,
+    ReplayEvent,
+    ReplayFrame,
+    ReplaySource,
+    with_notes,
+)
+from rune_tui.visualizers.words.troubles import problems, troubles_of_all
 
 _MOST_PICTURES: Final = 12
 _STEP_NS: Final = SECOND
@@ -36,6 +45,23 @@ svg { width: 100%; max-height: 80vh; background: #b0b4b8 }
 img { width: 100% }
 .pictures { display: grid; grid-template-columns: 1fr 1fr; gap: 1em }
 """
+
+
+@dataclass(slots=True)
+class _Shown:
+    """A problem that the console could show, as far as it was looked at once a second.
+
+    Attributes:
+        begin: When it was there first [ns].
+        end: When it was there last [ns].
+        seconds: How long it was there [s].
+        problem: What it was at its worst.
+    """
+
+    begin: int
+    end: int
+    seconds: int
+    problem: Problem
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +83,7 @@ def mission_page(
         notes: What people noted while they looked at the recording.
     """
     source, overview = player.source, with_notes(player.survey(), notes)
-    ways = _ways(player, lambda share: progress(0.7 * share))
+    ways, shown = _ways(player, lambda share: progress(0.7 * share))
     moments = _moments(player, overview)
     pictures = []
     for number, (stamp, words) in enumerate(moments, 1):
@@ -77,6 +103,12 @@ def mission_page(
         "<p>F freeze, ! alarm, V victim, B bump, | trial, · note, ▂ interaction, ╱ nothing.</p>",
         "<h2>What went wrong</h2>",
         _events(wrong, start) if wrong else f"<p>No alarm and no bump{_unread(source)}.</p>",
+        *_problems(shown, start),
+        *(
+            f"<p>Nothing is recorded from {_length(gap.start - start)} to "
+            f"{_length(gap.end - start)}.</p>"
+            for gap in overview.gaps
+        ),
         *(f"<p>{escape(fault)}</p>" for fault in source.faults),
         "<h2>Robots</h2>",
         *(_robot(name, way) for name, way in ways.items()),
@@ -101,14 +133,43 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
-def _ways(player: Player, progress: Callable[[float], None]) -> dict[str, _Way]:
+def _problems(shown: Sequence[_Shown], start: int) -> Iterator[str]:
+    """A table of what was wrong for a while; alarms come first."""
+    if not shown:
+        return
+    yield "<p>What a console says was wrong, looked at once a second:</p>"
+    yield "<table><tr><th>first</th><th>last</th><th>for</th><th>robot</th><th></th><th></th></tr>"
+    for each in sorted(shown, key=lambda each: (not each.problem.alarm, each.begin)):
+        times = (_length(each.begin - start), _length(each.end - start), f"{each.seconds} s")
+        problem = each.problem
+        cells = (*times, problem.robot, "alarm" if problem.alarm else "warning", problem.text)
+        yield "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+    yield "</table>"
+
+
+def _note_problems(shown: dict[tuple[str, str], _Shown], frame: ReplayFrame) -> None:
+    """Add the problems of a frame to those before."""
+    for problem in problems(troubles_of_all(frame.state)):
+        key = problem.robot, problem.cause
+        known = shown.setdefault(key, _Shown(frame.stamp, frame.stamp, 0, problem))
+        known.end = frame.stamp
+        known.seconds += 1
+        if problem.alarm and not known.problem.alarm:
+            known.problem = problem
+
+
+def _ways(
+    player: Player, progress: Callable[[float], None]
+) -> tuple[dict[str, _Way], list[_Shown]]:
     source = player.source
     ways: dict[str, _Way] = {}
+    shown: dict[tuple[str, str], _Shown] = {}
     due = source.start
     for frame in source.frames(source.start - 1, source.end):
         if frame.stamp < due and frame.stamp < source.end:
             continue
         due = frame.stamp + _STEP_NS
+        _note_problems(shown, frame)
         for name, robot in frame.state.robots.items():
             known = ways.get(name)
             places = known.places if known is not None else []
@@ -117,7 +178,7 @@ def _ways(player: Player, progress: Callable[[float], None]) -> dict[str, _Way]:
                 places.append((at.value.x, at.value.y))
             ways[name] = _Way(places, robot)
         progress((frame.stamp - source.start) / max(1, source.end - source.start))
-    return ways
+    return ways, list(shown.values())
 
 
 def _moments(player: Player, overview: Overview) -> list[tuple[int, str]]:

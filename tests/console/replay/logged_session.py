@@ -42,9 +42,14 @@ HERTZ = 10
 
 
 def logged_session(
-    folder: Path, seconds: float, *, begin: float = 1000.0, hertz: int = HERTZ
+    folder: Path,
+    seconds: float,
+    *,
+    begin: float = 1000.0,
+    hertz: int = HERTZ,
+    silent: float = math.inf,
 ) -> Path:
-    """Record a robot that drives in circles for a time; the file."""
+    """Record a robot that drives in circles for a time, and is `silent` from then on [s]."""
     layout_file, path = folder / "layout.xml", folder / "session.mcap"
     layout_file.write_text(LAYOUT)
     layout = open_layout(layout_file)
@@ -62,8 +67,9 @@ def logged_session(
         value = robot_state(
             x=2.0 * math.cos(angle), y=2.0 * math.sin(angle), linear=math.sin(angle * 3.0)
         )
-        recording.add("blimp", ROBOT_STATE, value, now - 0.02, number)
-        received = Received(value=value, measured=now - 0.02, number=number)
+        if now - begin <= silent:
+            recording.add("blimp", ROBOT_STATE, value, now - 0.02, number)
+            received = Received(value=value, measured=now - 0.02, number=number)
         robot = RobotState(name="blimp", link=link, messages={ROBOT_STATE.name: received})
         state = dataclasses.replace(
             state, now=now, clock=f"12:00:{number // hertz % 60:02d}", robots={"blimp": robot}

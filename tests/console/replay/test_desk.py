@@ -122,7 +122,11 @@ def test_a_clip_is_written_from_one_press_to_the_other(review: Review) -> None:
 
 
 def test_a_clip_that_is_dropped_leaves_nothing(review: Review) -> None:
-    review.press("x", "end", "x")
+    review.press("x", "end", "x", "q")
+    assert not review.desk.ended
+    assert "a clip is still written" in review.head
+    review.press("q")
+    assert review.desk.ended
     review.clips.close()
     assert not [*review.path.parent.glob("*clip*")]
 

@@ -14,6 +14,7 @@ from PIL import Image
 from rune_tui.replay.console_log import ConsoleLog
 from rune_tui.replay.mission_page import mission_page
 from rune_tui.replay.player import Player
+from rune_tui.replay.source import EventKind, ReplayEvent
 from tests.console.replay.logged_session import logged_session
 
 
@@ -35,3 +36,15 @@ def test_a_report_has_the_robots_way_and_pictures_of_begin_and_end(tmp_path: Pat
     assert len(sizes) == 1
     assert "http://" not in page.replace("http://www.w3.org/2000/svg", "")
     assert "<script" not in page
+
+
+def test_a_report_says_what_was_wrong_and_for_how_long(tmp_path: Path) -> None:
+    session = logged_session(tmp_path, 12, silent=4.0)
+    note = ReplayEvent(stamp=0, kind=EventKind.NOTE, text="<look>")
+    with closing(Player(partial(ConsoleLog, session))) as player:
+        page = mission_page(player, lambda _: None, [note])
+    wrong = page.partition("What went wrong")[2].partition("<h2>")[0]
+    (row,) = re.findall(r"<tr><td>(0:00:0[4-7])</td><td>0:00:1[01]</td><td>(\d) s</td>", wrong)
+    assert 4 <= int(row[1]) <= 8
+    assert "<td>alarm</td>" in wrong
+    assert "&lt;look&gt;" in page
