@@ -140,6 +140,7 @@ class ReplayApp(MouseApp, inherit_bindings=False):
         if self._found is not None:
             self.desk.overview = with_notes(self._found, self._notes.events)
             self._found = None
+        self.desk.settle()
         player.tick(now, time.monotonic, _BUSY_S)
         if self._painter.ready(now):
             self._paint(now)

@@ -26,6 +26,8 @@ from rune_tui.widgets.listeners import Listeners
 
 SECOND: Final = 1_000_000_000
 _TIME: Final = re.compile(r"(\d{1,9}:){0,2}\d{1,9}(\.\d{0,9})?", re.ASCII)
+_JUMPS: Final = (ReviewTask.JUMP, ReviewTask.LONG_JUMP, ReviewTask.ENDS)
+"""Tasks that only change where the next frame is."""
 _JUMP_S: Final = 5.0
 _LONG_JUMP_S: Final = 60.0
 _NOTICE_S: Final = 3.0
@@ -100,6 +102,7 @@ class Desk:
         self._entry: TypedText | None = None
         self._clip_begin: int | None = None
         self._leaving = False
+        self._goal: int | None = None
         self.helps = False
         self._notice, self._noticed = SHORT, -math.inf
         self._bound: tuple[object, frozenset[str]] = None, frozenset()
@@ -126,6 +129,8 @@ class Desk:
         """Handle a key by the terminal's names of it."""
         name = name_of_key(key, character)
         task, place = TASKS.get(name, (None, 0))
+        if task not in _JUMPS:
+            self.settle()
         self._leaving = self._leaving and task is ReviewTask.QUIT
         if self._entry is not None:
             self._type(name, character, self._entry)
@@ -150,7 +155,14 @@ class Desk:
 
     def go(self, seconds: float) -> None:
         """Go on or back by a time of the recording [s]."""
-        self._seek(self.player.position + round(seconds * SECOND))
+        here = self.player.position if self._goal is None else self._goal
+        self._seek(here + round(seconds * SECOND))
+
+    def settle(self) -> None:
+        """Jump to where keys and clicks lead; once, however many there were."""
+        goal, self._goal = self._goal, None
+        if goal is not None:
+            self.player.seek(goal)
 
     def say(self, text: str) -> None:
         """Show a sentence for some seconds."""
@@ -158,6 +170,7 @@ class Desk:
 
     def words(self, columns: int) -> tuple[str, str, str]:
         """The first row, and the two of the timeline, at a width."""
+        self.settle()
         source, position = self.player.source, self.player.position
         if self._clips is not None and (result := self._clips.result()):
             self.say(result)
@@ -242,7 +255,8 @@ class Desk:
             self.say(f"this is the {'last' if count > 0 else 'first'} frame")
 
     def _seek(self, stamp: int) -> None:
-        self.player.seek(stamp)
+        source = self.player.source
+        self._goal = min(max(stamp, source.start), source.end)
 
     def _mark(self, way: int) -> None:
         """Go to the next event, or the one before (-1)."""

@@ -131,6 +131,17 @@ def test_a_clip_that_is_dropped_leaves_nothing(review: Review) -> None:
     assert not [*review.path.parent.glob("*clip*")]
 
 
+def test_many_jumps_before_a_frame_are_one(review: Review) -> None:
+    review.press(*["right"] * 40, "home", "right")
+    review.desk.go(-3.0)
+    assert review.player.position == review.player.source.start
+    review.desk.settle()
+    assert review.player.position == review.player.source.end - 3 * SECOND
+    review.press("home")
+    review.type("x")  # it is about the time that the person wants
+    assert "clip from 0:00.0" in review.head
+
+
 def test_the_page_of_the_keys_opens_and_closes(review: Review) -> None:
     plain = review.desk.cells(100, 30).checksum
     review.type("?")
