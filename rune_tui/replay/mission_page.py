@@ -48,7 +48,7 @@ img { width: 100% }
 
 
 @dataclass(slots=True)
-class _Shown:
+class _LastingProblem:
     """A problem that the console could show, as far as it was looked at once a second.
 
     Attributes:
@@ -133,7 +133,7 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
-def _problems(shown: Sequence[_Shown], start: int) -> Iterator[str]:
+def _problems(shown: Sequence[_LastingProblem], start: int) -> Iterator[str]:
     """A table of what was wrong for a while; alarms come first."""
     if not shown:
         return
@@ -147,11 +147,11 @@ def _problems(shown: Sequence[_Shown], start: int) -> Iterator[str]:
     yield "</table>"
 
 
-def _note_problems(shown: dict[tuple[str, str], _Shown], frame: ReplayFrame) -> None:
+def _note_problems(shown: dict[tuple[str, str], _LastingProblem], frame: ReplayFrame) -> None:
     """Add the problems of a frame to those before."""
     for problem in problems(troubles_of_all(frame.state)):
         key = problem.robot, problem.cause
-        known = shown.setdefault(key, _Shown(frame.stamp, frame.stamp, 0, problem))
+        known = shown.setdefault(key, _LastingProblem(frame.stamp, frame.stamp, 0, problem))
         known.end = frame.stamp
         known.seconds += 1
         if problem.alarm and not known.problem.alarm:
@@ -160,10 +160,10 @@ def _note_problems(shown: dict[tuple[str, str], _Shown], frame: ReplayFrame) -> 
 
 def _ways(
     player: Player, progress: Callable[[float], None]
-) -> tuple[dict[str, _Way], list[_Shown]]:
+) -> tuple[dict[str, _Way], list[_LastingProblem]]:
     source = player.source
     ways: dict[str, _Way] = {}
-    shown: dict[tuple[str, str], _Shown] = {}
+    shown: dict[tuple[str, str], _LastingProblem] = {}
     due = source.start
     for frame in source.frames(source.start - 1, source.end):
         if frame.stamp < due and frame.stamp < source.end:
