@@ -202,10 +202,9 @@ class Desk:
         said = f" RECORDING {moment_text(player.position)}  {does} {rate}"
         if player.loop:
             said += "  loop"
-        if player.knows is not Knowledge.ALL:
-            said += f"  filling trails and plots ({player.ready:.0%})"
-        elif (check := self._checked()).value:
-            said += f"  {check.value}"
+        noticed = self._clock() - self._noticed < _NOTICE_S
+        if self._entry is None and not noticed:  # else a narrow terminal needs the room
+            said += self._exactness()
         if self._clip_begin is not None:
             begin = timeline.clock_text((self._clip_begin - player.source.start) / SECOND)
             said += f"  clip from {begin}, X ends it"
@@ -213,13 +212,20 @@ class Desk:
             said += f"  {progress}"
         if self._entry is not None:
             said += f"  {self._entry.kind.value}{self._entry.text}_"
-        elif self._clock() - self._noticed < _NOTICE_S:
+        elif noticed:
             said += f"  · {self._notice}"
         elif player.source.faults:
             said += f"  · {player.source.faults[-1]}"
         elif columns - len(said) > len(player.source.title) + 2:
             said += f"{player.source.title:>{columns - len(said) - 1}}"
         return said
+
+    def _exactness(self) -> str:
+        """Whether the frame is exact, or how far the replay is on the way there."""
+        if self.player.knows is not Knowledge.ALL:
+            return f"  filling trails and plots ({self.player.ready:.0%})"
+        check = self._checked()
+        return f"  {check.value}" if check.value else ""
 
     def _checked(self) -> FrameCheck:
         """Whether the frame is that of then; not looked at while it plays."""
