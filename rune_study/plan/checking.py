@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from hub.errors import HubError
 from hub.nearest import did_you_mean
@@ -45,9 +47,28 @@ def check_study(folder: Path) -> StudyDraft:
         StudyFileError: Its file cannot be read, or is not TOML.
     """
     draft = read_draft(folder)
-    for place, key, problem in sorted({*_steps(draft), *_conditions(draft), *_metrics(draft)}):
+    for place, key, problem in sorted(
+        {*_steps(draft), *_conditions(draft), *_alike(draft), *_metrics(draft)}
+    ):
         draft.problems.add(place, problem, key)
     return draft
+
+
+def _alike(draft: StudyDraft) -> Iterator[_Problem]:
+    """Conditions that differ in a name alone: nothing says what the name changes."""
+    study = draft.study
+    found: dict[ConditionSpec, Mapping[str, Any]] = {}
+    for spec, levels in zip(study.conditions, study.levels, strict=False):
+        effect = dataclasses.replace(spec, assistance="", autonomy="")
+        other = found.setdefault(effect, levels)
+        if other is not levels:
+            names = [name for name in levels if levels[name] != other.get(name)]
+            for name in names:
+                text = (
+                    f"[factors]: {name} {other.get(name)!r} and {levels[name]!r} do not differ; "
+                    "a [[level]] says what each changes"
+                )
+                yield "[factors]", name, text
 
 
 _Problem = tuple[str, str, str]

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rune_study.errors import StudyError, StudyFileError
+from rune_study.plan.checking import check_study
 from rune_study.plan.practice import Criterion
 from rune_study.plan.steps import TRIAL, plan
 from rune_study.plan.study_file import read_study
@@ -166,3 +167,11 @@ def test_a_criterion_compares_what_is_measured() -> None:
     for wrong in ("", "distance", "distance >= far", "distance >= 1 or collisions <= 1"):
         with pytest.raises(StudyError):
             Criterion.read(wrong)
+
+
+@pytest.mark.parametrize(("level", "times"), [("", 1), ("variables = {a = 'b'}", 0)])
+def test_levels_that_change_nothing_are_named(tmp_path: Path, level: str, times: int) -> None:
+    change = f"[[level]]\nfactor = 'autonomy'\nlevel = 'waypoint'\n{level}\n" if level else ""
+    study_of(tmp_path, f"[factors]\nautonomy = ['teleoperation', 'waypoint']\n{change}")
+    text = "autonomy 'teleoperation' and 'waypoint' do not differ"
+    assert sum(text in each for each in check_study(tmp_path).problems) == times
