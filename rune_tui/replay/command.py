@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import time
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -14,6 +17,29 @@ from rune_tui.replay.review_notes import ReviewNotes
 from rune_tui.replay.source import ReplaySource
 from rune_tui.terminal.questions import Answers
 from rune_tui.terminal.traits import Traits
+
+_RECENT_S = 5.0
+"""A file without an end that changed later than this ago is still written [s]."""
+_END = b"\x89MCAP0\r\n"
+"""The last bytes of a complete MCAP file."""
+
+
+def still_written(paths: Sequence[Path], now: float) -> str:
+    """Which recording is still written, in a sentence; empty: none.
+
+    Args:
+        paths: The files.
+        now: The time [s since 1970].
+    """
+    for path in paths:
+        with contextlib.suppress(OSError):
+            if path.suffix != ".mcap" or now - path.stat().st_mtime > _RECENT_S:
+                continue
+            with path.open("rb") as file:
+                file.seek(-min(len(_END), path.stat().st_size), os.SEEK_END)
+                if file.read() != _END:
+                    return f"{path.name} is still written; open it again to see more"
+    return ""
 
 
 def show(
@@ -39,7 +65,11 @@ def show(
         closing(player_of(opened, options)) as player,
         closing(ClipWriter(opened, first)) as clips,
     ):
+        growing = still_written(options.files, time.time())
         traits, answers, took = ask_terminal()
         trip = took if answers.complete else 0.0
-        ReplayApp(player, traits, trip, notes=ReviewNotes(first), clips=clips).run()
+        app = ReplayApp(player, traits, trip, notes=ReviewNotes(first), clips=clips)
+        if growing:
+            app.desk.say(growing)
+        app.run()
         return [*player.source.faults]

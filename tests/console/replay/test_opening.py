@@ -19,6 +19,7 @@ from hub.gcm.vision import IMAGE, Image, ImageCoding
 from rune_tui.errors import LogError
 from rune_tui.files.console_recording import ConsoleRecording
 from rune_tui.model.own_records import RUNE_TERMINAL, TerminalRecord
+from rune_tui.replay.command import still_written
 from rune_tui.replay.desk import Desk
 from rune_tui.replay.opening import follow_time_zone, open_source
 from rune_tui.replay.player import Player
@@ -195,3 +196,13 @@ def test_a_picture_before_the_description_becomes_the_main_one(tmp_path: Path) -
             assert robot.picture is not None
             assert robot.picture.age(frame.state.now) < 0.3
             assert robot.pictures == {}
+
+
+def test_a_recording_that_is_still_written_is_named(tmp_path: Path) -> None:
+    session = logged_session(tmp_path, 1)
+    changed = session.stat().st_mtime
+    assert still_written([session], changed) == ""
+    session.write_bytes(session.read_bytes()[:-20])
+    changed = session.stat().st_mtime
+    assert "session.mcap is still written" in still_written([tmp_path, session], changed + 1.0)
+    assert still_written([session, tmp_path / "none.mcap"], changed + 60.0) == ""
