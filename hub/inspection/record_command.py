@@ -34,6 +34,8 @@ _ANSWER_S = 5.0
 _START_S = 15.0
 """Longest wait for the robot's recorder to start [s]."""
 _LISTEN_S = 0.1
+_LOOK_S = 0.1
+"""Time between two looks at files and keys [s]."""
 _ENDS = (signal.SIGINT, signal.SIGTERM)
 _SHOW_S = 0.5
 """Time between two lines of progress [s]."""
@@ -160,6 +162,7 @@ class _Foreground:
             with read_keys() as keys:
                 self._serve(keys)
         finally:
+            self._bus.take_now()
             lost = self._bus.lost()
             state = self._series.close()
             for each, handler in before.items():
@@ -167,9 +170,12 @@ class _Foreground:
         return self._conclude(state, lost.total())
 
     def _serve(self, keys: int | None) -> None:
-        begun = shown = time.monotonic()
+        begun = shown = looked = time.monotonic()
         while not self._ending:
             self._client.listen(_LISTEN_S)
+            if time.monotonic() - looked < _LOOK_S:
+                continue
+            looked = time.monotonic()
             if keys is not None:
                 self._obey(keys)
             self._bus.look()
@@ -193,6 +199,7 @@ class _Foreground:
             if pressed in ("q", "\x03", "\x04", ""):
                 self._ending = True
                 return
+            self._bus.take_now()
             if pressed == " ":
                 self._paused = not self._paused
                 self._bus.series[:] = [] if self._paused else [self._series]

@@ -16,7 +16,7 @@ from hub.errors import (
 )
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.formats.codegen import Buffer
-from hub.ipc.message_info import MessageInfo, decode
+from hub.ipc.message_info import Gathered, MessageInfo, decode
 from hub.ipc.node.base_client import BaseClient
 from hub.ipc.node.pending_queries import PendingQuery
 from hub.ipc.node.publisher import Publisher
@@ -82,27 +82,35 @@ class Client(BaseClient):
         if last:
             self.session.ask_last(definition.name)
 
-    def subscribe_payload(
-        self,
-        definition: MessageDefinition[Any],
-        handler: Callable[[Buffer, MessageInfo], None],
-        *,
-        last: bool = False,
+    def gather(self, take: Callable[[list[Gathered]], None]) -> None:
+        """Receive cheaply: messages wait for some milliseconds, and come to `take` together.
+
+        Each has the moment when it came, as far as that is known: it came since the messages before
+        it, and not before it was measured. Call it before the first subscription.
+        """
+        self._subscriptions.gather(take)
+
+    def subscribe_gathered(
+        self, definition: MessageDefinition[Any], label: object, *, last: bool = False
     ) -> None:
-        """Call `handler` with the payload of every message: unchecked, of any age, none dropped.
+        """Gather the payload of every message: unchecked, of any age, none dropped.
 
         Args:
             definition: Which message.
-            handler: Gets the payload, which it may keep, and how it came.
+            label: What `take` knows it by.
             last: As for `subscribe`.
 
         Raises:
             RedefinedMessageError: Other handlers of this client get its values.
         """
         self._prepare(definition)
-        self._subscriptions.subscribe(definition, handler, raw=True)
+        self._subscriptions.subscribe_gathered(definition, label)
         if last:
             self.session.ask_last(definition.name)
+
+    def take_gathered(self) -> None:
+        """Hand on now what waits to be gathered."""
+        self._subscriptions.take_gathered()
 
     @property
     def lost_by_message(self) -> dict[str, int]:

@@ -17,6 +17,8 @@ LARGEST_PORT = 65529
 """Of a hub, which takes the six ports behind it as well."""
 DIRECT_PREFIX = "ipc://@rune-"
 """Prefix of the direct addresses of clients on this machine."""
+GATHER_PREFIX = f"{DIRECT_PREFIX}gather-"
+"""Prefix of those whose client looks at them now and then."""
 _MAX_DIRECT = 100
 _MAX_IPC_PATH = 100
 _HOST_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,251}[A-Za-z0-9])?")

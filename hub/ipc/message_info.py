@@ -27,6 +27,14 @@ class MessageInfo(NamedTuple):
     measured: float
 
 
+Gathered = tuple[Any, bytes, float, float, int, int]
+"""A message among many: what its subscriber calls it, its payload, when it came and when it was
+measured [s, this process's monotonic clock], its number, and its length [bytes].
+
+A plain tuple, because a class costs a tenth of the reception.
+"""
+
+
 def decode(definition: MessageDefinition[Any], frame: frames.Frame) -> Any:
     """The value in a frame of `definition`.
 

@@ -46,6 +46,8 @@ COMPRESSIONS: Final = ("lz4", "zstd", "none")
 _ZSTD_LEVEL: Final = 3
 _MOST_NUMBERS: Final = 65_535
 _MESSAGE = struct.Struct("<BQHIQQ")
+MESSAGE_HEAD: Final = _MESSAGE.size
+"""Bytes of a chunk that each message takes beside its payload."""
 _MESSAGE_BYTES: Final = _MESSAGE.size - RECORD.size
 _CHUNK = struct.Struct("<QQQI")
 _CHUNK_INDEX = struct.Struct("<QQQQ")
@@ -152,7 +154,7 @@ class McapEncoder:
             TypeError: The payload has no bytes.
         """
         data = payload if isinstance(payload, WHOLE) else b"".join(payload)
-        length = data.nbytes if isinstance(data, memoryview) else len(data)
+        length = len(data) if data.__class__ is bytes else memoryview(data).nbytes
         head = _MESSAGE.pack(MESSAGE, _MESSAGE_BYTES + length, channel, number, stamp, published)
         records = self._records
         place = len(records)

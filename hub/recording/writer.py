@@ -19,13 +19,15 @@ import struct
 import threading
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field
+from operator import itemgetter
 from pathlib import Path
+from typing import Any
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
-from hub.recording.encoder import WHOLE, McapEncoder, Payload
+from hub.recording.encoder import MESSAGE_HEAD, WHOLE, McapEncoder, Payload
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
@@ -37,11 +39,14 @@ BOOT = "boot"
 """Key of that metadata: which run of a machine the monotonic clock belongs to."""
 BOOT_FILE = Path("/proc/sys/kernel/random/boot_id")
 """Where the system says which run of the machine this is."""
-_GATHER_S = 0.05
+_LENGTH = itemgetter(5)
+_GATHER_S = 0.1
 """Time that messages wait for others before the thread wakes [s]."""
+_LATE_S = _GATHER_S + 0.05
+"""The same, with the time that messages of a bus wait in their inbox [s]."""
 
 
-_WaitingMessage = tuple[RecordedTopic | tuple[str, str], Payload, float, float, int, int]
+WaitingMessage = tuple[Any, Payload, float, float, int, int]
 """Topic, or name and type of an attachment; payload, moment, measured, number, length [bytes].
 
 A tuple, because a class costs a tenth of all writing.
@@ -112,7 +117,7 @@ class RecordingWriter:
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._closing = threading.Event()
-        self._waiting: list[_WaitingMessage] = []
+        self._waiting: list[WaitingMessage] = []
         self._waiting_bytes = 0
         self._lost: Counter[str] = Counter()
         self._ended = False
@@ -161,6 +166,21 @@ class RecordingWriter:
         size = _size(payload) if isinstance(payload, WHOLE) else sum(map(_size, payload))
         self._add(topic.name, (topic, payload, moment, measured, number, size))
 
+    def add_all(self, messages: Sequence[WaitingMessage]) -> None:
+        """As `add`, for many at once: topic, payload, moment, measured, number, length [bytes]."""
+        size = sum(map(_LENGTH, messages))
+        with self._lock:
+            fits = self._waiting_bytes + size <= self._limits.waiting_bytes and not self._ended
+            if fits:
+                self._waiting_bytes += size
+                first = not self._waiting
+                self._waiting += messages
+        if not fits:
+            for each in messages:
+                self._add(each[0].name, each)
+        elif first:
+            self._wake.set()
+
     def attach(self, name: str, media_type: str, data: bytes, moment: float) -> None:
         """Write a file into the recording, such as a layout; it waits and is lost as messages."""
         self._add(name, ((name, media_type), data, moment, moment, 0, len(data)))
@@ -175,7 +195,7 @@ class RecordingWriter:
         self._wake.set()
         self._thread.join(patience)
 
-    def _add(self, name: str, entry: _WaitingMessage) -> None:
+    def _add(self, name: str, entry: WaitingMessage) -> None:
         with self._lock:
             waiting = self._waiting_bytes + entry[-1]
             if self._ended or waiting > self._limits.waiting_bytes:
@@ -204,49 +224,53 @@ class RecordingWriter:
         if self._wake.wait(None if math.isinf(due) else max(0.0, due)):
             self._closing.wait(min(_GATHER_S, max(0.0, due)))
 
-    def _take(self) -> list[_WaitingMessage]:
+    def _take(self) -> list[WaitingMessage]:
         with self._lock:
             entries, self._waiting = self._waiting, []
             self._wake.clear()
         return entries
 
-    def _write(self, entries: list[_WaitingMessage]) -> None:
+    def _write(self, entries: list[WaitingMessage]) -> None:
         """Encode messages; those that are complete chunks go to the system."""
         rest = iter(entries)
+        channels, stamp_of, add = self._channels, self._anchor.stamp, self._encoder.add
+        left = self._limits.chunk_bytes - self._encoder.open_bytes
         try:
             for entry in rest:
-                self._write_one(entry)
-                if self._encoder.open_bytes >= self._limits.chunk_bytes:
+                topic, payload, moment, measured, number, size = entry
+                try:
+                    if topic.__class__ is RecordedTopic:
+                        stamp = stamp_of(moment)
+                        add(
+                            channels.get(topic.name) or self._channel(topic),
+                            stamp,
+                            stamp if measured == moment else stamp_of(measured),
+                            number & 0xFFFFFFFF,
+                            payload,
+                        )
+                    else:
+                        self._attach(topic, payload, moment)
+                except (RecordingError, ValueError, TypeError, OverflowError, struct.error):
+                    # Nothing of it is written: times that are no numbers, a topic too many.
+                    self._lose([_name(entry)])
+                left -= size + MESSAGE_HEAD
+                if left <= 0:
                     self._flush()
+                    left = self._limits.chunk_bytes
         except OSError:
             self._lose(map(_name, rest))
             raise
         if entries:
             with self._lock:
-                self._waiting_bytes -= sum(entry[-1] for entry in entries)
+                self._waiting_bytes -= sum(map(_LENGTH, entries))
             now = time.monotonic()
-            self._chunk_due = min(self._chunk_due, now + self._limits.chunk_s - _GATHER_S)
+            self._chunk_due = min(self._chunk_due, now + self._limits.chunk_s - _LATE_S)
             self._sync_due = min(self._sync_due, now + self._limits.sync_s)
 
-    def _write_one(self, entry: _WaitingMessage) -> None:
-        topic, payload, moment, measured, number, _ = entry
-        try:
-            stamp = self._anchor.stamp(moment)
-            if isinstance(topic, RecordedTopic):
-                self._encoder.add(
-                    self._channels.get(topic.name) or self._channel(topic),
-                    stamp,
-                    stamp if measured == moment else self._anchor.stamp(measured),
-                    number & 0xFFFFFFFF,
-                    payload,
-                )
-            else:
-                self._parts.append(self._encoder.end_chunk())
-                data = payload if isinstance(payload, bytes) else b""
-                self._parts.append(self._encoder.attachment(*topic, data, stamp))
-        except (RecordingError, ValueError, TypeError, OverflowError, struct.error):
-            # Nothing of it is written: times that are no numbers, a topic too many.
-            self._lose([_name(entry)])
+    def _attach(self, names: tuple[str, str], data: Payload, moment: float) -> None:
+        self._parts.append(self._encoder.end_chunk())
+        whole = data if isinstance(data, bytes) else b""
+        self._parts.append(self._encoder.attachment(*names, whole, self._anchor.stamp(moment)))
 
     def _channel(self, topic: RecordedTopic) -> int:
         number = self._channels[topic.name] = self._encoder.register(topic)
@@ -346,7 +370,7 @@ def _free(path: Path) -> int:
     return disk.f_bavail * disk.f_frsize
 
 
-def _name(entry: _WaitingMessage) -> str:
+def _name(entry: WaitingMessage) -> str:
     """The topic, or the name of an attachment."""
     return entry[0].name if isinstance(entry[0], RecordedTopic) else entry[0][0]
 

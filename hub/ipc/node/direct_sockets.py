@@ -111,8 +111,9 @@ class DirectSockets:
     def _open(self, inbox: str, plane: Plane) -> bool:
         if inbox in self._sockets:
             return True
+        queue = sockets.GATHER_QUEUE if inbox.startswith(endpoints.GATHER_PREFIX) else 0
         try:
-            socket = sockets.make_inbox(self._transport.context, zmq.PUSH, plane)
+            socket = sockets.make_inbox(self._transport.context, zmq.PUSH, plane, queue)
             socket.connect(inbox)
         except zmq.ZMQError as error:
             self._transport.faults.count("no way to a subscriber", str(error))

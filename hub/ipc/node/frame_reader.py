@@ -55,6 +55,14 @@ class FrameReader:
             self._faults.count("malformed frame", str(error))
             return []
 
+    def places(self, raw: bytes, start: int, end: int) -> list[int]:
+        """Begin and end of each frame of a bundle; none, and counted: it is damaged."""
+        try:
+            return frames.bundle_places(raw, start, end)
+        except FrameError as error:
+            self._faults.count("malformed frame", str(error))
+            return []
+
     def decoded(self, subscription: Subscription, kind: int, message: Any) -> Any:
         """The value of a message, or its payload; None if that is gone or cannot be read."""
 

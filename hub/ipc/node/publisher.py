@@ -234,6 +234,9 @@ class Publisher:
         """One frame of several messages; see `send_queue.Combine`."""
         if first == 0:
             return items[0], self.direct, self.topic, self._plane
+        if len(items) == 1 and self._plane is not Plane.PICTURE:
+            stamp, alone = frames.item_payload(items[0])
+            return self._frame(first, stamp, [alone]), self.direct, self.topic, self._plane
         payload = frames.batch(items)
         if self._plane is not Plane.PICTURE:
             frame = self._frame(first, 0, payload, kind=frames.BATCH)

@@ -60,7 +60,12 @@ class _Opened:
 
 
 class ReceiveQueue:
-    """The received messages of one client that wait for the handlers."""
+    """The received messages of one client that wait for the handlers.
+
+    Attributes:
+        topics: The subscription of each text before the NUL in frames.
+        reader: Reads frames.
+    """
 
     def __init__(
         self,
@@ -83,7 +88,7 @@ class ReceiveQueue:
         self._faults = faults
         self.reader = FrameReader(faults, no_ring)
         self._decoded = self.reader.decoded
-        self._topics: dict[bytes, Subscription] = {}
+        self.topics: dict[bytes, Subscription] = {}
         self._waits = 0
         self._opened: list[_Opened] = []
         self._bundled: deque[bytes] = deque()
@@ -97,7 +102,7 @@ class ReceiveQueue:
     def add(self, subscription: Subscription) -> None:
         """Receive this message, or change its priority."""
         for topic in _topics(subscription.definition.name):
-            self._topics[topic] = subscription
+            self.topics[topic] = subscription
         if subscription.priority not in self._queues:
             self._queues[subscription.priority] = deque()
             self._queues = dict(sorted(self._queues.items(), reverse=True))
@@ -105,7 +110,7 @@ class ReceiveQueue:
     def remove(self, subscription: Subscription) -> None:
         """Stop receiving it; waiting messages are dropped."""
         for topic in _topics(subscription.definition.name):
-            del self._topics[topic]
+            del self.topics[topic]
 
     def close_rings(self) -> None:
         """Close all shared memory; waiting messages open it again."""
@@ -133,7 +138,7 @@ class ReceiveQueue:
         while self._opened:
             self._hand_out(self._opened[-1])
         while self._bundled:
-            self._take_frame(self._bundled.popleft())
+            self.take_frame(self._bundled.popleft())
 
     def take(self, socket: sockets.Socket) -> bool:
         """Read a batch from a socket; whether there may be more.
@@ -151,7 +156,7 @@ class ReceiveQueue:
             if frames.is_bundle(raw):
                 self._take_bundle(raw)
             else:
-                self._take_frame(raw)
+                self.take_frame(raw)
             if self._clock() > end:
                 return True
         return True
@@ -165,7 +170,7 @@ class ReceiveQueue:
             except zmq.Again:
                 return
             for each in self.reader.split(raw) if frames.is_bundle(raw) else [raw]:
-                subscription = self._topics.get(each[: each.find(b"\0")])
+                subscription = self.topics.get(each[: each.find(b"\0")])
                 if (
                     subscription is not None
                     and subscription.limit is None
@@ -177,8 +182,9 @@ class ReceiveQueue:
         self._bundled += self.reader.split(raw)
         self._finish()
 
-    def _take_frame(self, raw: bytes) -> None:
-        subscription = self._topics.get(raw[: raw.find(b"\0")])
+    def take_frame(self, raw: bytes) -> None:
+        """Take one frame that was read."""
+        subscription = self.topics.get(raw[: raw.find(b"\0")])
         if subscription is None:
             self.reader.check(raw)
             return
@@ -187,7 +193,7 @@ class ReceiveQueue:
             _, publisher, _, sequence, stamp_ns, _ = found[:6]
             source = subscription.source(publisher)
             value = self._decoded(subscription, frames.INLINE, found[6:])
-            if value is not None and self._arrived(subscription, source, sequence):
+            if value is not None and self.arrived(subscription, source, sequence):
                 self._deliver(subscription, source, publisher, sequence, stamp_ns, value)
             return
         received = self.reader.read(subscription, raw)
@@ -207,7 +213,7 @@ class ReceiveQueue:
             read: Any = message
             if kind == frames.INLINE:
                 read = self._decoded(subscription, kind, message)
-            if read is None or not self._arrived(subscription, source, number):
+            if read is None or not self.arrived(subscription, source, number):
                 continue
             one = ReceivedFrame(publisher, number, kind, [(stamp_ns, read)])
             waiting = _Opened(subscription, one, accepted=True)
@@ -218,7 +224,7 @@ class ReceiveQueue:
             self._queues[subscription.priority].append(waiting)
             self._waits += 1
 
-    def _arrived(self, subscription: Subscription, source: Source, sequence: int) -> bool:
+    def arrived(self, subscription: Subscription, source: Source, sequence: int) -> bool:
         """Whether a message of this number may be handed on; counts a gap before it.
 
         Only for a message that was decoded, or that lies in a ring of this machine. The number of a
@@ -274,13 +280,13 @@ class ReceiveQueue:
     ) -> Any:
         """The value to deliver; None if it cannot be read, or came before."""
         if opened.kind != frames.INLINE:
-            if opened.accepted or self._arrived(subscription, opened.source, sequence):
+            if opened.accepted or self.arrived(subscription, opened.source, sequence):
                 return self._decoded(subscription, opened.kind, message)
             return None
         if opened.accepted:
             return message
         value = self._decoded(subscription, frames.INLINE, message)
-        if value is not None and self._arrived(subscription, opened.source, sequence):
+        if value is not None and self.arrived(subscription, opened.source, sequence):
             return value
         return None
 

@@ -94,11 +94,13 @@ class Subscription:
         flat: Reads direct messages of a flat format; None for any other format.
         unordered: Whether every frame counts, even with a wrong header.
         raw: Whether handlers get payloads, undecoded and of any age.
+        label: What a subscriber that gathers calls it; None: it does not.
     """
 
     def __init__(self, definition: MessageDefinition[Any], *, raw: bool = False) -> None:
         self.definition = definition
         self.raw = raw
+        self.label: Any = None
         self.handlers: list[Handler] = []
         self.limit: int | None = 1 if definition.keep is Keep.NEWEST and not raw else None
         self.priority = 0

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import zmq
 
 from hub.errors import RedefinedMessageError
 from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.message_info import Gathered
 from hub.ipc.node import publishers
 from hub.ipc.node.connection import Connection
+from hub.ipc.node.gathered_messages import GatheredMessages
 from hub.ipc.node.receive_queue import ReceiveQueue
 from hub.ipc.node.subscription import Handler, Subscription
 from hub.ipc.transport import shared_ring, sockets
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.direct_inbox import DirectInbox
+from hub.ipc.transport.gathering_inbox import GatheringInbox
 from hub.ipc.wire import control, frames
 
 
@@ -38,7 +41,8 @@ class Subscriptions:
         )
         self.sockets: dict[Plane, sockets.Socket] = {}
         self.files: dict[Plane, int] = {}
-        self.inboxes: dict[Plane, DirectInbox] = {}
+        self.inboxes: dict[Plane, DirectInbox | GatheringInbox] = {}
+        self._gathered: GatheredMessages | None = None
         self.subscriptions: dict[str, Subscription] = {}
         self._under_way: dict[str, Subscription] = {}
         self._tokens = 0
@@ -76,6 +80,7 @@ class Subscriptions:
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
             self._connect(plane)
+        self._forget_routes()
         for subscription in self.subscriptions.values():
             if not same_run:  # else the numbers show the missed messages
                 subscription.forget()
@@ -95,8 +100,40 @@ class Subscriptions:
         for plane in tuple(self.sockets):
             if plane is not Plane.PICTURE:
                 self.receive_queue.take_events(self.sockets[plane])
-                if plane in self.inboxes:
-                    self.receive_queue.take_events(self.inboxes[plane].socket)
+                inbox = self.inboxes.get(plane)
+                if isinstance(inbox, DirectInbox):
+                    self.receive_queue.take_events(inbox.socket)
+                elif inbox is not None:
+                    inbox.take_now()
+
+    def gather(self, take: Callable[[list[Gathered]], None]) -> None:
+        """Let messages of this machine wait, and hand them on together; before a subscription."""
+        self._gathered = GatheredMessages(
+            self.receive_queue, self._connection.hub_time, self._transport.clock, take
+        )
+
+    def subscribe_gathered(self, definition: MessageDefinition[Any], label: object) -> None:
+        """Hand on the payloads of a message with all that is gathered.
+
+        Raises:
+            RedefinedMessageError: This client has handlers that get values.
+        """
+        gathered = self._gathered
+        if gathered is None:
+            text = f"{definition.name} is subscribed to before its client gathers"
+            raise RedefinedMessageError(text)
+        self.subscribe(definition, functools.partial(gathered.one, label), raw=True)
+        self.subscriptions[definition.name].label = label
+
+    def _forget_routes(self) -> None:
+        if self._gathered is not None:
+            self._gathered.forget()
+
+    def take_gathered(self) -> None:
+        """Hand on now what waits."""
+        inbox = self.inboxes.get(Plane.STATE)
+        if isinstance(inbox, GatheringInbox):
+            inbox.take_now()
 
     def _connect(self, plane: Plane) -> None:
         socket = sockets.make_plane(self._transport.context, zmq.SUB, plane, self._connection.keys)
@@ -106,7 +143,12 @@ class Subscriptions:
         self.files[plane] = self._transport.loop.register(
             socket, functools.partial(self.receive_queue.take, socket)
         )
-        if self._near:
+        if self._near and self._gathered is not None and plane is not Plane.PICTURE:
+            # One for both: what a publisher sends stays in order, and the client wakes once.
+            self.inboxes[plane] = self.inboxes.get(Plane.COMMAND) or GatheringInbox(
+                self._transport, self._gathered
+            )
+        elif self._near:
             self.inboxes[plane] = DirectInbox(self._transport, plane, self.receive_queue.take)
 
     def subscribe_all(self) -> None:
@@ -176,6 +218,7 @@ class Subscriptions:
             return
         del self.subscriptions[name]
         self.receive_queue.remove(subscription)
+        self._forget_routes()
         if self.sockets:
             self._filter(subscription, on=False)
             self._complete(subscription.token)
@@ -204,11 +247,14 @@ class Subscriptions:
         if inbox is None or self._emptied(inbox, frame):
             self.receive_queue.accept(subscription, frame)
 
-    def _emptied(self, inbox: DirectInbox, frame: frames.Frame) -> bool:
+    def _emptied(self, inbox: DirectInbox | GatheringInbox, frame: frames.Frame) -> bool:
         """Whether an inbox is empty after a turn; else the frame is accepted in a later turn.
 
         Earlier messages have arrived by now; behind the frame they would count as repeated.
         """
+        if isinstance(inbox, GatheringInbox):
+            inbox.take_now()
+            return True
         more = True
         try:
             more = inbox.take_now()
@@ -238,7 +284,7 @@ class Subscriptions:
             # A client that only listens cannot see its own mark come back.
             self._connection.send(control.Ready(token=subscription.token))
 
-    def _inbox(self, subscription: Subscription) -> DirectInbox | None:
+    def _inbox(self, subscription: Subscription) -> DirectInbox | GatheringInbox | None:
         return self.inboxes.get(
             Plane.STATE if subscription.in_ring else subscription.definition.plane
         )

@@ -21,6 +21,9 @@ Context = zmq.Context[Socket]
 PLANES = tuple(Plane)
 QUEUE = {Plane.STATE: 1000, Plane.COMMAND: 500, Plane.PICTURE: 2}
 """Most messages that wait for one slow peer, by plane; newer ones are dropped and show as gaps."""
+GATHER_QUEUE = 8000
+"""The same for a receiver that looks now and then: so many of the smallest come within the 1.7 s
+after which central takes a receiver for gone."""
 
 # Plain numbers: combining members of an enum takes microseconds.
 NOBLOCK = int(zmq.NOBLOCK)
@@ -37,7 +40,7 @@ _TAKEN_AT_ONCE = 16
 _LONGEST_SUBSCRIPTION = 320
 """Longest subscription at the output of a plane, its only input [B]. The longest frame of a
 handshake has about 300 bytes. A byte of a topic takes 0.3 kB of central's memory."""
-_CONNECTING = 1024
+CONNECTING = 1024
 """Most publishers that wait for a connection to an inbox: more than central has clients."""
 _DIRECT_THREAD = 0b10
 """A client's second I/O thread, for direct messages: a flood at central does not delay them."""
@@ -102,13 +105,13 @@ def pair(context: Context, address: str) -> tuple[Socket, Socket]:
     return receiving, sending
 
 
-def make_inbox(context: Context, kind: int, plane: Plane) -> Socket:
+def make_inbox(context: Context, kind: int, plane: Plane, queue: int = 0) -> Socket:
     """A socket for direct messages of one plane: PULL to receive, PUSH to send."""
-    made = make(context, kind, QUEUE[plane])
+    made = make(context, kind, queue or QUEUE[plane])
     if kind == zmq.PULL:
         allow_own_user_only(made)
         # A busy subscriber accepts the connections of all its publishers later.
-        made.backlog = _CONNECTING
+        made.backlog = CONNECTING
     made.affinity = _DIRECT_THREAD
     if plane is Plane.PICTURE:
         made.sndbuf = made.rcvbuf = _PICTURE_BUFFER

@@ -233,13 +233,24 @@ def split_bundle(raw: bytes) -> list[bytes]:
     Raises:
         FrameError: It is damaged.
     """
-    found, at, length = [], len(_BUNDLE), len(raw)
-    while at + _COUNT.size <= length:
-        start = at + _COUNT.size
-        at = start + _COUNT.unpack_from(raw, at)[0]
-        found.append(raw[start:at])
-    if at != length:
-        text = f"a bundle of {length} bytes ends inside a frame"
+    each = iter(bundle_places(raw, 0, len(raw)))
+    return [raw[start:end] for start, end in zip(each, each, strict=True)]
+
+
+def bundle_places(raw: bytes, start: int, end: int) -> list[int]:
+    """Begin and end, in turn, of each frame of the bundle in a part of `raw`.
+
+    Raises:
+        FrameError: It is damaged.
+    """
+    found: list[int] = []
+    at, read, size = start + len(_BUNDLE), _COUNT.unpack_from, _COUNT.size
+    while at + size <= end:
+        begin = at + size
+        at = begin + read(raw, at)[0]
+        found += (begin, at)
+    if at != end:
+        text = f"a bundle of {end - start} bytes ends inside a frame"
         raise FrameError(text)
     return found
 
@@ -251,6 +262,11 @@ def count(payload: memoryview) -> int:
 
 read_header: Callable[[Buffer, int], tuple[int, int, int, int, int, int, int]] = HEADER.unpack_from
 """(frame, start) -> version, kind, publisher, fingerprint, sequence, stamp_ns, payload's length."""
+
+
+NUMBERS = struct.Struct("<QqI")
+"""The last part of a header: sequence, stamp_ns, payload's length. All before it is the same in
+each frame of one kind, of one message of one publisher."""
 
 
 def name_of(raw: Buffer) -> str:

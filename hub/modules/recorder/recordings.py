@@ -203,6 +203,7 @@ class Recordings:
         if self._running is not None:
             _note_running(self._folder.running, None, "")
         if bus is not None:
+            bus.take_now()
             bus.close()
         for each in self._all():
             each.close()
@@ -280,6 +281,7 @@ class Recordings:
             self._detach(series)
             text = f"nothing is recorded: {series.state.fault}"
             raise RecordingError(text)
+        bus.take_now()
         bus.series.append(series)
         self._running = _RunningRecording(series, by, begun, time.monotonic())
 
@@ -298,6 +300,7 @@ class Recordings:
         bus = self._bus
         if bus is None:
             return
+        bus.take_now()
         bus.series[:] = [each for each in bus.series if each is not series]
         if not bus.series:
             self._bus = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from hub.gcm.capability import Capability
@@ -13,8 +13,7 @@ from hub.gcm.recording import MOST_TOPICS, LostMessages
 from hub.gcm.supervision import CAPABILITY_WANTS, LEASE_S, CapabilityWants
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
-from hub.ipc.formats.codegen import Buffer
-from hub.ipc.message_info import MessageInfo
+from hub.ipc.message_info import Gathered, MessageInfo
 from hub.recording.live.answers import PictureQuestions, ask_for_maps
 from hub.recording.live.bus_tap import BusTap, described
 from hub.recording.live.ros_names import RosTopics
@@ -63,8 +62,10 @@ class BusRecorder:
         self._ros = RosTopics(robot) if settings.ros_names else None
         self.series: list[RecordingSeries] = []
         self.latched: dict[str, LatchedMessage] = {}
-        self._topics: dict[MessageDefinition[Any], tuple[RecordedTopic, bool]] = {}
-        self._tap = BusTap(client, self._take, self._wants, wake=settings.wake)
+        self._definitions: dict[str, MessageDefinition[Any]] = {}
+        self._latched: set[str] = set()
+        self._answered: dict[str, RecordedTopic] = {}
+        self._tap = BusTap(client, self._take, self._topic, self._wants, wake=settings.wake)
         PictureQuestions(client, cameras, settings.pictures, self._keep_answer)
         ask_for_maps(client, settings.maps, self._keep_answer)
         self._answers: Counter[str] = Counter()
@@ -99,6 +100,10 @@ class BusRecorder:
         """
         self._tap.look()
 
+    def take_now(self) -> None:
+        """Give the series what has come until now."""
+        self._client.take_gathered()
+
     def close(self) -> None:
         """Disconnect; the series stay."""
         self._tap.close()
@@ -106,32 +111,40 @@ class BusRecorder:
     def _wants(self, name: str) -> bool:
         return self._settings.chooses(f"/{self._robot}/{name}")
 
-    def _take(self, definition: MessageDefinition[Any], payload: Buffer, info: MessageInfo) -> None:
-        now = self._clock()
-        topic, latched = self._topics.get(definition) or self._topic(definition)
+    def _take(self, messages: list[Gathered]) -> None:
+        """Give messages to each series, under the topics that are their labels."""
         if self._ros is not None:
-            for other, part in self._ros.translated(definition, payload):
-                self._add(LatchedMessage(other, part, info.measured, info.sequence), definition)
-            topic = self._ros.named(definition, topic)
+            messages = [each for one in messages for each in self._in_ros_names(self._ros, one)]
         for each in self.series:
-            each.add(topic, payload, now, info.measured, info.sequence)
-        if latched and len(payload) <= _LARGEST_LATCHED:
-            first = LatchedMessage(topic, bytes(payload), info.measured, info.sequence)
-            self.latched[topic.name] = first
+            each.add_all(messages)
+        newest = {message[0].name: message for message in messages}
+        for name in newest.keys() & self._latched:
+            topic, payload, _, measured, number, length = newest[name]
+            if length <= _LARGEST_LATCHED:
+                self.latched[name] = LatchedMessage(topic, payload, measured, number)
 
-    def _topic(self, definition: MessageDefinition[Any]) -> tuple[RecordedTopic, bool]:
-        """The topic of a message, and whether each file begins with its newest one."""
+    def _in_ros_names(self, ros: RosTopics, message: Gathered) -> Iterator[Gathered]:
+        """A message under the topics that ROS 2 has for it."""
+        topic, payload, came, measured, number, length = message
+        definition = self._definitions[topic.name]
+        latched = topic.name in self._latched
+        for other, part in ros.translated(definition, payload):
+            if latched:
+                self._latched.add(other.name)
+            yield other, part, came, measured, number, len(part)
+        named = ros.named(definition, topic)
+        if latched:
+            self._latched.add(named.name)
+        yield named, payload, came, measured, number, length
+
+    def _topic(self, definition: MessageDefinition[Any]) -> RecordedTopic:
+        """The topic of a message."""
         topic = topic_of(self._robot, definition)
         topic = dataclasses.replace(topic, metadata=described(definition))
-        self._topics[definition] = topic, _is_latched(definition)
-        return self._topics[definition]
-
-    def _add(self, message: LatchedMessage, definition: MessageDefinition[Any]) -> None:
-        now = self._clock()
-        for each in self.series:
-            each.add(message.topic, message.payload, now, message.measured, message.number)
+        self._definitions[topic.name] = definition
         if _is_latched(definition):
-            self.latched[message.topic.name] = message
+            self._latched.add(topic.name)
+        return topic
 
     def _keep_answer(
         self,
@@ -143,7 +156,10 @@ class BusRecorder:
             self._answers[definition.name] += 1
             number = self._answers[definition.name]
             payload = b"".join(definition.encode(value))
-            self._take(definition, payload, info._replace(sequence=number))
+            topic = self._answered.get(definition.name) or self._topic(definition)
+            self._answered[definition.name] = topic
+            now = self._clock()
+            self._take([(topic, payload, now, info.measured, number, len(payload))])
 
     def _want(self) -> None:
         wants = CapabilityWants(

@@ -16,22 +16,17 @@ from hub.gcm.catalog import BY_NAME
 from hub.gcm.vision import CAMERA_STATE
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
-from hub.ipc.formats.codegen import Buffer
-from hub.ipc.message_info import MessageInfo
+from hub.ipc.message_info import Gathered
 from hub.ipc.wire import control
 from hub.ipc.wire.control import Change
 from hub.ipc.wire.definition_listing import from_listing, to_listing
 
 _logger = logging.getLogger(__name__)
 
-Pass = Callable[[MessageDefinition[Any], Buffer, MessageInfo], None]
-"""Gets a message as it came."""
-
 DEFINITION = "rune_definition"
 """The key of a topic's metadata with the definition of a message that is none of GCM, as JSON."""
 LIST_S = 5.0
 """Time between two looks at all definitions, if no report was missed [s]."""
-_CHECK_S = 0.05
 _ANSWER_S = 2.0
 _ON_DEMAND = frozenset({CAMERA_STATE.name})
 
@@ -59,7 +54,8 @@ class BusTap:
     def __init__(
         self,
         client: Client,
-        take: Pass,
+        take: Callable[[list[Gathered]], None],
+        label: Callable[[MessageDefinition[Any]], object],
         wanted: Callable[[str], bool],
         *,
         wake: bool = False,
@@ -68,19 +64,20 @@ class BusTap:
 
         Args:
             client: A client that has no other subscriptions.
-            take: Gets each message.
+            take: Gets the messages as they came, many at once.
+            label: What `take` knows a message by.
             wanted: Whether a message of this name is taken.
             wake: Whether messages that others do not want are taken too.
         """
-        self._client, self._take, self._wanted, self._wake = client, take, wanted, wake
+        self._client, self._label, self._wanted, self._wake = client, label, wanted, wake
+        client.gather(take)
         self.names: set[str] = set()
         self.unusable: dict[str, str] = {}
         self._known: dict[str, MessageDefinition[Any]] = {}
         self._asked = False
         client.directory.watch(self._on_presence)
-        self._number = 0
+        client.directory.follow(client.name, self._on_connection)
         client.every(LIST_S, self._ask)
-        client.every(_CHECK_S, self._check)
 
     def close(self) -> None:
         """Disconnect from the hub."""
@@ -104,10 +101,9 @@ class BusTap:
                 self._learn(entry)
         self._follow_demand(listing)
 
-    def _check(self) -> None:
+    def _on_connection(self, number: int) -> None:
         """Look at once after each connection: what others defined before is not reported."""
-        if self._client.number not in (0, self._number):
-            self._number = self._client.number
+        if number:
             self._ask()
 
     def _ask(self) -> None:
@@ -145,10 +141,7 @@ class BusTap:
             self.unusable[entry.name] = str(error)
 
     def _subscribe(self, definition: MessageDefinition[Any]) -> None:
-        def handle(payload: Buffer, info: MessageInfo) -> None:
-            self._take(definition, payload, info)
-
-        self._client.subscribe_payload(definition, handle, last=True)
+        self._client.subscribe_gathered(definition, self._label(definition), last=True)
         self.names.add(definition.name)
 
     def _follow_demand(self, listing: control.Listing) -> None:

@@ -16,14 +16,14 @@ import os
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from hub.recording.anchor import TimeAnchor
 from hub.recording.encoder import Payload
 from hub.recording.topics import RecordedTopic
-from hub.recording.writer import RecordingWriter, WriterLimits
+from hub.recording.writer import RecordingWriter, WaitingMessage, WriterLimits
 from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
@@ -228,6 +228,13 @@ class RecordingSeries:
             self._lost[topic.name] += 1
         else:
             self._writer.add(topic, payload, moment, measured, number)
+
+    def add_all(self, messages: Sequence[WaitingMessage]) -> None:
+        """Write messages, as `add` does: topic, payload, moment, measured, number, length."""
+        if self._writer is None:
+            self._lost.update(each[0].name for each in messages)
+        else:
+            self._writer.add_all(messages)
 
     def look(self) -> None:
         """Split, delete and retry what is due; call it some times a second."""
