@@ -109,7 +109,7 @@ class Client(BaseClient):
             self.session.ask_last(definition.name)
 
     def take_gathered(self) -> None:
-        """Hand on now what waits to be gathered."""
+        """Deliver now what waits to be gathered."""
         self._subscriptions.take_gathered()
 
     @property

@@ -28,8 +28,8 @@ class MessageInfo(NamedTuple):
 
 
 Gathered = tuple[Any, bytes, float, float, int, int]
-"""A message among many: what its subscriber calls it, its payload, when it came and when it was
-measured [s, this process's monotonic clock], its number, and its length [bytes].
+"""A message among many: its label, its payload, when it came, when it was measured, its number, and
+its length [bytes]. Times are on this process's monotonic clock [s].
 
 A plain tuple, because a class costs a tenth of the reception.
 """

@@ -23,8 +23,8 @@ _MAX_ROUTES = 1 << 14
 class GatheredMessages:
     """Reads gathered messages, and hands them on together.
 
-    Nobody saw when a message came. It came since the look before, behind the one before it, and
-    not before it was measured. So that is its moment: the latest of these three.
+    The moment when a message came is not known. It came after the last look, after the message
+    before it, and after its measurement. The latest of these three counts as its moment.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class GatheredMessages:
         self._since = self._now = 0.0
 
     def one(self, label: Any, payload: Any, info: MessageInfo) -> None:
-        """Hand on a message that came another way."""
+        """Deliver a message that came another way."""
         whole, measured = bytes(payload), info.measured
         # As if the last look had found it: what the next one finds came later.
         came = max(self._now, measured) if self._now else self._clock()
@@ -59,7 +59,7 @@ class GatheredMessages:
         self._since, self._now = since, now
 
     def end(self) -> None:
-        """Hand on what was found."""
+        """Deliver what was found."""
         found, self._found = self._found, []
         if found:
             found.sort(key=_CAME)
@@ -112,7 +112,7 @@ class GatheredMessages:
         publisher, first, kind, messages = received
         source, count = subscription.source(publisher), 0
         for number, (stamp, message) in enumerate(messages, first):
-            # A number counts if its payload can be read; what lies in a ring has come in any case.
+            # A number counts if its payload can be read; one that lies in a ring counts at once.
             if kind != frames.INLINE and not self._queue.arrived(subscription, source, number):
                 continue
             payload = self._queue.reader.decoded(subscription, kind, message)

@@ -234,15 +234,12 @@ class Publisher:
         """One frame of several messages; see `send_queue.Combine`."""
         if first == 0:
             return items[0], self.direct, self.topic, self._plane
-        if len(items) == 1 and self._plane is not Plane.PICTURE:
-            stamp, alone = frames.item_payload(items[0])
-            return self._frame(first, stamp, [alone]), self.direct, self.topic, self._plane
-        payload = frames.batch(items)
         if self._plane is not Plane.PICTURE:
-            frame = self._frame(first, 0, payload, kind=frames.BATCH)
+            stamp, kind, payload = frames.joined(items)
+            frame = self._frame(first, stamp, payload, kind=kind)
             return frame, self.direct, self.topic, self._plane
         kind, prefix = frames.RING_BATCH, self._ring_prefix
-        frame = self._frame(first, 0, payload, kind=kind, prefix=prefix)
+        frame = self._frame(first, 0, frames.batch(items), kind=kind, prefix=prefix)
         return frame, self.direct_in_ring, b"", self._plane
 
     def close(self) -> None:

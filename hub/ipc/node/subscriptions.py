@@ -80,7 +80,8 @@ class Subscriptions:
         # Commands first: they must not wait behind a burst of states.
         for plane in (Plane.COMMAND, Plane.STATE, Plane.PICTURE):
             self._connect(plane)
-        self._forget_routes()
+        if self._gathered is not None:
+            self._gathered.forget()
         for subscription in self.subscriptions.values():
             if not same_run:  # else the numbers show the missed messages
                 subscription.forget()
@@ -103,34 +104,28 @@ class Subscriptions:
                 inbox = self.inboxes.get(plane)
                 if isinstance(inbox, DirectInbox):
                     self.receive_queue.take_events(inbox.socket)
-                elif inbox is not None:
-                    inbox.take_now()
+        self.take_gathered()
 
     def gather(self, take: Callable[[list[Gathered]], None]) -> None:
-        """Let messages of this machine wait, and hand them on together; before a subscription."""
+        """Let messages of this machine wait, and deliver them together; before a subscription."""
         self._gathered = GatheredMessages(
             self.receive_queue, self._connection.hub_time, self._transport.clock, take
         )
 
     def subscribe_gathered(self, definition: MessageDefinition[Any], label: object) -> None:
-        """Hand on the payloads of a message with all that is gathered.
+        """Deliver the payloads of a message with all that is gathered.
 
         Raises:
             RedefinedMessageError: This client has handlers that get values.
         """
-        gathered = self._gathered
-        if gathered is None:
+        if self._gathered is None:
             text = f"{definition.name} is subscribed to before its client gathers"
             raise RedefinedMessageError(text)
-        self.subscribe(definition, functools.partial(gathered.one, label), raw=True)
+        self.subscribe(definition, functools.partial(self._gathered.one, label), raw=True)
         self.subscriptions[definition.name].label = label
 
-    def _forget_routes(self) -> None:
-        if self._gathered is not None:
-            self._gathered.forget()
-
     def take_gathered(self) -> None:
-        """Hand on now what waits."""
+        """Deliver now what waits."""
         inbox = self.inboxes.get(Plane.STATE)
         if isinstance(inbox, GatheringInbox):
             inbox.take_now()
@@ -218,7 +213,8 @@ class Subscriptions:
             return
         del self.subscriptions[name]
         self.receive_queue.remove(subscription)
-        self._forget_routes()
+        if self._gathered is not None:
+            self._gathered.forget()
         if self.sockets:
             self._filter(subscription, on=False)
             self._complete(subscription.token)

@@ -2,7 +2,7 @@
 
 Messages wait in the system until the client looks, every `GATHER_S`. ZeroMQ would wake a thread of
 its own for each message that comes, and that costs more than all the rest. Publishers see no
-difference: their PUSH sockets speak ZMTP with this side, and hold what the system does not take.
+difference: their PUSH sockets use ZMTP with this side, and hold what the system does not take.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ GATHER_S = 0.05
 _SHORTEST_S = 0.005
 _ROOM = 208 << 10
 """Room of the system for messages of one publisher: Linux's default [bytes]. ZeroMQ sets none."""
-_EACH, _SHARE = 768, 2
-"""Room that a frame takes: at most so many bytes, and so many for each of its own."""
+_EACH, _SHARE = 2048, 3
+"""Room that a frame takes at most: for itself, and for each of its bytes [bytes]."""
 _AT_ONCE = 1 << 20
 _MOST_AT_ONCE = 8
 """Most reads of a connection in one look: a flood does not keep the others waiting."""
@@ -49,7 +49,7 @@ class TakeGathered(Protocol):
         """The look is over."""
 
 
-class _Connection:
+class _Incoming:
     """One publisher."""
 
     def __init__(self, link: socket.socket, opened: float) -> None:
@@ -76,7 +76,7 @@ class GatheringInbox:
         self.address = f"{endpoints.GATHER_PREFIX}{secrets.token_hex(8)}"
         self._loop, self._faults, self._clock = transport.loop, transport.faults, transport.clock
         self._receiver = receiver
-        self._connections: list[_Connection] = []
+        self._connections: list[_Incoming] = []
         self._buffer = memoryview(bytearray(_AT_ONCE))
         self._looked = self._clock()
         self._period = GATHER_S
@@ -137,12 +137,12 @@ class GatheringInbox:
             link.close()
             return
         link.settimeout(0.0)
-        connection = _Connection(link, self._clock())
+        connection = _Incoming(link, self._clock())
         self._connections.append(connection)
         self._loop.watch(link.fileno(), functools.partial(self._shake_hands, connection))
         self._send(connection, zmtp.GREETING + zmtp.READY)
 
-    def _shake_hands(self, connection: _Connection) -> None:
+    def _shake_hands(self, connection: _Incoming) -> None:
         """Read until the connection is ready; from then on it waits for the next look."""
         self._receiver.begin(self._looked, self._clock())
         try:
@@ -152,7 +152,7 @@ class GatheringInbox:
         if connection.stream.ready:
             self._unwatch(connection)
 
-    def _read(self, connection: _Connection) -> int:
+    def _read(self, connection: _Incoming) -> int:
         """Read what a connection has; how much room that took in the system [bytes]."""
         taken = 0
         try:
@@ -178,20 +178,20 @@ class GatheringInbox:
             self._end(connection)
         return taken
 
-    def _send(self, connection: _Connection, data: bytes) -> None:
+    def _send(self, connection: _Incoming, data: bytes) -> None:
         with contextlib.suppress(OSError):  # what follows shows that it ended
             connection.link.send(data)
 
-    def _drop(self, connection: _Connection, why: str) -> None:
+    def _drop(self, connection: _Incoming, why: str) -> None:
         self._faults.count("bad handshake", why)
         self._end(connection)
 
-    def _end(self, connection: _Connection) -> None:
+    def _end(self, connection: _Incoming) -> None:
         self._unwatch(connection)
         self._connections.remove(connection)
         connection.link.close()
 
-    def _unwatch(self, connection: _Connection) -> None:
+    def _unwatch(self, connection: _Incoming) -> None:
         if connection.watched:
             connection.watched = False
             self._loop.unwatch(connection.link.fileno())

@@ -187,6 +187,14 @@ def batch(items: Sequence[bytes]) -> tuple[bytes, ...]:
     return (_COUNT.pack(len(items)), *items)
 
 
+def joined(items: Sequence[bytes]) -> tuple[int, int, Sequence[Buffer]]:
+    """Stamp, kind and payload of a frame for messages of a batch; a single one needs no batch."""
+    if len(items) > 1:
+        return 0, BATCH, batch(items)
+    stamp_ns, payload = item_payload(items[0])
+    return stamp_ns, INLINE, [payload]
+
+
 def item_payload(item: bytes) -> tuple[int, memoryview]:
     """Stamp and payload of one message of a batch from this process."""
     stamp_ns, length = _ITEM.unpack_from(item)

@@ -50,7 +50,7 @@ class Stream:
         self._answer = b""
 
     def answer(self) -> bytes:
-        """What is to be sent to the other side now; each time only what is new."""
+        """The bytes for the other side; each time only the new ones."""
         answer, self._answer = self._answer, b""
         return answer
 

@@ -101,7 +101,7 @@ class BusRecorder:
         self._tap.look()
 
     def take_now(self) -> None:
-        """Give the series what has come until now."""
+        """Give the series all messages until now."""
         self._client.take_gathered()
 
     def close(self) -> None:
