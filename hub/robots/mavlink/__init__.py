@@ -1,0 +1,1 @@
+"""Robots with an autopilot that uses MAVLink, such as ArduPilot or PX4."""

@@ -1,0 +1,1 @@
+"""MAVLink frames: formats, checksums, signatures; pure except the file of a signing clock."""
