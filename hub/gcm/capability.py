@@ -26,6 +26,7 @@ class Capability(enum.StrEnum):
         DRV_LIGHT: Lights that can be switched.
         DRV_JOINT: Joints that the operator moves, such as flippers.
         DRV_ARM: Motors that can be armed and disarmed.
+        DRV_MODE: Modes of an autopilot that the operator may ask for.
         REC_LOG: Recordings of what is published.
         SIM_TRUTH: The simulator's ground truth.
     """
@@ -45,6 +46,7 @@ class Capability(enum.StrEnum):
     DRV_LIGHT = "DRV_LIGHT"
     DRV_JOINT = "DRV_JOINT"
     DRV_ARM = "DRV_ARM"
+    DRV_MODE = "DRV_MODE"
     REC_LOG = "REC_LOG"
     SIM_TRUTH = "SIM_TRUTH"
 

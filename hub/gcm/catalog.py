@@ -6,6 +6,7 @@ from typing import Any
 
 from hub.gcm import (
     autonomy,
+    autopilot,
     battery,
     body,
     camera_info,
@@ -46,6 +47,7 @@ MESSAGES: tuple[MessageDefinition[Any], ...] = (
     *edges.MESSAGES,
     *environment.MESSAGES,
     *vehicle.MESSAGES,
+    *autopilot.MESSAGES,
     *joints.MESSAGES,
     *vision.MESSAGES,
     *camera_info.MESSAGES,

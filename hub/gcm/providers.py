@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from hub.gcm import (
     autonomy,
+    autopilot,
     battery,
     camera_info,
     diagnostics,
@@ -44,6 +45,8 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     edges.EDGES.name: (Capability.NAV_STATE,),
     environment.ENVIRONMENT.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     vehicle.VEHICLE_STATE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
+    autopilot.AUTOPILOT_STATE.name: (Capability.DRV_MODE,),
+    autopilot.AUTOPILOT_TEXT.name: (Capability.DRV_MODE,),
     joints.JOINT_STATES.name: (Capability.DRV_JOINT,),
     navigation.GROUND_TRUTH.name: (Capability.SIM_TRUTH,),
     transforms.TRANSFORMS.name: (Capability.NAV_STATE,),
@@ -82,6 +85,7 @@ TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
         Capability.DRV_LIGHT,
         Capability.DRV_JOINT,
         Capability.DRV_ARM,
+        Capability.DRV_MODE,
     ),
     vision.IMAGE_REQUEST.name: (Capability.VIS_VID,),
     vision.CAMERA_COMMAND.name: (Capability.VIS_PTZ,),

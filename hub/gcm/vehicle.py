@@ -115,6 +115,8 @@ class VehicleOrder(enum.IntEnum):
         DISARM: Switch the motors off.
         LIGHT: Set the brightness of a light.
         JOINT: Turn a joint at a rate; without a fresh order it stops after 0.3 s.
+        DRIVE: Ask an autopilot for the mode that follows velocities; they begin with a neutral one.
+        MODE: Ask an autopilot for a mode by its name.
     """
 
     HOLD = 0
@@ -123,6 +125,8 @@ class VehicleOrder(enum.IntEnum):
     DISARM = 3
     LIGHT = 4
     JOINT = 5
+    DRIVE = 6
+    MODE = 7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,7 +137,7 @@ class VehicleCommand:
 
     Attributes:
         order: What to do.
-        name: Name of the light or joint; else empty.
+        name: Name of the light, joint or mode; else empty.
         hold: Which hold, for `HOLD` and `RELEASE`.
         value: `HOLD`: height or depth [m], or heading in `odom` [rad]; NaN: the present one.
             `LIGHT`: brightness, 0 to 1. `JOINT`: turn rate [rad/s]. Else without meaning.

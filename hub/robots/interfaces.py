@@ -8,6 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.autopilot import AutopilotState, AutopilotText
 from hub.gcm.body import HoldKind
 from hub.gcm.diagnostics import DiagnosticStatus
 from hub.gcm.geometry import Twist, Vector3
@@ -158,6 +159,26 @@ class BodyArms(Protocol):
 
     def arm(self, *, armed: bool) -> None:
         """Give the motors power, or switch them off; then commands and holds move nothing."""
+
+
+@runtime_checkable
+class BodyModes(Protocol):
+    """A `Body` whose motors belong to an autopilot, which has modes and arms by itself.
+
+    A new driver process does not arm or disarm it.
+    """
+
+    def drive(self) -> None:
+        """Ask for the mode that follows velocities; they begin with a neutral one."""
+
+    def set_mode(self, name: str) -> None:
+        """Ask for a mode by its name in `AutopilotState.modes`; another name changes nothing."""
+
+    def autopilot(self, stamp: float) -> AutopilotState:
+        """Its present state; `stamp` is the time now [s since the epoch]."""
+
+    def take_texts(self) -> tuple[AutopilotText, ...]:
+        """The texts that came since the last call."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

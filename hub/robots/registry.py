@@ -32,6 +32,7 @@ class RobotKind:
         open_camera: Opens a camera of its own, by its table in the robot file; None: it has none.
             Use the function `open_camera`.
         measures: The messages of what the hardware measures besides the described parts.
+        modes: Whether the body is a `BodyModes`.
         imports: Python modules that the two functions import. The daemon imports them once, for
             all modules of the robot; they start no threads.
     """
@@ -39,6 +40,7 @@ class RobotKind:
     open_body: Callable[[RobotDescription], Body]
     open_camera: Callable[[RobotDescription, CameraTable], Camera] | None = None
     measures: Callable[[RobotDescription], tuple[MessageDefinition[Any], ...]] = lambda _: ()
+    modes: bool = False
     imports: tuple[str, ...] = ()
 
 

@@ -28,6 +28,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
 from hub.modules.driver import reports
+from hub.modules.driver.autopilot_reports import AutopilotReports
 from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
 from hub.modules.driver.publishing_rate import PublishingRate
@@ -87,6 +88,7 @@ class Driver:
             client.subscribe(SIMULATION_PAUSE, self._pause)
         self._vehicle_rate = PublishingRate(vehicle.VEHICLE_STATE.rate_hz)
         self._problems_rate = PublishingRate(diagnostics.DIAGNOSTICS.rate_hz)
+        self._autopilot = AutopilotReports(client, self._body)
         self._joints_rate = PublishingRate(1.0, joints.JOINT_STATES.rate_hz)
         client.define(
             navigation.DRIVE_STATE,
@@ -190,6 +192,7 @@ class Driver:
         self._orders.seen(state)
         if self._vehicle_rate.due(reports.change_of(state), now):
             self._client.publish(vehicle.VEHICLE_STATE, state, measured=now)
+        self._autopilot.publish(stamp, now)
         found = reports.diagnostics(sensors, stamp)
         if self._problems_rate.due([(each.name, each.level) for each in found.status], now):
             self._client.publish(diagnostics.DIAGNOSTICS, found, measured=now)
@@ -225,6 +228,7 @@ def abilities(robot: RobotDescription) -> Abilities:
         Capability.DRV_LIGHT: robot.lights,
         Capability.DRV_JOINT: robot.joints,
         Capability.DRV_ARM: robot.body.arms,
+        Capability.DRV_MODE: kind_of(robot).modes,
     }
     return Abilities(provides=(Capability.DRV_BASE, *(each for each, part in has.items() if part)))
 

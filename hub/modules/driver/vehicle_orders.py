@@ -5,11 +5,12 @@
 | DISARM | any operator | motors off, joints stop |
 | ARM | the owner of control | motors on; they wait for a neutral command |
 | HOLD, RELEASE, LIGHT | the owner of control | the body does it |
+| DRIVE, MODE | the owner of control | the autopilot is asked; motion waits for a neutral command |
 | JOINT | the owner of control | the joint turns, if `CommandWatchdog` allows it |
 | no fresh JOINT for 0.3 s | | the joint stops, and waits for a 0 |
 | `GCM_Stop` | any client | the joints stop; holds that are on keep the place of now |
 | another owner of control | | as after `GCM_Stop` |
-| HOLD, ARM, LIGHT older than a second | any | refuse: the operator has seen something else since |
+| an order that switches on, older than 1 s | any | refuse: the operator saw something else |
 | an order for a part that the body lacks | any | refuse; say so in the log |
 """
 
@@ -38,7 +39,14 @@ from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
-from hub.robots.interfaces import Body, BodyArms, BodyHolds, BodyJoints, BodyLights
+from hub.robots.interfaces import (
+    Body,
+    BodyArms,
+    BodyHolds,
+    BodyJoints,
+    BodyLights,
+    BodyModes,
+)
 
 _logger = logging.getLogger(__name__)
 
@@ -47,7 +55,11 @@ LATE_S = 1.0
 """Age from which on an order is refused that switches something on [s]."""
 _AGAIN_S = 0.05
 """Time until a joint that could not be stopped is stopped again [s]."""
-_SWITCHES_ON = (VehicleOrder.HOLD, VehicleOrder.ARM, VehicleOrder.LIGHT)
+_SWITCHES_ON = frozenset(VehicleOrder) - {
+    VehicleOrder.DISARM,
+    VehicleOrder.RELEASE,
+    VehicleOrder.JOINT,
+}
 
 
 class VehicleOrders:
@@ -87,7 +99,7 @@ class VehicleOrders:
         self._of_cameras = {each.name for each in robot.body.lights} - self._lights
         self._joints = {each.name: (each, CommandWatchdog()) for each in robot.body.joints}
         self._arms = body if isinstance(body, BodyArms) and robot.body.arms else None
-        if self._arms is not None:
+        if self._arms is not None and not isinstance(body, BodyModes):
             self._arms.arm(armed=robot.arming is Arming.ARMED)
         self._seen = VehicleState()
         self._ordered: set[HoldKind] = set()  # holds that are on, but not yet in what was seen
@@ -122,6 +134,8 @@ class VehicleOrders:
             self._hold(command.hold, on=order is VehicleOrder.HOLD, target=command.value)
         elif order is VehicleOrder.LIGHT:
             self._light(command.name, command.value)
+        elif order in (VehicleOrder.DRIVE, VehicleOrder.MODE):
+            self._mode(command.name if order is VehicleOrder.MODE else "")
         else:
             self._joint(command, time.monotonic(), reception.age)
 
@@ -129,7 +143,7 @@ class VehicleOrders:
         if self._arms is None:
             _logger.warning("an order to arm or disarm is refused: this body cannot")
             return
-        _logger.warning("the motors are %s", "armed" if armed else "disarmed")
+        _logger.warning("an order comes to %s the motors", "arm" if armed else "disarm")
         try:
             self.stop_joints()
             self._stop()
@@ -138,6 +152,20 @@ class VehicleOrders:
                 self._arms.arm(armed=False)
         if armed:
             self._arms.arm(armed=True)
+
+    def _mode(self, name: str) -> None:
+        """Ask an autopilot for a mode; without a name, for the one that follows velocities."""
+        if not isinstance(self._body, BodyModes):
+            _logger.warning("an order is refused: this body has no modes")
+            return
+        self.stop_joints()
+        self._stop()
+        if name:
+            _logger.warning("asks the autopilot for the mode %r", name)
+            self._body.set_mode(name)
+        else:
+            _logger.warning("asks the autopilot for the mode that follows velocities")
+            self._body.drive()
 
     def _hold(self, kind: HoldKind, *, on: bool, target: float) -> None:
         if kind not in self._holds or not isinstance(self._body, BodyHolds):

@@ -1,0 +1,48 @@
+"""Publishes the state and the texts of a body's autopilot."""
+
+from __future__ import annotations
+
+from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT, AutopilotState
+from hub.ipc.client import Client
+from hub.modules.driver.publishing_rate import PublishingRate
+from hub.robots.interfaces import Body, BodyModes
+
+
+class AutopilotReports:
+    """The reports of one body; none without an autopilot."""
+
+    def __init__(self, client: Client, body: Body) -> None:
+        self._client = client
+        self._body = body if isinstance(body, BodyModes) else None
+        self._rate = PublishingRate(AUTOPILOT_STATE.rate_hz)
+        if self._body is not None:
+            client.define(AUTOPILOT_STATE, AUTOPILOT_TEXT)
+
+    def publish(self, stamp: float, now: float) -> None:
+        """Publish the texts that came, and the state when it is due.
+
+        Args:
+            stamp: The time now [s since the epoch].
+            now: The same on the monotonic clock [s].
+        """
+        if self._body is None:
+            return
+        for text in self._body.take_texts():
+            self._client.publish(AUTOPILOT_TEXT, text, measured=now)
+        state = self._body.autopilot(stamp)
+        if self._rate.due(_change_of(state), now):
+            self._client.publish(AUTOPILOT_STATE, state, measured=now)
+
+
+def _change_of(state: AutopilotState) -> tuple[object, ...]:
+    """What counts as a change; ages and times always differ a little."""
+    return (
+        state.phase,
+        state.why,
+        state.mode,
+        state.modes,
+        state.armable,
+        state.failsafe,
+        state.position,
+        tuple((each.name, each.value) for each in state.unsafe),
+    )
