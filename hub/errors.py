@@ -25,6 +25,7 @@
     ├── LinkShaperError (RuntimeError)         a link shaper that could not be started
     ├── UnknownKindError (LookupError)         a kind of robot that is not known, or not usable
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
+    ├── VehicleAddressError (ValueError)       an address of a vehicle that is none
     ├── LinkProfileError (ValueError)          a profile of a link with mistakes, all of them listed
     ├── RecordingError (ValueError)            a recording that is damaged, or of a form not known
     ├── MapFileError (ValueError)              files of a map that cannot be written or read
@@ -177,6 +178,14 @@ class LinkShaperError(HubError, RuntimeError):
 
 class UnknownKindError(HubError, LookupError):
     """An unknown kind of robot, or one with an unusable Python file."""
+
+
+class VehicleAddressError(HubError, ValueError):
+    """An address of a vehicle that is none."""
+
+    def __init__(self, text: str, reason: str) -> None:
+        shown = text if len(text) <= 80 else text[:77] + "..."
+        super().__init__(f"{shown!r} is no address of a vehicle: {reason}")
 
 
 class MapFileError(HubError, ValueError):

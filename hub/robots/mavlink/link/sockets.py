@@ -1,0 +1,167 @@
+"""Links over UDP and TCP."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import socket
+import threading
+from typing import Any, Final
+
+from hub.robots.mavlink.link.byte_link import AT_ONCE, ByteLink
+
+_UNANSWERED_MS: Final = 3000
+"""Time without an answer after which the system ends a connection [ms]."""
+_CONNECTING_S: Final = 5.0
+"""Longest time of a connection attempt [s]."""
+_OTHER_SENDER_S: Final = 3.0
+"""After this silence another sender takes the place of a vehicle that sent first [s]."""
+
+
+class HostLookup:
+    """The address of a machine; a name is looked up in a thread, since that can take seconds."""
+
+    def __init__(self, host: str, port: int, kind: socket.SocketKind) -> None:
+        self._host, self._port, self._kind = host, port, kind
+        self._thread: threading.Thread | None = None
+        self._found: tuple[int, Any] | None = None
+        self._fault = ""
+
+    def address(self) -> tuple[int, Any]:
+        """Its family and address; each call of a name begins another lookup.
+
+        Raises:
+            OSError: It is not known, or not yet.
+        """
+        with contextlib.suppress(OSError):
+            return self._look_up(socket.AI_NUMERICHOST)
+        found = self._found
+        if self._thread is None or not self._thread.is_alive():
+            self._thread = threading.Thread(target=self._find, name="host lookup", daemon=True)
+            self._thread.start()
+        if found is None:
+            raise OSError(0, self._fault or f"the name {self._host!r} is being looked up")
+        return found
+
+    def _find(self) -> None:
+        try:
+            self._found = self._look_up()
+        except OSError as fault:
+            self._found = None
+            self._fault = f"the name {self._host!r} is not known: {fault.strerror or fault}"
+
+    def _look_up(self, flags: int = 0) -> tuple[int, Any]:
+        family, _, _, _, address = socket.getaddrinfo(
+            self._host, self._port, type=self._kind, flags=flags
+        )[0]
+        return family, address
+
+
+class UdpLink(ByteLink):
+    """Datagrams: to a vehicle, or to the one that sent first."""
+
+    datagrams = True
+
+    def __init__(self, host: str, port: int, *, listen: bool) -> None:
+        """Take the vehicle's address, or the own one to listen at; nothing is opened yet."""
+        super().__init__()
+        self._lookup = HostLookup(host, port, socket.SOCK_DGRAM)
+        self._listen = listen
+        self._socket: socket.socket | None = None
+        self._peer: Any = None
+        self._heard_at = 0.0
+
+    @property
+    def port(self) -> int:
+        """The own port; 0: the link is closed."""
+        return int(self._socket.getsockname()[1]) if self._socket is not None else 0
+
+    def _open(self) -> None:
+        family, address = self._lookup.address()
+        self._socket = socket.socket(family, socket.SOCK_DGRAM)
+        self._socket.settimeout(0.0)
+        self._peer = None
+        if self._listen:
+            self._socket.bind(address)
+        else:
+            self._peer = address
+
+    def _receive(self) -> bytes:
+        if self._socket is None:
+            raise BlockingIOError
+        while True:
+            data, sender = self._socket.recvfrom(AT_ONCE)
+            if self._listen and (
+                self._peer is None or self._now - self._heard_at > _OTHER_SENDER_S
+            ):
+                self._peer = sender
+            if sender[0] == self._peer[0] and (not self._listen or sender == self._peer):
+                self._heard_at = self._now
+                return data
+
+    def _send(self, data: bytes) -> int:
+        if self._socket is None or self._peer is None:
+            return 0
+        return self._socket.sendto(data, self._peer)
+
+    def _shut(self) -> None:
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
+
+
+class TcpLink(ByteLink):
+    """A connection to a vehicle."""
+
+    def __init__(self, host: str, port: int) -> None:
+        """Take its address; nothing is opened yet."""
+        super().__init__()
+        self._lookup = HostLookup(host, port, socket.SOCK_STREAM)
+        self._socket: socket.socket | None = None
+        self._begun = 0.0
+        self._connected = False
+
+    def _open(self) -> None:
+        family, address = self._lookup.address()
+        self._socket = socket.socket(family, socket.SOCK_STREAM)
+        self._socket.settimeout(0.0)
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if hasattr(socket, "TCP_USER_TIMEOUT"):
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _UNANSWERED_MS)
+        self._begun, self._connected = self._now, False
+        with contextlib.suppress(BlockingIOError):
+            self._socket.connect(address)
+
+    def _receive(self) -> bytes:
+        if self._socket is None:
+            raise BlockingIOError
+        try:
+            data = self._socket.recv(AT_ONCE)
+        except OSError as fault:
+            waits = isinstance(fault, BlockingIOError) or fault.errno == errno.ENOTCONN
+            if waits and not self._connected and not self._is_connected():
+                if self._now - self._begun > _CONNECTING_S:
+                    raise TimeoutError(errno.ETIMEDOUT, "it does not answer") from fault
+                raise BlockingIOError from fault
+            raise
+        if not data:
+            raise ConnectionResetError(errno.ECONNRESET, "the vehicle ended the connection")
+        self._connected = True
+        return data
+
+    def _is_connected(self) -> bool:
+        if self._socket is not None and not self._connected:
+            with contextlib.suppress(OSError):
+                self._socket.getpeername()
+                self._connected = True
+        return self._connected
+
+    def _send(self, data: bytes) -> int:
+        if self._socket is None or not self._is_connected():
+            return 0
+        return self._socket.send(data)
+
+    def _shut(self) -> None:
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
