@@ -286,6 +286,18 @@ class RobotDescription:
         at="simulation.",
         without="as the arena's file says",
     )
+    vehicle_address: str = key(
+        text(200),
+        "",
+        "of an autopilot: `udp://:14550`, `udp://HOST:PORT`, `tcp://HOST:PORT`, `/dev/ttyACM0`",
+        at="mavlink.address",
+    )
+    vehicle_system: int = key(
+        whole_number(0, 255), 0, "number of the vehicle; 0: the first one", at="mavlink.system"
+    )
+    signing_key: str = key(
+        text(1000), "", "file of a key that signs", at="mavlink.key_file", without="unsigned"
+    )
     frames: tuple[BodyFrame, ...] = ()
     ranges: tuple[RangeTable, ...] = ()
     bumpers: tuple[BumperTable, ...] = ()

@@ -28,6 +28,7 @@ class Sensors:
     """The newest measurement of each part of a body; a part that it lacks keeps its default.
 
     Attributes:
+        known: Whether the body answers; else no state of the base is published.
         x: Dead-reckoned position in `odom` [m].
         y: Dead-reckoned position in `odom` [m].
         z: Dead-reckoned height in `odom` [m]; of a robot under water, below 0 by its depth.
@@ -60,6 +61,7 @@ class Sensors:
         joints: Its joints, in the order of the description.
     """
 
+    known: bool = True
     x: float = 0.0
     y: float = 0.0
     z: float = 0.0

@@ -96,13 +96,33 @@ def _simulated_measures(robot: RobotDescription) -> tuple[MessageDefinition[Any]
     return BATTERY, IMU, GROUND_TRUTH
 
 
+def _autopilot_body(robot: RobotDescription) -> Body:
+    from hub.robots.mavlink.body import MavlinkBody
+
+    return MavlinkBody(robot)
+
+
+def _autopilot_measures(_robot: RobotDescription) -> tuple[MessageDefinition[Any], ...]:
+    return BATTERY, IMU, ALTITUDE, FLUID_PRESSURE
+
+
+_AUTOPILOT = RobotKind(
+    open_body=_autopilot_body,
+    measures=_autopilot_measures,
+    modes=True,
+    imports=("hub.robots.mavlink.body",),
+)
 _SIMULATED = RobotKind(
     open_body=_simulated_body,
     open_camera=_simulated_camera,
     measures=_simulated_measures,
     imports=("hub.robots.simulated_camera", "hub.robots.simulated_base", "numpy.random"),
 )
-KINDS = {"simulated-wheels": _SIMULATED, **dict.fromkeys(shipped_bodies(), _SIMULATED)}
+KINDS = {
+    "simulated-wheels": _SIMULATED,
+    "mavlink": _AUTOPILOT,
+    **dict.fromkeys(shipped_bodies(), _SIMULATED),
+}
 """Each kind that Rune ships; a kind with a file of its own in `bodies/` has that body."""
 
 

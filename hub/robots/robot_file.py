@@ -95,7 +95,7 @@ def read_description(
     if not isinstance(modules, dict):
         problems.add(toml.TOP, "modules has to be tables: [modules.NAME]", "modules")
         modules = {}
-    for name in ("keys", "logs", "map_folder", "mission_folder"):
+    for name in ("keys", "logs", "map_folder", "mission_folder", "signing_key"):
         fields[name] = _located(fields[name], beside)
     if fields["arena"].endswith(".toml"):
         fields["arena"] = _located(fields["arena"], beside)

@@ -172,8 +172,9 @@ class Driver:
         now = time.monotonic()
         stamp = time.time()
         sensors = self._body.sensors(stamp)
-        state = reports.drive_state(sensors, stamp, self._reckoning)
-        self._client.publish(navigation.DRIVE_STATE, state, measured=now)
+        if sensors.known:
+            state = reports.drive_state(sensors, stamp, self._reckoning)
+            self._client.publish(navigation.DRIVE_STATE, state, measured=now)
         measured = [scan.header.stamp for scan in sensors.scans]
         if measured != self._measured:
             self._measured = measured

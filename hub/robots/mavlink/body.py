@@ -1,0 +1,277 @@
+"""A vehicle with an autopilot as the body of a robot."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Final
+
+from hub.gcm.autopilot import AutopilotPhase, AutopilotState, AutopilotText, UnsafeParameter
+from hub.gcm.diagnostics import DiagnosticStatus, Severity
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.navigation import GroundTruth
+from hub.gcm.vehicle import Arming, VehicleState
+from hub.pose import Pose
+from hub.robots.description import RobotDescription
+from hub.robots.interfaces import Sensors
+from hub.robots.left_alone import LeftAlone
+from hub.robots.mavlink.link.address import vehicle_address
+from hub.robots.mavlink.link.byte_link import ByteLink
+from hub.robots.mavlink.link.opening import link_to
+from hub.robots.mavlink.profiles.profile import STATION, Setpoint
+from hub.robots.mavlink.vehicle.reasons import why
+from hub.robots.mavlink.vehicle.vehicle import STATION_COMPONENT, MavlinkVehicle
+from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
+from hub.robots.mavlink.wire.signing import Signer, SigningClock
+from hub.robots.mavlink.wire.signing_key import read_signing_key
+from hub.sim.kinematics import moved
+
+_FIRMWARE: Final = 8
+"""Bits of each part of a version."""
+_WORDS: Final = {
+    AutopilotPhase.LINKING: "links",
+    AutopilotPhase.LEARNING: "learns",
+    AutopilotPhase.ARMING: "arms",
+    AutopilotPhase.GONE: "gone",
+}
+
+
+class MavlinkBody:
+    """Implements `Body`, `BodyArms`, `BodyModes` and `BodyLeftAlone`.
+
+    Where the vehicle does not know its place, the dead reckoning adds up the commanded velocity.
+    """
+
+    def __init__(
+        self, robot: RobotDescription, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Open the link; nothing is sent before the first `advance`.
+
+        Args:
+            robot: The robot file.
+            clock: The monotonic clock [s].
+
+        Raises:
+            VehicleAddressError: The robot file has no address of a vehicle.
+            KeyFileError: Its signing key cannot be used.
+        """
+        self._clock = clock
+        self._link: ByteLink = link_to(vehicle_address(robot.vehicle_address))
+        signer = _signer(robot.signing_key)
+        self._parser = FrameParser(signer)
+        self._speed = math.hypot(robot.linear_limit, robot.sway_limit)
+        limits = Setpoint(
+            ahead=robot.linear_limit,
+            left=robot.sway_limit,
+            up=robot.heave_limit,
+            turn=robot.angular_limit,
+        )
+        self.vehicle = MavlinkVehicle(
+            self._link.write,
+            FramePacker(STATION, STATION_COMPONENT, signer),
+            limits,
+            robot.vehicle_system,
+        )
+        self._reckoned = Pose()
+        self._reckoning = 1
+        self._had_place = False
+
+    def command(self, twist: Twist) -> None:
+        """Follow a velocity; one that the vehicle cannot have is left out."""
+        wanted = Setpoint(
+            ahead=twist.linear.x, left=twist.linear.y, up=twist.linear.z, turn=twist.angular.z
+        )
+        self.vehicle.set_velocity(wanted, self._clock())
+
+    def advance(self, seconds: float) -> None:
+        """Read the link, and send what is due."""
+        now = self._clock()
+        find = self._parser.datagram if self._link.datagrams else self._parser.feed
+        for piece in self._link.read(now):
+            for frame in find(piece):
+                self.vehicle.received(frame, now)
+        self.vehicle.step(now)
+        self._reckon(seconds)
+
+    def arm(self, *, armed: bool) -> None:
+        """Ask the vehicle to arm or to disarm."""
+        if armed:
+            self.vehicle.arm(self._clock())
+        else:
+            self.vehicle.disarm()
+
+    def drive(self) -> None:
+        """Ask for the mode that follows velocities."""
+        self.vehicle.drive(self._clock())
+
+    def set_mode(self, name: str) -> None:
+        """Ask for a mode by its name."""
+        self.vehicle.set_mode(name, self._clock())
+
+    def left_alone(self, action: LeftAlone | None) -> None:
+        """Ask for the mode of this action."""
+        self.vehicle.left_alone(action, self._clock())
+
+    def ground_truth(self) -> GroundTruth | None:
+        """Not known."""
+        return None
+
+    def sensors(self, stamp: float) -> Sensors:  # noqa: ARG002 - it has no range sensors yet
+        """The present measurements."""
+        vehicle, read = self.vehicle, self.vehicle.telemetry
+        pose, commanded = self._reckoned, self._commanded
+        afloat = vehicle.profile is not None and "up" in vehicle.profile.frees
+        under_water = vehicle.profile is not None and vehicle.profile.name == "sub"
+        return Sensors(
+            known=vehicle.phase not in (AutopilotPhase.LINKING, AutopilotPhase.GONE),
+            x=pose.x,
+            y=pose.y,
+            z=_or_zero(read.z) if afloat else 0.0,
+            theta=pose.theta,
+            velocity=_known(read.velocity, commanded),
+            commanded=commanded,
+            battery_voltage=read.voltage,
+            battery_fraction=read.charge,
+            roll=read.roll,
+            pitch=read.pitch,
+            heading=read.yaw,
+            height=read.z if afloat and not under_water else math.nan,
+            above_ground=read.below if afloat else math.nan,
+            depth=read.depth if under_water else math.nan,
+            turning=read.rates if not math.isnan(read.rates.z) else None,
+            pressure=read.pressure,
+            climb=read.climb if afloat else math.nan,
+            reckoning=self._reckoning,
+            diagnostics=tuple(self._problems()),
+            vehicle=VehicleState(
+                activity=_WORDS.get(vehicle.phase, ""),
+                arming=Arming.ARMED if vehicle.armed else Arming.DISARMED,
+            ),
+        )
+
+    def autopilot(self, stamp: float) -> AutopilotState:
+        """The present state of the autopilot."""
+        vehicle, profile, now = self.vehicle, self.vehicle.profile, self._clock()
+        parameters = vehicle.parameters.values
+        stops = (math.nan, math.nan)
+        if profile is not None and parameters:
+            stops = profile.stops(parameters, self._speed, vehicle.telemetry.receiver)
+        heard = now - vehicle.liveness.heard
+        return AutopilotState(
+            stamp=stamp,
+            phase=vehicle.phase,
+            why=why(vehicle, now),
+            vehicle=profile.name if profile is not None else "",
+            firmware=_firmware(profile.autopilot if profile else "", vehicle.learning.firmware),
+            verified=int(profile is not None and profile.verified),
+            mode=profile.mode_name(vehicle.mode) if profile and vehicle.mode >= 0 else "",
+            modes=tuple(profile.modes[each] for each in profile.offered) if profile else (),
+            armable=int(vehicle.telemetry.armable),
+            failsafe=int(vehicle.failsafe),
+            heard_s=heard if math.isfinite(heard) else math.nan,
+            round_trip_s=vehicle.liveness.round_trip,
+            position=int(vehicle.telemetry.position),
+            satellites=vehicle.telemetry.satellites,
+            gain=vehicle.telemetry.gain,
+            stops_after_zero_s=stops[0],
+            stops_after_cut_s=stops[1],
+            unsafe=tuple(self._unsafe()),
+        )
+
+    def take_texts(self) -> tuple[AutopilotText, ...]:
+        """The texts of the vehicle since the last call."""
+        stamp, now = time.time(), self._clock()
+        return tuple(
+            AutopilotText(stamp=stamp - (now - each.time), level=each.level, text=each.text)
+            for each in self.vehicle.texts.take()
+        )
+
+    @property
+    def _commanded(self) -> Twist:
+        wanted = self.vehicle.velocity
+        return Twist(
+            linear=Vector3(x=wanted.ahead, y=wanted.left, z=wanted.up),
+            angular=Vector3(z=wanted.turn),
+        )
+
+    def _reckon(self, seconds: float) -> None:
+        """Take the vehicle's place; where it has none, add up the commanded velocity."""
+        read = self.vehicle.telemetry
+        has_place = not math.isnan(read.x + read.y)
+        if has_place is not self._had_place:
+            self._had_place = has_place
+            self._reckoning += 1
+        if has_place:
+            theta = self._reckoned.theta if math.isnan(read.yaw) else read.yaw
+            self._reckoned = Pose(x=read.x, y=read.y, theta=theta)
+            return
+        wanted = self.vehicle.velocity
+        turned = wanted.turn * seconds
+        if not math.isnan(read.yaw):
+            turned = math.remainder(read.yaw - self._reckoned.theta, math.tau)
+        self._reckoned = moved(
+            self._reckoned, wanted.ahead * seconds, turned, wanted.left * seconds
+        )
+
+    def _unsafe(self) -> Iterator[UnsafeParameter]:
+        profile, values = self.vehicle.profile, self.vehicle.parameters.values
+        for each in profile.wanted if profile is not None else ():
+            value = values.get(each.name)
+            if value is not None and not each.safe(value):
+                yield UnsafeParameter(
+                    name=each.name, value=value, wanted=each.allowed[0], why=each.why
+                )
+
+    def _problems(self) -> Iterator[DiagnosticStatus]:
+        """What is wrong, in words of the vehicle where it has some."""
+        vehicle, now = self.vehicle, self._clock()
+        if vehicle.phase in (AutopilotPhase.LINKING, AutopilotPhase.GONE):
+            link = self._link.state
+            text = f"the autopilot is silent: {why(vehicle, now)}"
+            text += f"; its link: {link.why}" if link.why and not link.up else ""
+            yield DiagnosticStatus(level=Severity.ERROR, name="autopilot", message=text)
+        elif vehicle.phase is AutopilotPhase.ELSEWHERE:
+            yield DiagnosticStatus(level=Severity.WARN, name="autopilot", message=why(vehicle, now))
+        if vehicle.failsafe and vehicle.armed:
+            texts = [each.text for each in vehicle.texts.since(now - 10.0)]
+            text = "; ".join(["a failsafe of the vehicle acts", *texts[-2:]])
+            yield DiagnosticStatus(level=Severity.ERROR, name="failsafe", message=text)
+
+
+def _signer(path: str) -> Signer | None:
+    """Signs with the key in a file; None: the robot file names none."""
+    if not path:
+        return None
+    clock = SigningClock(Path(f"{path}.stamp"))
+    return Signer(read_signing_key(Path(path)), clock)
+
+
+def _firmware(autopilot: str, version: int) -> str:
+    """A version in words, such as "ArduPilot 4.7.0"."""
+    if not autopilot or not version:
+        return autopilot
+    parts = [version >> shift & 0xFF for shift in (3 * _FIRMWARE, 2 * _FIRMWARE, _FIRMWARE)]
+    return f"{autopilot} {'.'.join(map(str, parts))}"
+
+
+def _or_zero(value: float) -> float:
+    return value if math.isfinite(value) else 0.0
+
+
+def _known(measured: Twist, commanded: Twist) -> Twist:
+    """The measured velocity; what is not measured is as commanded."""
+    return Twist(
+        linear=_filled(measured.linear, commanded.linear),
+        angular=_filled(measured.angular, commanded.angular),
+    )
+
+
+def _filled(one: Vector3, other: Vector3) -> Vector3:
+    """A vector; where a part of it is no number, that of the other."""
+    x, y, z = (
+        part if math.isfinite(part) else instead
+        for part, instead in ((one.x, other.x), (one.y, other.y), (one.z, other.z))
+    )
+    return Vector3(x=x, y=y, z=z)

@@ -1,0 +1,1 @@
+"""What differs between vehicles: a table per autopilot and type; pure."""

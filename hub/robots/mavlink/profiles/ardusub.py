@@ -1,0 +1,164 @@
+"""ArduPilot's Sub: sticks in POSHOLD, or in depth hold where it does not know its place."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hub.robots.left_alone import LeftAlone
+from hub.robots.mavlink.profiles.profile import (
+    NEVER,
+    STATION_WANTED,
+    STREAMS,
+    Braking,
+    Message,
+    Parameters,
+    Setpoint,
+    VehicleProfile,
+    WantedParameter,
+    stick,
+)
+
+_POSITION_HOLD: Final = 16
+_DEPTH_HOLD: Final = 2
+_SURFACE: Final = 9
+_STICK_US: Final = 400.0
+"""Travel of a stick's channel to each side [us]."""
+_ACRO_TURN: Final = math.radians(45.0)
+"""Turn rate of a full stick, per unit of ACRO_YAW_P [rad/s]."""
+_BRAKING: Final = Braking(delay=0.2, per_speed=3.0, least=1.6)
+"""Measured on a simulated Sub in POSHOLD: 1.81 s from 0.31 m/s, 2.0 s from 0.26 m/s and more."""
+_COASTING_S: Final = 3.9
+"""Time until it stands after it was disarmed, before it rises [s]."""
+_MODES: Final = {
+    0: "stabilize",
+    1: "acro",
+    2: "depth hold",
+    3: "auto",
+    4: "guided",
+    7: "circle",
+    9: "surface",
+    16: "position hold",
+    19: "manual",
+    20: "motor detect",
+    21: "surftrak",
+}
+
+
+def _axis(speed: float, most: float, gain: float, dead: float) -> int:
+    """The stick for a speed: its gain and dead zone undone.
+
+    ArduSub makes 400 us * gain of a full stick. THR_DZ of it is dead; the rest is a share of the
+    pilot's speed.
+    """
+    if not speed or most <= 0.0:
+        return 0
+    return stick(math.copysign(abs(speed) / most / gain + dead / _STICK_US, speed))
+
+
+def _climb(speed: float, parameters: Parameters, gain: float) -> int:
+    """The vertical stick, 0 to 1000, for a speed upwards [m/s]."""
+    if not speed:
+        return 500
+    rise = parameters.get("PILOT_SPEED_UP", 50.0) / 100.0
+    sink = (parameters.get("PILOT_SPEED_DN") or parameters.get("PILOT_SPEED_UP", 50.0)) / 100.0
+    dead = parameters.get("THR_DZ", 100.0) * gain
+    share = min(1.0, abs(speed) / max(0.01, rise if speed > 0.0 else sink))
+    travel = dead + (500.0 - dead) * share
+    scale = gain * max(0.1, parameters.get("JS_THR_GAIN", 1.0))
+    return 500 + round(math.copysign(min(500.0, travel / scale), speed))
+
+
+def _turn(rate: float, parameters: Parameters, gain: float) -> int:
+    """The stick for a turn rate, clockwise positive, for one counter-clockwise [rad/s]."""
+    if not rate:
+        return 0
+    full = _ACRO_TURN * max(0.1, parameters.get("ACRO_YAW_P", 3.375))
+    dead = parameters.get("RC4_DZ", 40.0) * gain
+    travel = dead + (_STICK_US - dead) * min(1.0, abs(rate) / full)
+    return stick(math.copysign(travel / _STICK_US / gain, -rate))
+
+
+def _setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Message, ...]:
+    gain = min(1.0, max(0.05, gain if math.isfinite(gain) else 0.5))
+    most = parameters.get("PILOT_SPEED", 50.0) / 100.0
+    dead = parameters.get("THR_DZ", 100.0)
+    return (
+        (
+            "MANUAL_CONTROL",
+            {
+                "x": _axis(wanted.ahead, most, gain, dead),
+                "y": _axis(-wanted.left, most, gain, dead),
+                "z": _climb(wanted.up, parameters, gain),
+                "r": _turn(wanted.turn, parameters, gain),
+            },
+        ),
+    )
+
+
+def _stops(parameters: Parameters, speed: float, receiver: bool) -> tuple[float, float]:  # noqa: FBT001
+    braking = _BRAKING.time(speed)
+    after_zero = braking - _BRAKING.delay
+    cuts = []
+    pilot = parameters.get("FS_PILOT_INPUT", math.nan)
+    noticed = parameters.get("FS_PILOT_TIMEOUT", math.nan)
+    if pilot and not receiver:
+        cuts.append(noticed + (_COASTING_S if pilot == 2.0 else _BRAKING.delay + after_zero))
+    station = parameters.get("FS_GCS_ENABLE", math.nan)
+    if station in (2.0, 4.0):
+        cuts.append(parameters.get("FS_GCS_TIMEOUT", math.nan) + _COASTING_S)
+    return braking, min(cuts) if cuts else NEVER
+
+
+SUB: Final = VehicleProfile(
+    name="sub",
+    autopilot="ArduPilot",
+    verified=True,
+    types=frozenset({12}),
+    modes=_MODES,
+    drives=(_POSITION_HOLD, _DEPTH_HOLD),
+    holds=_DEPTH_HOLD,
+    offered=(_POSITION_HOLD, _DEPTH_HOLD, _SURFACE, 0, 19),
+    alone={
+        LeftAlone.STAND: _DEPTH_HOLD,
+        LeftAlone.HOLD_HEIGHT: _DEPTH_HOLD,
+        LeftAlone.SURFACE: _SURFACE,
+    },
+    rates=STREAMS,
+    wanted=(
+        WantedParameter(
+            name="FS_PILOT_INPUT",
+            allowed=(1.0,),
+            why="without a receiver it keeps the last sticks for ever (0), or disarms (2)",
+        ),
+        WantedParameter(
+            name="FS_PILOT_TIMEOUT",
+            allowed=(0.5, 0.3),
+            why="it keeps the last sticks for this time",
+        ),
+        WantedParameter(
+            name="FS_GCS_ENABLE",
+            allowed=(4.0, 3.0),
+            why="it does not come up, or is disarmed, when the ground station is silent",
+        ),
+        WantedParameter(
+            name="FS_GCS_TIMEOUT",
+            allowed=(2.0, 1.0, 1.5),
+            why="it notices the loss of the ground station late",
+        ),
+        STATION_WANTED,
+    ),
+    reads=(
+        "PILOT_SPEED",
+        "PILOT_SPEED_UP",
+        "PILOT_SPEED_DN",
+        "THR_DZ",
+        "ACRO_YAW_P",
+        "RC4_DZ",
+        "JS_THR_GAIN",
+        "JS_GAIN_DEFAULT",
+    ),
+    frees=("ahead", "left", "up", "turn"),
+    setpoint=_setpoint,
+    stops=_stops,
+)

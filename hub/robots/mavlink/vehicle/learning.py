@@ -1,0 +1,71 @@
+"""What a vehicle is asked when it is heard, and whether it answered; pure."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from hub.robots.mavlink.profiles.profile import STREAMS, VehicleProfile
+from hub.robots.mavlink.vehicle.requests import ParameterReads, RequestQueue, VehicleRequest
+from hub.robots.mavlink.wire.definitions import BY_NAME
+
+_INTERVAL: Final = 511
+"""MAV_CMD_SET_MESSAGE_INTERVAL."""
+_REQUEST: Final = 512
+"""MAV_CMD_REQUEST_MESSAGE."""
+_LONGEST_S: Final = 4.0
+"""Longest time for the answers; what has none then is left out [s]."""
+_SILENT_S: Final = 1.5
+"""Time without ATTITUDE after which telemetry is silent [s]."""
+_FIRST_S: Final = 3.0
+"""Longest time until the first ATTITUDE [s]."""
+
+
+class Learning:
+    """The questions to one vehicle.
+
+    Attributes:
+        firmware: Its version, a byte each: major, minor, patch, kind; 0: not known.
+    """
+
+    def __init__(self, requests: RequestQueue, parameters: ParameterReads) -> None:
+        self._requests, self._parameters = requests, parameters
+        self._since = -math.inf
+        self._left = 0
+        self.firmware = 0
+
+    def begin(self, profile: VehicleProfile | None, now: float) -> None:
+        """Ask for streams and parameters; other requests end."""
+        self._since = now
+        self._requests.drop()
+        rates = profile.rates if profile is not None else STREAMS
+        questions: list[tuple[int, tuple[float, ...]]] = [
+            (_REQUEST, (float(BY_NAME["AUTOPILOT_VERSION"].number),))
+        ]
+        questions += [
+            (_INTERVAL, (float(BY_NAME[name].number), 1e6 / rate)) for name, rate in rates.items()
+        ]
+        self._left = len(questions)
+        for command, parameters in questions:
+            self._requests.add(
+                VehicleRequest(command=command, parameters=parameters, answered=self._answered)
+            )
+        if profile is not None:
+            wanted = (each.name for each in profile.wanted)
+            self._parameters.begin((*wanted, *profile.reads))
+
+    def done(self, now: float) -> bool:
+        """Whether all was answered, or the time is over."""
+        return now - self._since > _LONGEST_S or not (self._left or self._parameters.reading)
+
+    def is_silent(self, measured: float, now: float) -> bool:
+        """Whether the telemetry that was asked for does not come.
+
+        Args:
+            measured: Monotonic time of the last ATTITUDE [s].
+            now: Monotonic time [s].
+        """
+        return now - max(measured, self._since + _FIRST_S - _SILENT_S) > _SILENT_S
+
+    def _answered(self, _result: int, _now: float) -> None:
+        self._left -= 1

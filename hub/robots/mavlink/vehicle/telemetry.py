@@ -1,0 +1,180 @@
+"""What a vehicle measures, in Rune's frames: ENU and FLU; pure.
+
+| MAVLink | Rune |
+| --- | --- |
+| north, east, down | y, x, -z of `odom` |
+| yaw, clockwise from north | theta = pi/2 - yaw, counter-clockwise from east |
+| pitch, positive nose up | -pitch, positive nose down |
+| roll, positive right side down | roll |
+
+Values that do not come, or are not numbers, are NaN. The origin of `odom` is that of the vehicle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from hub.gcm.geometry import Twist, Vector3
+from hub.robots.mavlink.wire.frames import MavlinkFrame
+
+_PREARM: Final = 0x10000000
+"""MAV_SYS_STATUS_PREARM_CHECK."""
+_RECEIVER: Final = 0x10000
+"""MAV_SYS_STATUS_SENSOR_RC_RECEIVER."""
+_POSITION: Final = 16
+"""Flag of EKF_STATUS_REPORT: it knows its place in the horizontal plane."""
+_NO_VOLTAGE: Final = 65535
+_FARTHEST: Final = 1e6
+_FASTEST: Final = 100.0
+_AHEAD: Final = 0
+_DOWN: Final = 25
+"""MAV_SENSOR_ORIENTATION of range sensors."""
+
+
+def within(value: float, most: float) -> float:
+    """A number; NaN where it is none, or larger than any vehicle's."""
+    return value if abs(value) <= most else math.nan
+
+
+class Telemetry:
+    """The newest values of one vehicle.
+
+    Attributes:
+        x: Position in `odom` [m]; NaN: not known.
+        y: Position in `odom` [m].
+        z: Height in `odom` [m]; of a vehicle under water, minus its depth.
+        yaw: Heading in `odom`, counter-clockwise from x [rad].
+        roll: [rad], positive right side down.
+        pitch: [rad], positive nose down.
+        rates: Turn rates in `base_link` [rad/s].
+        east: Velocity in `odom` [m/s].
+        north: Velocity in `odom` [m/s].
+        climb: Velocity upwards [m/s].
+        voltage: Of the battery [V].
+        charge: Charge left, 0 to 1.
+        armable: Whether its checks before arming succeed.
+        receiver: Whether it has a radio receiver.
+        position: Whether it knows its place.
+        satellites: That it sees; 255: not known.
+        gain: Share of the sticks' effect that a Sub uses; NaN: not known.
+        depth: Below the surface [m].
+        pressure: Of the water or air outside [Pa].
+        ahead: Range of a sensor ahead [m].
+        below: Range of a sensor downwards [m].
+        named: Newest values of NAMED_VALUE_FLOAT, by name.
+        boot_ms: Time since its start [ms].
+        measured: Monotonic time of the last ATTITUDE [s].
+    """
+
+    def __init__(self) -> None:
+        self.x = self.y = self.z = math.nan
+        self.yaw = self.roll = self.pitch = math.nan
+        self.rates = Vector3()
+        self.east = self.north = self.climb = math.nan
+        self.voltage = self.charge = math.nan
+        self.armable = self.position = False
+        self.receiver = False
+        self.satellites = 255
+        self.gain = math.nan
+        self.depth = self.pressure = math.nan
+        self.ahead = self.below = math.nan
+        self.named: dict[str, float] = {}
+        self.boot_ms = 0
+        self.measured = -math.inf
+
+    @property
+    def velocity(self) -> Twist:
+        """In `base_link`; NaN where it is not known."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return Twist(
+            linear=Vector3(
+                x=self.east * cos + self.north * sin,
+                y=self.north * cos - self.east * sin,
+                z=self.climb,
+            ),
+            angular=self.rates,
+        )
+
+    def take(self, frame: MavlinkFrame, now: float) -> None:
+        """Take a frame of the vehicle's autopilot; one of another message changes nothing."""
+        reader = _READERS.get(frame.name)
+        if reader is not None:
+            reader(self, frame.fields)
+            if frame.name == "ATTITUDE":
+                self.measured = now
+
+
+def _attitude(to: Telemetry, values: Mapping[str, Any]) -> None:
+    yaw, pitch = within(values["yaw"], math.tau), within(values["pitch"], math.tau)
+    to.boot_ms = values["time_boot_ms"]
+    to.yaw = math.remainder(math.pi / 2 - yaw, math.tau) if not math.isnan(yaw) else math.nan
+    to.roll, to.pitch = within(values["roll"], math.tau), -pitch
+    rates = (values["rollspeed"], -values["pitchspeed"], -values["yawspeed"])
+    x, y, z = (within(rate, _FASTEST) for rate in rates)
+    to.rates = Vector3(x=x, y=y, z=z)
+
+
+def _local_position(to: Telemetry, values: Mapping[str, Any]) -> None:
+    to.x, to.y = within(values["y"], _FARTHEST), within(values["x"], _FARTHEST)
+    to.z = -within(values["z"], _FARTHEST)
+    to.east, to.north = within(values["vy"], _FASTEST), within(values["vx"], _FASTEST)
+    to.climb = -within(values["vz"], _FASTEST)
+
+
+def _status(to: Telemetry, values: Mapping[str, Any]) -> None:
+    voltage, left = values["voltage_battery"], values["battery_remaining"]
+    to.voltage = voltage / 1e3 if voltage != _NO_VOLTAGE else math.nan
+    to.charge = left / 100.0 if 0 <= left <= 100 else math.nan
+    to.armable = bool(values["onboard_control_sensors_health"] & _PREARM)
+    to.receiver = bool(
+        values["onboard_control_sensors_present"]
+        & values["onboard_control_sensors_health"]
+        & _RECEIVER
+    )
+
+
+def _estimator(to: Telemetry, values: Mapping[str, Any]) -> None:
+    to.position = bool(values["flags"] & _POSITION)
+
+
+def _satellites(to: Telemetry, values: Mapping[str, Any]) -> None:
+    to.satellites = values["satellites_visible"]
+
+
+def _hud(to: Telemetry, values: Mapping[str, Any]) -> None:
+    to.depth = -within(values["alt"], _FARTHEST)
+
+
+def _pressure(to: Telemetry, values: Mapping[str, Any]) -> None:
+    to.pressure = within(values["press_abs"] * 100.0, 1e9)
+
+
+def _named(to: Telemetry, values: Mapping[str, Any]) -> None:
+    name, value = values["name"], within(values["value"], 1e9)
+    if name in to.named or len(to.named) < 64:
+        to.named[name] = value
+    if name.startswith("PilotGain"):
+        to.gain = within(value, 1.0)
+
+
+def _range(to: Telemetry, values: Mapping[str, Any]) -> None:
+    distance = values["current_distance"] / 100.0
+    if values["orientation"] == _AHEAD:
+        to.ahead = distance
+    elif values["orientation"] == _DOWN:
+        to.below = distance
+
+
+_READERS: Final[Mapping[str, Callable[[Telemetry, Mapping[str, Any]], None]]] = {
+    "ATTITUDE": _attitude,
+    "LOCAL_POSITION_NED": _local_position,
+    "SYS_STATUS": _status,
+    "EKF_STATUS_REPORT": _estimator,
+    "GPS_RAW_INT": _satellites,
+    "VFR_HUD": _hud,
+    "SCALED_PRESSURE2": _pressure,
+    "NAMED_VALUE_FLOAT": _named,
+    "DISTANCE_SENSOR": _range,
+}
