@@ -145,6 +145,7 @@ def load_robot_table(name_or_path: str, settings: Sequence[str] = ()) -> RobotTa
         except UnknownKindError as error:
             problems.add(toml.TOP, str(error), "kind")
     _check_arena(robot, problems)
+    _check_autopilot(robot, problems)
     modules = tuple(_module(name, values, problems) for name, values in robot.modules.items())
     if not modules:
         problems.append("it names no modules: add at least [modules.driver]")
@@ -166,6 +167,13 @@ def _check_arena(robot: RobotDescription, problems: toml.Problems) -> None:
             problems.add("[simulation]", f"[simulation], key 'arena': {problem}", "arena")
         return
     for place, which, fault in simulation_faults(robot, arena):
+        problems.add(place, f"{place}, key '{which}': {fault}", which)
+
+
+def _check_autopilot(robot: RobotDescription, problems: toml.Problems) -> None:
+    from hub.robots.mavlink.robot_file_faults import autopilot_faults
+
+    for place, which, fault in autopilot_faults(robot) if robot.has_autopilot else ():
         problems.add(place, f"{place}, key '{which}': {fault}", which)
 
 

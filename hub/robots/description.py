@@ -39,6 +39,9 @@ NOTHING_NEW_SHARE = 0.02
 LONGEST_EXPLORING_S = 600.0
 """Time after which an exploring robot is back at its start [s]."""
 
+AUTOPILOT_KIND = "mavlink"
+"""The kind of vehicles with an autopilot."""
+
 
 class Base(enum.Enum):
     """How a simulated body moves.
@@ -295,6 +298,12 @@ class RobotDescription:
     vehicle_system: int = key(
         whole_number(0, 255), 0, "number of the vehicle; 0: the first one", at="mavlink.system"
     )
+    vehicle_station: int = key(
+        whole_number(1, 255),
+        255,
+        "number of this hub as a ground station; the vehicle's MAV_GCS_SYSID",
+        at="mavlink.station",
+    )
     signing_key: str = key(
         text(1000), "", "file of a key that signs", at="mavlink.key_file", without="unsigned"
     )
@@ -356,6 +365,11 @@ class RobotDescription:
     def simulated(self) -> bool:
         """Whether its hardware is a simulation."""
         return bool(self.kind) and self.kind.startswith("simulated-")
+
+    @property
+    def has_autopilot(self) -> bool:
+        """Whether it is driven over MAVLink."""
+        return self.kind == AUTOPILOT_KIND
 
 
 def settings(module: str) -> str:

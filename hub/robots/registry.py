@@ -16,7 +16,7 @@ from hub.gcm.imu import IMU
 from hub.ipc.definition import MessageDefinition
 from hub.nearest import did_you_mean
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
-from hub.robots.description import Base, RobotDescription
+from hub.robots.description import AUTOPILOT_KIND, Base, RobotDescription
 from hub.robots.interfaces import Body, Camera
 from hub.robots.messages_of import described
 from hub.robots.robot_file import shipped_bodies
@@ -120,7 +120,7 @@ _SIMULATED = RobotKind(
 )
 KINDS = {
     "simulated-wheels": _SIMULATED,
-    "mavlink": _AUTOPILOT,
+    AUTOPILOT_KIND: _AUTOPILOT,
     **dict.fromkeys(shipped_bodies(), _SIMULATED),
 }
 """Each kind that Rune ships; a kind with a file of its own in `bodies/` has that body."""

@@ -20,7 +20,8 @@ from hub.robots.left_alone import LeftAlone
 from hub.robots.mavlink.link.address import vehicle_address
 from hub.robots.mavlink.link.byte_link import ByteLink
 from hub.robots.mavlink.link.opening import link_to
-from hub.robots.mavlink.profiles.profile import STATION, Setpoint
+from hub.robots.mavlink.profiles.profile import Setpoint
+from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
 from hub.robots.mavlink.vehicle.reasons import why
 from hub.robots.mavlink.vehicle.vehicle import STATION_COMPONENT, MavlinkVehicle
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
@@ -61,6 +62,7 @@ class MavlinkBody:
         self._link: ByteLink = link_to(vehicle_address(robot.vehicle_address))
         signer = _signer(robot.signing_key)
         self._parser = FrameParser(signer)
+        self._station = robot.vehicle_station
         self._speed = math.hypot(robot.linear_limit, robot.sway_limit)
         limits = Setpoint(
             ahead=robot.linear_limit,
@@ -70,7 +72,7 @@ class MavlinkBody:
         )
         self.vehicle = MavlinkVehicle(
             self._link.write,
-            FramePacker(STATION, STATION_COMPONENT, signer),
+            FramePacker(self._station, STATION_COMPONENT, signer),
             limits,
             robot.vehicle_system,
         )
@@ -217,12 +219,7 @@ class MavlinkBody:
 
     def _unsafe(self) -> Iterator[UnsafeParameter]:
         profile, values = self.vehicle.profile, self.vehicle.parameters.values
-        for each in profile.wanted if profile is not None else ():
-            value = values.get(each.name)
-            if value is not None and not each.safe(value):
-                yield UnsafeParameter(
-                    name=each.name, value=value, wanted=each.allowed[0], why=each.why
-                )
+        return unsafe_parameters(profile, values, self._station) if profile else iter(())
 
     def _problems(self) -> Iterator[DiagnosticStatus]:
         """What is wrong, in words of the vehicle where it has some."""

@@ -119,6 +119,45 @@ def test_a_mistake_is_named_with_its_place(tmp_path: Path, old: str, new: str, s
     assert any(said in problem for problem in problems_of(tmp_path, GOOD.replace(old, new)))
 
 
+AUTOPILOT = """
+name = "rover"
+kind = "mavlink"
+[mavlink]
+address = "tcp://127.0.0.1:5760"
+[body]
+arming = "disarmed"
+[modules.driver]
+run = "hub.modules.driver"
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("tcp://127.0.0.1:5760", "tcp://127.0.0.1", "line 5: [mavlink], key 'address': 'tcp://"),
+        ('address = "tcp://127.0.0.1:5760"', "", "line 4: [mavlink], key 'address': it is missing"),
+        (
+            "tcp:",
+            "http:",
+            "line 5: [mavlink], key 'address': 'http://127.0.0.1:5760' is no address",
+        ),
+        ('"disarmed"', '"armed"', "line 7: [body], key 'arming': an autopilot is armed by an"),
+        ('arming = "disarmed"', "", "line 6: [body], key 'arming': an autopilot is armed by an"),
+        ("[modules.driver]", "[[hold]]\nkind='depth'\n[modules.driver]", "line 8: [[hold]] 1, key"),
+        ("[body]", "station = 0\n[body]", "line 6: [mavlink], key 'station': 0 is not between 1"),
+    ],
+)
+def test_mistakes_of_a_robot_with_an_autopilot_have_their_lines(
+    tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    path = tmp_path / "good.toml"
+    path.write_text(AUTOPILOT)
+    assert load_robot_table(str(path)).robot.vehicle_address == "tcp://127.0.0.1:5760"
+    found = problems_of(tmp_path, AUTOPILOT.replace(old, new))
+    assert len(found) == 1
+    assert found[0].startswith(said)
+
+
 def test_a_table_that_nobody_knows_has_its_line(tmp_path: Path) -> None:
     line = GOOD.splitlines().index("[simulation]") + 1
     text = GOOD.replace("[simulation]", "[simulator]")

@@ -23,7 +23,8 @@ from hub.values import dataclass
 DEFAULT_BAUD: Final = 115_200
 _LARGEST_BAUD: Final = 4_000_000
 _LOOPBACK: Final = "127.0.0.1"
-_FORMS: Final = "udp://:14550, udp://HOST:PORT, tcp://HOST:PORT or /dev/ttyACM0"
+ADDRESS_FORMS: Final = "udp://:14550, udp://HOST:PORT, tcp://HOST:PORT or /dev/ttyACM0"
+"""The usual addresses, for people."""
 
 
 class VehicleLinkKind(enum.Enum):
@@ -71,19 +72,21 @@ def vehicle_address(text: str) -> VehicleAddress:
     text = text.strip()
     if "://" not in text:
         if not text.startswith(("/", "COM")):
-            raise VehicleAddressError(text, f"give {_FORMS}")
+            raise VehicleAddressError(text, f"give {ADDRESS_FORMS}")
         return VehicleAddress(kind=VehicleLinkKind.SERIAL, host=text, text=text)
     try:
         parts = urlsplit(text)
         port = parts.port
     except ValueError as fault:
-        raise VehicleAddressError(text, f"{fault}; give {_FORMS}") from fault
+        raise VehicleAddressError(text, f"{fault}; give {ADDRESS_FORMS}") from fault
     if parts.scheme == "serial":
         return _serial(text, parts)
     if parts.scheme not in ("tcp", "udp"):
-        raise VehicleAddressError(text, f"{parts.scheme!r} is no kind of link; give {_FORMS}")
+        raise VehicleAddressError(
+            text, f"{parts.scheme!r} is no kind of link; give {ADDRESS_FORMS}"
+        )
     if parts.path or parts.query or parts.username or parts.fragment:
-        raise VehicleAddressError(text, f"there is more than host and port; give {_FORMS}")
+        raise VehicleAddressError(text, f"there is more than host and port; give {ADDRESS_FORMS}")
     return _network(text, parts.scheme, parts.hostname or "", port)
 
 

@@ -32,7 +32,7 @@ from typing import Final
 
 from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.left_alone import LeftAlone
-from hub.robots.mavlink.profiles.profile import NEUTRAL, STATION, Setpoint, VehicleProfile
+from hub.robots.mavlink.profiles.profile import NEUTRAL, Setpoint, VehicleProfile
 from hub.robots.mavlink.profiles.table import profile_of
 from hub.robots.mavlink.vehicle.learning import Learning
 from hub.robots.mavlink.vehicle.liveness import Liveness
@@ -232,7 +232,7 @@ class MavlinkVehicle:
         match frame.name:
             case "TIMESYNC" if frame["tc1"]:
                 self.liveness.echo(frame["ts1"], now)
-            case "COMMAND_ACK" if frame["target_system"] in (0, STATION):
+            case "COMMAND_ACK" if frame["target_system"] in (0, self._packer.system):
                 self._requests.answer(frame["command"], frame["result"], now)
             case "PARAM_VALUE":
                 self.parameters.take(frame["param_id"], frame["param_value"])

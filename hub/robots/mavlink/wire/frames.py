@@ -60,7 +60,11 @@ class MavlinkFrame:
 
 
 class FramePacker:
-    """Packs the frames of one sender."""
+    """Packs the frames of one sender.
+
+    Attributes:
+        system: Its number.
+    """
 
     def __init__(self, system: int, component: int, signer: Signer | None = None) -> None:
         """Take the sender's numbers.
@@ -70,7 +74,7 @@ class FramePacker:
             component: Number in it, 1 to 255.
             signer: Signs the frames; None: they have no signatures.
         """
-        self._system, self._component = system, component
+        self.system, self._component = system, component
         self._signer = signer
         self._sequence = 0
 
@@ -89,7 +93,7 @@ class FramePacker:
             _SIGNED if self._signer else 0,
             0,
             self._sequence,
-            self._system,
+            self.system,
             self._component,
             form.number & 0xFFFF,
             form.number >> 16,
