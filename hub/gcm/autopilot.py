@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import enum
 import math
+from dataclasses import field
 from typing import Annotated, Final, TypeAlias
 
+import numpy as np
+
 from hub.gcm.diagnostics import Severity
-from hub.gcm.fields import Flag, Name, SecondsIfKnown, Sentence, ShareIfKnown, Stamp
+from hub.gcm.fields import Flag, Name, Octets, SecondsIfKnown, Sentence, ShareIfKnown, Stamp
 from hub.ipc.definition import Keep, MessageDefinition
 from hub.ipc.formats.ranges import Most, Range, Text
 from hub.ipc.formats.wire_types import Counted, Sequence, Wire
@@ -133,4 +136,26 @@ class AutopilotText:
 
 AUTOPILOT_TEXT = MessageDefinition(name="GCM_Autopilot_Text", type=AutopilotText, keep=Keep.ALL)
 
-MESSAGES = (AUTOPILOT_STATE, AUTOPILOT_TEXT)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MavlinkFrames:
+    """Bytes of the link to the autopilot, as they were on the wire; for recordings.
+
+    Attributes:
+        stamp: When they came or left [s since the epoch].
+        sent: 1: the hub sent them; 0: they came.
+        data: The bytes, shape (n,): whole frames if they were sent, or came as datagrams; else a
+            piece of a stream.
+    """
+
+    stamp: Stamp = 0.0
+    sent: Flag = 0
+    data: Octets = field(default_factory=lambda: np.zeros(0, np.uint8))
+
+
+MAVLINK_FRAMES = MessageDefinition(
+    name="GCM_Mavlink_Frames", type=MavlinkFrames, keep=Keep.ALL, rate_hz=50.0
+)
+"""Sent while it has subscribers."""
+
+MESSAGES = (AUTOPILOT_STATE, AUTOPILOT_TEXT, MAVLINK_FRAMES)

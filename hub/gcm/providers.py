@@ -47,6 +47,7 @@ PROVIDED_BY: Mapping[str, tuple[Capability, ...]] = {
     vehicle.VEHICLE_STATE.name: (Capability.DRV_BASE, Capability.NAV_STATE),
     autopilot.AUTOPILOT_STATE.name: (Capability.DRV_MODE,),
     autopilot.AUTOPILOT_TEXT.name: (Capability.DRV_MODE,),
+    autopilot.MAVLINK_FRAMES.name: (Capability.DRV_MODE,),
     joints.JOINT_STATES.name: (Capability.DRV_JOINT,),
     navigation.GROUND_TRUTH.name: (Capability.SIM_TRUTH,),
     transforms.TRANSFORMS.name: (Capability.NAV_STATE,),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
-from hub.gcm.autopilot import AutopilotState, AutopilotText
+from hub.gcm.autopilot import AutopilotState, AutopilotText, MavlinkFrames
 from hub.gcm.body import HoldKind
 from hub.gcm.diagnostics import DiagnosticStatus
 from hub.gcm.geometry import Twist, Vector3
@@ -181,6 +182,27 @@ class BodyModes(Protocol):
 
     def take_texts(self) -> tuple[AutopilotText, ...]:
         """The texts that came since the last call."""
+
+    def take_frames(self, *, wanted: bool) -> tuple[MavlinkFrames, ...]:
+        """The bytes of its link since the last call; `wanted`: keep those from now on."""
+
+
+class FileLoop(Protocol):
+    """A loop that waits for file descriptors."""
+
+    def watch(self, file: int, work: Callable[[], None]) -> None:
+        """Call `work` whenever the file descriptor is readable."""
+
+    def unwatch(self, file: int) -> None:
+        """Stop watching it; call this before it is closed."""
+
+
+@runtime_checkable
+class BodyWakes(Protocol):
+    """A `Body` that reads its port between two calls of `advance` too, when it awaits an answer."""
+
+    def wake_by(self, loop: FileLoop) -> None:
+        """Watch the port by this loop."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -35,7 +35,7 @@ from hub.modules.driver.publishing_rate import PublishingRate
 from hub.modules.driver.vehicle_orders import VehicleOrders
 from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
-from hub.robots.interfaces import Sensors
+from hub.robots.interfaces import BodyWakes, Sensors
 from hub.robots.registry import kind_of
 from hub.runtime import run_module
 
@@ -64,6 +64,8 @@ class Driver:
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
         self._body = kind_of(robot).open_body(robot)
+        if isinstance(self._body, BodyWakes):
+            self._body.wake_by(client.loop)
         self._loss = OperatorLoss(self._body, robot)
         self._watchdog = CommandWatchdog()
         self._navigator = Navigator()

@@ -1,8 +1,8 @@
-"""Publishes the state and the texts of a body's autopilot."""
+"""Publishes the state and the texts of a body's autopilot, and the bytes of its link."""
 
 from __future__ import annotations
 
-from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT, AutopilotState
+from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT, MAVLINK_FRAMES, AutopilotState
 from hub.ipc.client import Client
 from hub.modules.driver.publishing_rate import PublishingRate
 from hub.robots.interfaces import Body, BodyModes
@@ -16,10 +16,10 @@ class AutopilotReports:
         self._body = body if isinstance(body, BodyModes) else None
         self._rate = PublishingRate(AUTOPILOT_STATE.rate_hz)
         if self._body is not None:
-            client.define(AUTOPILOT_STATE, AUTOPILOT_TEXT)
+            client.define(AUTOPILOT_STATE, AUTOPILOT_TEXT, MAVLINK_FRAMES)
 
     def publish(self, stamp: float, now: float) -> None:
-        """Publish the texts that came, and the state when it is due.
+        """Publish the texts and bytes that came, and the state when it is due.
 
         Args:
             stamp: The time now [s since the epoch].
@@ -29,6 +29,9 @@ class AutopilotReports:
             return
         for text in self._body.take_texts():
             self._client.publish(AUTOPILOT_TEXT, text, measured=now)
+        wanted = self._client.has_subscribers(MAVLINK_FRAMES)
+        for frames in self._body.take_frames(wanted=wanted):
+            self._client.publish(MAVLINK_FRAMES, frames, measured=now)
         state = self._body.autopilot(stamp)
         if self._rate.due(_change_of(state), now):
             self._client.publish(AUTOPILOT_STATE, state, measured=now)

@@ -8,18 +8,26 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
-from hub.gcm.autopilot import AutopilotPhase, AutopilotState, AutopilotText, UnsafeParameter
+from hub.gcm.autopilot import (
+    AutopilotPhase,
+    AutopilotState,
+    AutopilotText,
+    MavlinkFrames,
+    UnsafeParameter,
+)
 from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.vehicle import Arming, VehicleState
 from hub.pose import Pose
 from hub.robots.description import RobotDescription
-from hub.robots.interfaces import Sensors
+from hub.robots.interfaces import FileLoop, Sensors
 from hub.robots.left_alone import LeftAlone
 from hub.robots.mavlink.link.address import vehicle_address
+from hub.robots.mavlink.link.answer_watch import AnswerWatch
 from hub.robots.mavlink.link.byte_link import ByteLink
 from hub.robots.mavlink.link.opening import link_to
+from hub.robots.mavlink.link.tap import LinkTap
 from hub.robots.mavlink.profiles.profile import Setpoint
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
 from hub.robots.mavlink.vehicle.reasons import why
@@ -40,7 +48,7 @@ _WORDS: Final = {
 
 
 class MavlinkBody:
-    """Implements `Body`, `BodyArms`, `BodyModes` and `BodyLeftAlone`.
+    """Implements `Body`, `BodyArms`, `BodyModes`, `BodyWakes` and `BodyLeftAlone`.
 
     Where the vehicle does not know its place, the dead reckoning adds up the commanded velocity.
     """
@@ -71,11 +79,13 @@ class MavlinkBody:
             turn=robot.angular_limit,
         )
         self.vehicle = MavlinkVehicle(
-            self._link.write,
+            self._send,
             FramePacker(self._station, STATION_COMPONENT, signer),
             limits,
             robot.vehicle_system,
         )
+        self._tap = LinkTap()
+        self._answers: AnswerWatch | None = None
         self._reckoned = Pose()
         self._reckoning = 1
         self._had_place = False
@@ -89,13 +99,12 @@ class MavlinkBody:
 
     def advance(self, seconds: float) -> None:
         """Read the link, and send what is due."""
-        now = self._clock()
-        find = self._parser.datagram if self._link.datagrams else self._parser.feed
-        for piece in self._link.read(now):
-            for frame in find(piece):
-                self.vehicle.received(frame, now)
-        self.vehicle.step(now)
+        self._listen()
         self._reckon(seconds)
+
+    def wake_by(self, loop: FileLoop) -> None:
+        """Read the link also when an answer comes."""
+        self._answers = AnswerWatch(loop, self._link, self._listen)
 
     def arm(self, *, armed: bool) -> None:
         """Ask the vehicle to arm or to disarm."""
@@ -189,6 +198,31 @@ class MavlinkBody:
             AutopilotText(stamp=stamp - (now - each.time), level=each.level, text=each.text)
             for each in self.vehicle.texts.take()
         )
+
+    def take_frames(self, *, wanted: bool) -> tuple[MavlinkFrames, ...]:
+        """The bytes of the link since the last call; `wanted`: keep those from now on."""
+        return self._tap.take(wanted=wanted)
+
+    def close(self) -> None:
+        """Release the link."""
+        self._link.close()
+
+    def _listen(self) -> None:
+        """Read the link, and send what is due."""
+        now = self._clock()
+        find = self._parser.datagram if self._link.datagrams else self._parser.feed
+        pieces = self._link.read(now)
+        self._tap.came(pieces)
+        for piece in pieces:
+            for frame in find(piece):
+                self.vehicle.received(frame, now)
+        self.vehicle.step(now)
+        if self._answers is not None:
+            self._answers.follow(awaits=self.vehicle.awaits(now))
+
+    def _send(self, frame: bytes) -> None:
+        if self._link.write(frame):
+            self._tap.sent(frame)
 
     @property
     def _commanded(self) -> Twist:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import abc
 import math
+from collections.abc import Callable
 from typing import Final
 
 from hub.values import dataclass
@@ -48,7 +49,11 @@ class ByteLinkState:
 
 
 class ByteLink(abc.ABC):
-    """Bytes to and from a vehicle; used by one thread."""
+    """Bytes to and from a vehicle; used by one thread.
+
+    Attributes:
+        closing: Called before its file descriptor is closed.
+    """
 
     datagrams = False
     """Whether each piece that `read` returns is a datagram; else pieces of a stream."""
@@ -60,6 +65,12 @@ class ByteLink(abc.ABC):
         self._why = ""
         self._openings = self._dropped = self._received = self._sent = 0
         self._rest = b""
+        self.closing: Callable[[], None] = lambda: None
+
+    @property
+    def file(self) -> int:
+        """Its file descriptor; -1: it is closed."""
+        return self._file() if self._up else -1
 
     @property
     def state(self) -> ByteLinkState:
@@ -98,17 +109,19 @@ class ByteLink(abc.ABC):
             self._received += len(piece)
         return pieces
 
-    def write(self, frame: bytes) -> None:
-        """Send a frame at once, or drop it."""
+    def write(self, frame: bytes) -> bool:
+        """Send a frame at once, or drop it; returns whether it left."""
         self._rest = self._rest[self._leave(self._rest) :] if self._rest else b""
         left = 0 if self._rest else self._leave(frame)
         if left:
             self._rest = frame[left:]
         else:
             self._dropped += 1
+        return bool(left)
 
     def close(self) -> None:
         """Close it; a later `read` opens it again."""
+        self.closing()
         self._shut()
         self._up, self._rest = False, b""
 
@@ -150,6 +163,10 @@ class ByteLink(abc.ABC):
     @abc.abstractmethod
     def _send(self, data: bytes) -> int:
         """Send without waiting; returns the number of bytes that left."""
+
+    @abc.abstractmethod
+    def _file(self) -> int:
+        """The file descriptor of the open link."""
 
     @abc.abstractmethod
     def _shut(self) -> None:

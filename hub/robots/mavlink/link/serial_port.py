@@ -57,6 +57,9 @@ class SerialLink(ByteLink):
     def _send(self, data: bytes) -> int:
         return os.write(self._port.fileno(), data) if self._port is not None else 0
 
+    def _file(self) -> int:
+        return int(self._port.fileno()) if self._port is not None else -1
+
     def _shut(self) -> None:
         if self._port is not None:
             self._port.close()

@@ -104,6 +104,9 @@ class UdpLink(ByteLink):
             return 0
         return self._socket.sendto(data, self._peer)
 
+    def _file(self) -> int:
+        return self._socket.fileno() if self._socket is not None else -1
+
     def _shut(self) -> None:
         if self._socket is not None:
             self._socket.close()
@@ -160,6 +163,9 @@ class TcpLink(ByteLink):
         if self._socket is None or not self._is_connected():
             return 0
         return self._socket.send(data)
+
+    def _file(self) -> int:
+        return self._socket.fileno() if self._socket is not None else -1
 
     def _shut(self) -> None:
         if self._socket is not None:

@@ -16,6 +16,7 @@ ECHO_LOST_S: Final = 1.0
 """Time without an echo after which the vehicle does not receive [s]."""
 _FIRST_ECHO_S: Final = 3.0
 """Longest time until the first echo [s]."""
+_AWAITED_S: Final = 0.1
 _KEPT: Final = 20
 
 
@@ -53,6 +54,10 @@ class Liveness:
         if stamp in self._sent:
             self.answered = now
             self.round_trip = max(0.0, now - stamp / 1e9)
+
+    def awaits(self, now: float) -> bool:
+        """Whether an echo is on its way; a late one is no longer waited for."""
+        return bool(self._sent) and self._sent[-1] / 1e9 > max(self.answered, now - _AWAITED_S)
 
     def gone(self, now: float) -> str:
         """Why the vehicle is gone; empty: it is there, and answers."""

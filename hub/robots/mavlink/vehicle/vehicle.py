@@ -208,6 +208,10 @@ class MavlinkVehicle:
         """Why it is asked for everything again; empty: it was heard for the first time."""
         return self._learns_because
 
+    def awaits(self, now: float) -> bool:
+        """Whether an answer is on its way whose time matters."""
+        return bool(self._requests) or self.liveness.awaits(now)
+
     # Inside.
 
     def _heartbeat(self, frame: MavlinkFrame, now: float) -> None:
