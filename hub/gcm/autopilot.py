@@ -80,6 +80,9 @@ class AutopilotState:
             documents only.
         mode: Its mode in words: "guided"; empty: not known.
         modes: The modes that the operator may ask for.
+        holds: The one in which it stays where it is; empty: it has none.
+        refusal: The last order that it refused, with its own reason; empty: none since the last
+            order.
         armable: 1: it says that it can be armed; 0: it cannot, or does not say so.
         failsafe: 1: one of its failsafes acts; 0: none.
         heard_s: Age of its last heartbeat [s]; NaN: none came.
@@ -101,6 +104,8 @@ class AutopilotState:
     verified: Flag = 0
     mode: Name = ""
     modes: Annotated[tuple[str, ...], Sequence(), Most(MOST_MODES), Text(64)] = ()
+    holds: Name = ""
+    refusal: Sentence = ""
     armable: Flag = 0
     failsafe: Flag = 0
     heard_s: SecondsIfKnown = math.nan

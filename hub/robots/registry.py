@@ -102,8 +102,8 @@ def _autopilot_body(robot: RobotDescription) -> Body:
     return MavlinkBody(robot)
 
 
-def _autopilot_measures(_robot: RobotDescription) -> tuple[MessageDefinition[Any], ...]:
-    return BATTERY, IMU, ALTITUDE, FLUID_PRESSURE
+def _autopilot_measures(robot: RobotDescription) -> tuple[MessageDefinition[Any], ...]:
+    return BATTERY, IMU, *((ALTITUDE, FLUID_PRESSURE) if robot.heave_limit else ())
 
 
 _AUTOPILOT = RobotKind(

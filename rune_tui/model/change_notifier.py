@@ -10,6 +10,7 @@ from hub.gcm.body import RobotBody
 from hub.gcm.capability import Capability
 from hub.gcm.control import ControlState
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityPhase
+from rune_tui.model.autopilot_watch import AutopilotWatch
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.control import (
     Standing,
@@ -52,8 +53,8 @@ class ChangeNotifier:
     """Compares the state of each robot and joystick with its state before.
 
     It reports: links lost and found; changes of control; stops; refusals; tasks that begin and
-    end; requested capabilities that a robot does not provide; messages with values out of range;
-    joysticks that come, go or cannot be used.
+    end; what an autopilot does and says; requested capabilities that a robot does not provide;
+    messages with values out of range; joysticks that come, go or cannot be used.
     """
 
     def __init__(self) -> None:
@@ -68,6 +69,7 @@ class ChangeNotifier:
         self._missions = MissionWatch()
         self._recordings = RecordingWatch()
         self._motions = MotionWatch()
+        self._autopilots = AutopilotWatch()
         self._joysticks: dict[str, tuple[JoystickPhase, str]] = {}
         self._failed: set[str] = set()
 
@@ -125,6 +127,7 @@ class ChangeNotifier:
             yield state.notice(link.refusal, robot=name, alarm=True)
         yield from self._handed_over(robot, state)
         yield from self._motions.look(robot, state)
+        yield from self._autopilots.look(robot, state)
         yield from self._tasks.look(robot, state)
         yield from self._missions.look(robot, state)
         yield from self._recordings.look(robot, state)

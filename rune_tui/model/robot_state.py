@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from hub.gcm.autopilot import AutopilotText
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.diagnostics import Diagnostics
 from hub.gcm.navigation import ROBOT_STATE
@@ -186,6 +187,7 @@ class RobotState:
         map: Newest map.
         messages: The newest of each other message, by its name.
         diagnostics: The newest problems that each module reports, by its number at the hub.
+        texts: The newest texts of its autopilot, the oldest first.
     """
 
     name: str
@@ -195,6 +197,7 @@ class RobotState:
     map: Received[OccupancyMap] | None = None
     messages: Mapping[str, Received[Any]] = field(default_factory=dict)
     diagnostics: Mapping[int, Received[Diagnostics]] = field(default_factory=dict)
+    texts: tuple[Received[AutopilotText], ...] = ()
 
     def newest(self, definition: MessageDefinition[T]) -> Received[T] | None:
         """The newest message of a kind; None: none arrived, or no viewport uses it."""

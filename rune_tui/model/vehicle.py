@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT, AutopilotState
 from hub.gcm.body import HoldKind, LightBody
 from hub.gcm.diagnostics import DIAGNOSTICS, DiagnosticStatus, Severity
 from hub.gcm.joints import JOINT_STATES
@@ -16,11 +17,18 @@ VERTICAL = "vertical"
 """Names the hold of a height or a depth, as the body has it."""
 GONE_S = 10.0
 """Time without a message after which a publisher of diagnostics counts as gone [s]."""
+_MOST_TEXTS = 20
+"""Most texts of an autopilot that are kept."""
 
 
 def with_message(robot: RobotState, name: str, newest: Received[Any], publisher: int) -> RobotState:
-    """The state of a robot with a new message; of diagnostics it keeps one of each publisher."""
+    """The state of a robot with a new message.
+
+    It keeps the diagnostics of each publisher, and some texts of an autopilot.
+    """
     robot = robot.with_(messages={**robot.messages, name: newest})
+    if name == AUTOPILOT_TEXT.name:
+        return robot.with_(texts=(*robot.texts, newest)[-_MOST_TEXTS:])
     if name != DIAGNOSTICS.name:
         return robot
     kept = {
@@ -45,6 +53,12 @@ def problems_of(robot: RobotState) -> Iterator[Received[DiagnosticStatus]]:
 def vehicle_of(robot: RobotState) -> VehicleState | None:
     """The newest state of the vehicle; None: none yet."""
     known = robot.newest(VEHICLE_STATE)
+    return known.value if known is not None else None
+
+
+def autopilot_of(robot: RobotState) -> AutopilotState | None:
+    """The newest state of the robot's autopilot; None: none yet, or it has none."""
+    known = robot.newest(AUTOPILOT_STATE)
     return known.value if known is not None else None
 
 

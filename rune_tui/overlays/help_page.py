@@ -1,10 +1,13 @@
-"""Lines of the help: the actions of a layout's inputs by section, stop and drive first."""
+"""Lines of the help: the actions of a layout's inputs by section, stop and drive first.
+
+The last section has the parameters that make a vehicle unsafe.
+"""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, zip_longest
 from typing import Final
 
 from hub.values import dataclass
@@ -50,6 +53,7 @@ def help_lines(
     own: Iterable[OwnKey],
     robots: frozenset[str],
     *,
+    unsafe: Iterable[tuple[str, str, str]] = (),
     search: str,
     left: int,
     right: int,
@@ -60,6 +64,7 @@ def help_lines(
         actions: Actions of the layout's inputs.
         own: The console's keys that the layout does not bind.
         robots: Names of all robots of the layout.
+        unsafe: The robot, the parameter with its values, and the reason, of each unsafe parameter.
         search: Text that an entry must contain.
         left: Width of the column of inputs [cells].
         right: Width of the column of actions [cells].
@@ -71,16 +76,21 @@ def help_lines(
         if wanted in f"{entry.section.value} {entry.robot} {entry.inputs} {entry.words}".casefold()
     ]
     entries.sort(key=lambda entry: (_SECTIONS.index(entry.section), entry.robot, not entry.safe))
-    for heading, group in groupby(entries, key=_heading):
+    lines = [(_heading(entry), entry.inputs, entry.words) for entry in entries]
+    lines += [
+        (f"Unsafe parameters: {robot}", parameter, why)
+        for robot, parameter, why in unsafe
+        if wanted in f"unsafe parameters: {robot} {parameter} {why}".casefold()
+    ]
+    for heading, group in groupby(lines, key=lambda line: line[0]):
         yield PageLine(left=heading, heading=True)
-        for entry in group:
-            inputs = textwrap.wrap(entry.inputs, left) or [""]
-            words = textwrap.wrap(entry.words, right) or [""]
-            for number in range(max(len(inputs), len(words))):
-                yield PageLine(
-                    left=inputs[number] if number < len(inputs) else "",
-                    right=words[number] if number < len(words) else "",
-                )
+        for _, inputs, words in group:
+            yield from _wrapped(textwrap.wrap(inputs, left), textwrap.wrap(words, right))
+
+
+def _wrapped(left: Sequence[str], right: Sequence[str]) -> Iterator[PageLine]:
+    for one, other in zip_longest(left, right, fillvalue=""):
+        yield PageLine(left=one, right=other)
 
 
 def _of_layout(actions: Sequence[Action], robots: frozenset[str]) -> Iterator[_Entry]:

@@ -14,6 +14,7 @@ from rune_tui.model.page import Page
 from rune_tui.overlays.help_page import PageLine, help_lines
 from rune_tui.overlays.log_page import CLOCK_COLUMNS, log_lines
 from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.parts.autopilot_words import unsafe_lines
 from rune_tui.visualizers.parts.rows import cut, fitting_form
 from rune_tui.visualizers.parts.severity import ink_of
 
@@ -61,7 +62,8 @@ class PageLayer:
             Whether it changed.
         """
         seen = (columns, top, rows, zpos, state.theme.name, state.help, state.page)
-        look: Hashable = (*seen, state.notices if state.log else ()) if state.paged else None
+        shown = state.notices if state.log else _unsafe(state)
+        look: Hashable = (*seen, shown) if state.paged else None
         if look == self._look:
             return False
         self._look = look
@@ -116,8 +118,18 @@ class PageLayer:
         search = state.page.search
         if state.help:
             known = self._actions, self._own, self._robots
-            return [*help_lines(*known, search=search, left=left, right=right)]
+            unsafe = _unsafe(state)
+            return [*help_lines(*known, unsafe=unsafe, search=search, left=left, right=right)]
         return [*log_lines(state, search=search, right=right)]
+
+
+def _unsafe(state: ConsoleState) -> tuple[tuple[str, str, str], ...]:
+    """The unsafe parameters of all robots."""
+    return tuple(
+        (state.title(robot.name), parameter, why)
+        for robot in state.robots.values()
+        for parameter, why in unsafe_lines(robot)
+    )
 
 
 def _height(rows: int) -> int:

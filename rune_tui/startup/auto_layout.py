@@ -9,6 +9,7 @@
 | a degree of freedom | its keys and sticks |
 | motion up and down | attitude and height |
 | holds, joints, motors that can be disarmed | the vehicle's state, and their keys |
+| an autopilot with modes | what it does and says, and keys to follow, to stay, and for its modes |
 | lights | a key for the first one |
 | sensors of the air | sound and carbon dioxide |
 
@@ -44,6 +45,7 @@ _CAPABILITIES = (
     ("DRV_LIGHT", 0),
     ("DRV_JOINT", 0),
     ("DRV_ARM", 0),
+    ("DRV_MODE", 0),
 )
 """What a console asks of a robot that has it, and how often [ms]; 0: no period."""
 _ALWAYS = ("CON_REAL", "NAV_STATE", "NAV_MOVE")
@@ -192,7 +194,11 @@ def _panels(body: RobotBody, capabilities: Collection[str]) -> Iterator[_Panel]:
         shown = '<visualizer function="visualizeRangeData" option="3"/>'
         yield _Panel(name="range", body=shown, rows=26, least=12, title="ranges")
     yield from _stance(body)
-    if body.holds or body.joints or body.arms:
+    autopilot = "DRV_MODE" in capabilities
+    if autopilot:
+        shown = _shows("visualizeAutopilot")
+        yield _Panel(name="autopilot", body=shown, rows=_MOST_WORDS, least=16, title="autopilot")
+    if body.holds or body.joints or (body.arms and not autopilot):
         words = 2 * (3 + len(body.holds) + len(body.joints) + len(body.lights))
         rows = min(_MOST_WORDS, words)
         shown = _shows("visualizeVehicle")
@@ -287,6 +293,21 @@ _LOOKING = (
 )
 
 
+_AUTOPILOT = (
+    '<widget handler="widgetAutopilot"><option name="order" value="drive"/>',
+    '  <event key="f"/><event joystick="pad" button="y"/>',
+    "</widget>",
+    '<widget handler="widgetAutopilot"><option name="order" value="hold"/>',
+    '  <event key="h"/><event joystick="pad" button="x"/>',
+    "</widget>",
+    '<widget handler="widgetMode">',
+    '  <event key="f2" control="next"/><event key="f3" control="set"/>',
+    '  <event joystick="pad" button="leftshoulder" control="next"/>',
+    '  <event joystick="pad" button="rightshoulder" control="set"/>',
+    "</widget>",
+)
+
+
 def _driving(body: RobotBody) -> Iterator[str]:
     """Keys and sticks of each degree of freedom."""
     bound = dict(_bound(body))
@@ -328,8 +349,12 @@ def _vehicle(body: RobotBody, capabilities: Collection[str]) -> Iterator[str]:
     if body.lights and "DRV_LIGHT" in capabilities:
         yield '<widget handler="widgetLight"><event key="o"/></widget>'
     if body.arms and "DRV_ARM" in capabilities:
-        yield '<widget handler="widgetArm"><event key="f8"/></widget>'
-        yield '<widget handler="widgetDisarm"><event key="f9"/></widget>'
+        for handler, key, button in (("widgetArm", "f8", "start"), ("widgetDisarm", "f9", "back")):
+            yield f'<widget handler="{handler}"><event key="{key}"/>'
+            yield f'  <event joystick="pad" button="{button}"/>'
+            yield "</widget>"
+    if "DRV_MODE" in capabilities:
+        yield from _AUTOPILOT
 
 
 def _speed(option: str, limit: float) -> str:
@@ -352,7 +377,10 @@ def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
     if bound[:2] == [Freedom.SURGE, Freedom.YAW]:
         drives[:2] = ["WASD drive"]
     sideways = [_KEYS[Freedom.SWAY][3]] * (Freedom.SWAY in bound)
-    parts = ["Space STOP", *drives, "T control", *sideways]
+    autopilot = "DRV_MODE" in capabilities
+    armed = ["F8 F8 arm", "F follow"] * (autopilot and body.arms)
+    parts = ["Space STOP", *drives, "T control", *armed, *sideways]
+    parts += ["F9 disarm", "H hold", "F2 F3 mode"] * autopilot
     if _looks(body) and "VIS_PTZ" in capabilities:
         parts.append("IJKL look")
     if len(body.cameras) > 1:

@@ -22,6 +22,7 @@ from rune_tui.visualizers.visualizer import Visualizer
 from rune_tui.visualizers.words.alarms import Alarms
 from rune_tui.visualizers.words.attention import Attention
 from rune_tui.visualizers.words.autonomy import VisualizeAutonomy
+from rune_tui.visualizers.words.autopilot import VisualizeAutopilot
 from rune_tui.visualizers.words.button import Button
 from rune_tui.visualizers.words.capabilities import Capabilities
 from rune_tui.visualizers.words.control import Control
@@ -58,6 +59,7 @@ VISUALIZERS: Final[dict[str, type[Visualizer]]] = {
     "visualizeAlarms": Alarms,
     "visualizeAttention": Attention,
     "visualizeAutonomy": VisualizeAutonomy,
+    "visualizeAutopilot": VisualizeAutopilot,
     "visualizeCapabilities": Capabilities,
     "visualizeControl": Control,
     "visualizeEventLog": EventLog,

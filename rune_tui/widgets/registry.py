@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rune_tui.widgets.autopilot import AutopilotWidget, ModeWidget
 from rune_tui.widgets.control import (
     DenyControl,
     GrantControl,
@@ -49,6 +50,8 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetJoint": JointWidget,
     "widgetArm": ArmWidget,
     "widgetDisarm": DisarmWidget,
+    "widgetAutopilot": AutopilotWidget,
+    "widgetMode": ModeWidget,
     "widgetTakeControl": TakeControl,
     "widgetReleaseControl": ReleaseControl,
     "widgetGrantControl": GrantControl,

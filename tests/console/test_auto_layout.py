@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from pathlib import Path
 
@@ -30,7 +31,8 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.startup.auto_layout import layout_text
 from rune_tui.startup.opening import open_layout
 
-ALL = {capability.value for capability in Capability}
+ALL = {capability.value for capability in Capability} - {Capability.DRV_MODE.value}
+"""All but an autopilot's."""
 HUB = "tcp://127.0.0.1:1381"
 
 
@@ -157,3 +159,24 @@ def test_every_body_has_a_layout_without_mistakes(
     layout = opened(tmp_path_factory.mktemp("auto"), body, capabilities)
     notes = [note for note in arrangement_notes(layout) if note.startswith("note: ")]
     assert [note for note in notes if "needed at every size" in note or "cover" in note] == []
+
+
+def test_a_vehicle_with_an_autopilot_has_its_pane_and_keys(tmp_path: Path) -> None:
+    plain = body_of(read_description(SHIPPED / "magellan.toml")[0])
+    body = dataclasses.replace(plain, arms=1)
+    every = ALL | {"DRV_MODE"}
+    shown = opened(tmp_path, body, every)
+    assert "autopilot" in names(shown)
+    assert "vehicle" not in names(shown), "the pane of the autopilot says whether it is armed"
+    assert shown.notes == ()
+    for size in shown.view.arrangements[:-1]:
+        heights = {place.viewport: place.ysize for place in size.places}
+        assert heights["autopilot"] >= 16
+    with_holds = dataclasses.replace(body, holds=(HoldBody(kind=HoldKind.DEPTH),))
+    assert {"autopilot", "vehicle"} <= names(opened(tmp_path, with_holds, every))
+    without = opened(tmp_path, body, ALL)
+    assert {"autopilot", "vehicle"} & names(without) == {"vehicle"}
+    text = layout_text(body, every, HUB)
+    for key in ("f8", "f9", "f", "h", "f2", "f3"):
+        assert text.count(f'<event key="{key}"') == 1
+    assert "F8 F8 arm · F follow" in text

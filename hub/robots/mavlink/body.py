@@ -179,6 +179,8 @@ class MavlinkBody:
             verified=int(profile is not None and profile.verified),
             mode=profile.mode_name(vehicle.mode) if profile and vehicle.mode >= 0 else "",
             modes=tuple(profile.modes[each] for each in profile.offered) if profile else (),
+            holds=profile.mode_name(profile.holds) if profile and profile.holds is not None else "",
+            refusal=vehicle.orders.refusal(),
             armable=int(vehicle.telemetry.armable),
             failsafe=int(vehicle.failsafe),
             heard_s=heard if math.isfinite(heard) else math.nan,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from typing import ClassVar
 
+from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT
 from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.ranges import RANGES
@@ -37,6 +38,8 @@ class Alarms(PlainVisualizer):
             "GCM_NavigationStatus",
             RANGES.name,
             DIAGNOSTICS.name,
+            AUTOPILOT_STATE.name,
+            AUTOPILOT_TEXT.name,
         ),
         vital=True,
     )

@@ -15,7 +15,8 @@ from rune_tui.model.console_state import Banner, ConsoleState, Notice
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.model.robot_task import task_of
-from rune_tui.model.vehicle import problems_of
+from rune_tui.model.vehicle import autopilot_of, problems_of
+from rune_tui.visualizers.parts.autopilot_words import ARMED, never_words, unsafe_words
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import Staleness, age_text, pause_of, staleness
 from rune_tui.visualizers.parts.task_words import SILENT_S, task_parts
@@ -100,6 +101,19 @@ def _diagnosed(robot: RobotState, now: float) -> Iterator[Part]:
         yield Part(text, 8 if error else 5, severity, cause=status.name)
 
 
+def _of_autopilot(robot: RobotState) -> Iterator[Part]:
+    """That nothing would stop it, and parameters that make it unsafe; the rest is diagnosed."""
+    autopilot = autopilot_of(robot)
+    if autopilot is None:
+        return
+    if never := never_words(autopilot):
+        severity = Severity.ALARM if autopilot.phase in ARMED else Severity.WARNING
+        yield Part(never, 8, severity, cause="never stops")
+    if autopilot.unsafe:
+        text = f"{unsafe_words(autopilot)}: the help lists them"
+        yield Part(text, 3, Severity.WARNING, cause="unsafe parameters")
+
+
 def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:
     """Whether the banner shows this already."""
     banner = state.banner
@@ -119,6 +133,7 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         if navigation.assistance is Assistance.OFF:
             yield Part("ASSISTANCE OFF: it drives into walls", 5, Severity.WARNING)
     yield from _diagnosed(robot, state.now)
+    yield from _of_autopilot(robot)
     mission = mission_of(robot)
     if mission is not None and mission.fault:
         yield Part(f"NOT KEPT: {mission.fault}", 8, Severity.ALARM, cause="mission")

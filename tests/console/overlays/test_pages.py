@@ -20,6 +20,7 @@ from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.dispatching import down, stops
 from tests.console.view_scenes import STATE, robot, words
+from tests.support.autopilot import UNSAFE, piloted, rover
 from tests.support.cases import for_each
 
 LAYOUTS = Path(__file__).parents[3] / "layouts"
@@ -86,6 +87,18 @@ def test_the_hint_is_never_cut_and_says_how_to_close(columns: int):
     hint = page(HELPED, columns, 10)[1]
     assert "close" in hint
     assert "…" not in hint
+
+
+def test_the_help_ends_with_the_parameters_that_make_a_vehicle_unsafe():
+    known = piloted(rover(unsafe=(UNSAFE,)))
+    state = dataclasses.replace(HELPED, robots={known.name: known})
+    *_, heading, first = (row.strip() for row in whole(state) if row)
+    assert heading == f"Unsafe parameters: {state.title(known.name)}"
+    assert first.split(maxsplit=4) == ["FS_GCS_ENABLE", "0,", "not", "1", UNSAFE.why]
+    found = dataclasses.replace(state, page=Page(search="FS_GCS"))
+    assert [row for row in whole(found) if row] == [f" {heading}", f" {first}"]
+    safe = piloted(rover())
+    assert "Unsafe" not in "".join(whole(dataclasses.replace(state, robots={safe.name: safe})))
 
 
 def test_at_110_columns_the_help_stands_in_two_blocks():

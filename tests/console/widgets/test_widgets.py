@@ -8,6 +8,7 @@ import math
 
 import pytest
 
+from hub.gcm.autopilot import AUTOPILOT_STATE
 from hub.gcm.body import ROBOT_DESCRIPTION, HoldBody, HoldKind, JointBody, LightBody
 from hub.gcm.geometry import TwistStamped
 from hub.gcm.navigation import STOP, VELOCITY_COMMAND
@@ -31,6 +32,7 @@ from tests.console.widgets.presses import (
     spec,
     up,
 )
+from tests.support.autopilot import ROVER
 from tests.support.cases import for_each
 from tests.support.magellan import magellan_body
 
@@ -215,7 +217,7 @@ def test_only_speed_widgets_speak_unasked(handler: str):
 
 
 def with_everything(state: ConsoleState) -> ConsoleState:
-    """The same robot with a body that has holds, joints, lights and motors to arm."""
+    """The same robot with holds, joints, lights, motors to arm, and an autopilot."""
     robot = state.robots["magellan"]
     body = dataclasses.replace(
         magellan_body(),
@@ -224,7 +226,8 @@ def with_everything(state: ConsoleState) -> ConsoleState:
         joints=(JointBody(name="arm", lowest=-1.0, highest=1.0, speed=1.0),),
         arms=1,
     )
-    known = robot.with_(messages={**robot.messages, ROBOT_DESCRIPTION.name: received(body)})
+    messages = {ROBOT_DESCRIPTION.name: received(body), AUTOPILOT_STATE.name: received(ROVER)}
+    known = robot.with_(messages={**robot.messages, **messages})
     return dataclasses.replace(state, robots={"magellan": known})
 
 
@@ -237,6 +240,8 @@ def test_a_widget_sends_what_it_announced_and_all_of_it_can_be_encoded(handler: 
     effects = widget.handle(click(), event_spec("mouse left", control), state)
     if handler == "widgetArm":  # it asks first
         effects += widget.handle(click(), event_spec("mouse left", control), state)
+    if handler == "widgetMode":  # one input shows what another one sets
+        effects += widget.handle(click(), event_spec("mouse left", "set"), state)
     ghosts = [effect for effect in effects if isinstance(effect, ShowGhost)]
     for ghost in ghosts:  # a second click confirms what the first one shows
         state = changed(seeing(marked(1, LANDMARK)), ghost)

@@ -1,0 +1,145 @@
+"""What a robot's autopilot does and measures, in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+from hub.gcm.autopilot import AutopilotPhase, AutopilotState, UnsafeParameter
+from hub.gcm.vehicle import Arming
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.vehicle import autopilot_of, vehicle_of
+from rune_tui.visualizers.parts.severity import Part, Severity
+from rune_tui.visualizers.parts.staleness import age_text
+
+ARMED: Final = frozenset({AutopilotPhase.DRIVING, AutopilotPhase.ELSEWHERE})
+"""The phases of an armed vehicle."""
+_PHASES: Final = {
+    AutopilotPhase.LINKING: "NO AUTOPILOT YET",
+    AutopilotPhase.LEARNING: "asks it for all",
+    AutopilotPhase.DISARMED: "",
+    AutopilotPhase.ARMING: "is armed now",
+    AutopilotPhase.DRIVING: "follows you",
+    AutopilotPhase.ELSEWHERE: "does not follow you",
+    AutopilotPhase.GONE: "GONE",
+}
+_SILENT_S: Final = 1.5
+"""Age of a heartbeat that is a caution: they come every second [s]."""
+_NO_SATELLITES: Final = 255
+
+
+def head_of(robot: RobotState, autopilot: AutopilotState) -> Part:
+    """Whether it is armed, its mode, and what can be done with it."""
+    vehicle = vehicle_of(robot)
+    armed = autopilot.phase in ARMED or (
+        autopilot.phase in (AutopilotPhase.LEARNING, AutopilotPhase.GONE)
+        and vehicle is not None
+        and vehicle.arming is Arming.ARMED
+    )
+    words = [_PHASES[autopilot.phase]]
+    severity = Severity.WARNING if armed else Severity.GOOD
+    if autopilot.phase is AutopilotPhase.GONE:
+        words.append("it was armed" if armed else "it was disarmed")
+        severity = Severity.ALARM
+    elif autopilot.phase is not AutopilotPhase.LINKING:
+        words[:0] = ["ARMED" if armed else "DISARMED", autopilot.mode]
+    return Part(" · ".join(filter(None, words)), 10, severity)
+
+
+def autopilot_parts(robot: RobotState, autopilot: AutopilotState) -> Iterator[Part]:
+    """A row each, after `head_of`."""
+    if autopilot.why:
+        still = autopilot.phase is AutopilotPhase.DISARMED and autopilot.armable
+        yield Part(autopilot.why, 9, Severity.PLAIN if still else Severity.WARNING)
+    if autopilot.failsafe:
+        yield Part("A FAILSAFE ACTS", 9, Severity.ALARM)
+    yield from _stops(autopilot)
+    if autopilot.phase is AutopilotPhase.LINKING:
+        return
+    yield _link(autopilot)
+    yield _place(autopilot)
+    yield from _battery(robot)
+    if math.isfinite(autopilot.gain):
+        yield Part(f"sticks have {autopilot.gain:.0%} of their effect", 2)
+    if autopilot.unsafe:
+        yield Part(f"{unsafe_words(autopilot)}: the help lists them", 6, Severity.WARNING)
+    kind = autopilot.vehicle or "a vehicle of no known kind"
+    named = ", ".join(filter(None, (kind, autopilot.firmware)))
+    if autopilot.verified or not autopilot.vehicle:
+        yield Part(named, 1, Severity.FAINT)
+    else:
+        yield Part(f"{named}: NOT VERIFIED, its rules follow documents only", 5, Severity.WARNING)
+
+
+def never_words(autopilot: AutopilotState) -> str:
+    """That it never stops by itself; empty: it does, or that is not known."""
+    after = [
+        name
+        for name, seconds in (
+            ("a command of zero", autopilot.stops_after_zero_s),
+            ("the link is cut", autopilot.stops_after_cut_s),
+        )
+        if math.isinf(seconds)
+    ]
+    return f"NEVER STOPS after {' or '.join(after)}" if after else ""
+
+
+def unsafe_words(autopilot: AutopilotState) -> str:
+    """How many parameters are unsafe."""
+    count = len(autopilot.unsafe)
+    return f"{count} unsafe parameter{'' if count == 1 else 's'}"
+
+
+def unsafe_lines(robot: RobotState) -> Iterator[tuple[str, str]]:
+    """Each unsafe parameter with its value and the value wanted, and why."""
+    autopilot = autopilot_of(robot)
+    for each in autopilot.unsafe if autopilot is not None else ():
+        yield _change(each), each.why
+
+
+def _change(parameter: UnsafeParameter) -> str:
+    value = "?" if math.isnan(parameter.value) else f"{parameter.value:.6g}"
+    wanted = "" if math.isnan(parameter.wanted) else f", not {parameter.wanted:.6g}"
+    return f"{parameter.name} {value}{wanted}"
+
+
+def _stops(autopilot: AutopilotState) -> Iterator[Part]:
+    if never := never_words(autopilot):
+        yield Part(never, 9, Severity.ALARM)
+    times = (
+        (autopilot.stops_after_zero_s, "zero"),
+        (autopilot.stops_after_cut_s, "the link is cut"),
+    )
+    known = [f"{seconds:.1f} s after {what}" for seconds, what in times if math.isfinite(seconds)]
+    if known:
+        yield Part(f"stops {', '.join(known)}", 7)
+
+
+def _link(autopilot: AutopilotState) -> Part:
+    heard = autopilot.heard_s
+    words = ["not heard" if math.isnan(heard) else f"heard {age_text(heard)} ago"]
+    if math.isfinite(autopilot.round_trip_s):
+        words.append(f"echo {1000.0 * autopilot.round_trip_s:.0f} ms")
+    silent = not heard <= _SILENT_S
+    return Part(", ".join(words), 4, Severity.WARNING if silent else Severity.PLAIN)
+
+
+def _place(autopilot: AutopilotState) -> Part:
+    words = ["knows its place" if autopilot.position else "DOES NOT KNOW ITS PLACE"]
+    if autopilot.satellites != _NO_SATELLITES:
+        words.append(f"{autopilot.satellites} satellites")
+    return Part(", ".join(words), 4, Severity.PLAIN if autopilot.position else Severity.WARNING)
+
+
+def _battery(robot: RobotState) -> Iterator[Part]:
+    known = robot.navigation
+    if known is None:
+        return
+    words = []
+    if math.isfinite(known.value.battery_fraction):
+        words.append(f"{known.value.battery_fraction:.0%}")
+    if math.isfinite(known.value.battery_voltage):
+        words.append(f"{known.value.battery_voltage:.1f} V")
+    if words:
+        yield Part(f"battery {', '.join(words)}", 3)

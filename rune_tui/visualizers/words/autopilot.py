@@ -1,0 +1,110 @@
+"""visualizeAutopilot: whether a vehicle is armed, why it does not move, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import ClassVar, Final
+
+from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT
+from hub.gcm.diagnostics import Severity as Level
+from hub.gcm.navigation import ROBOT_STATE
+from hub.gcm.vehicle import VEHICLE_STATE
+from rune_tui.layout.rules import VisualizerRule
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import Theme
+from rune_tui.model.vehicle import autopilot_of
+from rune_tui.raster.canvas import Canvas
+from rune_tui.raster.shapes import drawing
+from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.autopilot_words import autopilot_parts, head_of
+from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped, write_rows
+from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
+from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
+from rune_tui.visualizers.visualizer import PlainVisualizer
+
+_PAUSE_S = pause_of(AUTOPILOT_STATE)
+_MOST_TEXTS: Final = 5
+_LEVELS: Final = {
+    Level.OK: Severity.FAINT,
+    Level.WARN: Severity.WARNING,
+    Level.ERROR: Severity.ALARM,
+}
+
+
+class VisualizeAutopilot(PlainVisualizer):
+    """A coloured row says whether it is armed; then a row each, and its last texts."""
+
+    rule: ClassVar = VisualizerRule(
+        meaning="a vehicle with an autopilot: whether it is armed, its mode, why it does not move, "
+        "when it stops, its link, place and battery, unsafe parameters, and what it said last",
+        message=AUTOPILOT_STATE.name,
+        others=(AUTOPILOT_TEXT.name, VEHICLE_STATE.name, ROBOT_STATE.name),
+    )
+    urgency: ClassVar[Urgency] = Urgency.DRIVE
+
+    def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
+        """Write the rows that fit, the most important ones where room is short."""
+        canvas.fill(state.theme.panel)
+        head, *parts = _parts(robot)
+        rows = [row for part in _fitting(parts, canvas) for row in _rows(part, canvas.width)]
+        write_rows(canvas, [TextRow(""), *rows], state.theme)
+        _write_head(canvas, head, state.theme)
+        known = robot.newest(AUTOPILOT_STATE)
+        if known is not None:
+            draw_age(canvas, known.age(state.now), state.theme, _PAUSE_S)
+
+    def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
+        """Changes with any word, and with the fading of its age."""
+        known = robot.newest(AUTOPILOT_STATE)
+        look = known and age_look(known, state.now, _PAUSE_S)
+        return _parts(robot), look, state.theme.name
+
+
+def _parts(robot: RobotState) -> tuple[Part, ...]:
+    autopilot = autopilot_of(robot)
+    if autopilot is None:
+        return (Part("no state of the autopilot", 10, Severity.FAINT),)
+    texts = [each.value for each in robot.texts[-_MOST_TEXTS:]]
+    # The newest texts are the last ones to be left out.
+    said = [Part(each.text, place / 10.0, _LEVELS[each.level]) for place, each in enumerate(texts)]
+    return (head_of(robot, autopilot), *autopilot_parts(robot, autopilot), *said)
+
+
+def _rows(part: Part, columns: int) -> list[TextRow]:
+    return [*wrapped(TextRow(part.text, part.severity), columns)]
+
+
+def _fitting(parts: list[Part], canvas: Canvas) -> list[Part]:
+    """The parts that have room below the first row, in their order; those of most weight stay.
+
+    The last one says how many are left out.
+    """
+    room = canvas.rows - 1
+    kept = _kept(parts, canvas.width, room)
+    if len(kept) == len(parts):
+        return kept
+    kept = _kept(parts, canvas.width, room - 1)
+    return [*kept, Part(f"{len(parts) - len(kept)} more", 0, Severity.FAINT)]
+
+
+def _kept(parts: list[Part], columns: int, room: int) -> list[Part]:
+    kept: set[int] = set()
+    for place in sorted(range(len(parts)), key=lambda each: -parts[each].weight):
+        needed = len(_rows(parts[place], columns))
+        if needed > room:
+            break  # what matters less does not take its place
+        room -= needed
+        kept.add(place)
+    return [part for place, part in enumerate(parts) if place in kept]
+
+
+def _write_head(canvas: Canvas, head: Part, theme: Theme) -> None:
+    """The first row, on a ground of its colour where it is a caution or an alarm."""
+    grounds = {Severity.WARNING: theme.warning, Severity.ALARM: theme.alarm}
+    inks = {Severity.WARNING: theme.panel, Severity.ALARM: theme.on_alarm}
+    if head.severity in grounds:
+        with drawing(canvas) as pen:
+            pen.rectangle(0, 0, canvas.width, 2, grounds[head.severity])
+    ink = inks.get(head.severity) or ink_of(head.severity, theme)
+    canvas.text(0, 0, cut(head.text, canvas.width), ink)

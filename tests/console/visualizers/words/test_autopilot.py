@@ -1,0 +1,120 @@
+"""What the pane of a vehicle with an autopilot says, and which problems it makes."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from hub.gcm.autopilot import AutopilotPhase, AutopilotState
+from hub.gcm.diagnostics import Severity as Level
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.robot_state import RobotState
+from rune_tui.model.theme import THEMES
+from rune_tui.visualizers.parts.severity import Severity
+from rune_tui.visualizers.words.troubles import troubles
+from tests.console.visualizers.conftest import NOW, Draw, words
+from tests.support.autopilot import UNSAFE, piloted, rover
+
+
+def rows(draw: Draw, robot: RobotState, height: int = 60, width: int = 44) -> list[str]:
+    drawn = words(draw("visualizeAutopilot", robot, (width, height)))
+    return [" ".join(row.split()) for row in drawn if row]
+
+
+def test_it_says_what_an_operator_asks_first(draw: Draw) -> None:
+    assert rows(draw, piloted(rover(), ("EKF3 active", Level.OK))) == [
+        "ARMED · guided · follows you",
+        "stops 0.9 s after zero, 1.4 s after the link",
+        "is cut",
+        "heard 0.4 s ago, echo 27 ms",
+        "knows its place, 10 satellites",
+        *[row for row in rows(draw, piloted(rover())) if row.startswith("battery")],
+        "rover, ArduPilot 4.7.0",
+        "EKF3 active",
+    ]
+
+
+@pytest.mark.parametrize("phase", AutopilotPhase)
+def test_each_phase_is_said_and_why_it_does_not_move(draw: Draw, phase: AutopilotPhase) -> None:
+    why = "" if phase is AutopilotPhase.DRIVING else "because of this"
+    head, *rest = rows(draw, piloted(rover(phase=phase, why=why)))
+    assert ("because of this" in rest) == bool(why)
+    armed = phase in (AutopilotPhase.DRIVING, AutopilotPhase.ELSEWHERE)
+    assert head.startswith("ARMED") == armed
+    assert head != rows(draw, piloted(rover(phase=AutopilotPhase((phase + 1) % 7))))[0]
+
+
+def test_armed_is_on_a_ground_of_its_own(draw: Draw) -> None:
+    def ground(autopilot: AutopilotState) -> tuple[int, ...]:
+        return tuple(draw("visualizeAutopilot", piloted(autopilot), (44, 20)).pixels[0, 40])
+
+    grounds = [
+        ground(rover(phase=phase))
+        for phase in (AutopilotPhase.DRIVING, AutopilotPhase.DISARMED, AutopilotPhase.GONE)
+    ]
+    assert len(set(grounds)) == 3
+    assert grounds[0][:3] == next(iter(THEMES.values())).warning[:3]
+
+
+def test_what_is_wrong_is_said(draw: Draw) -> None:
+    wrong = rover(
+        why="it is in hold, not asked for here: ask it to drive",
+        failsafe=1,
+        verified=0,
+        position=0,
+        satellites=255,
+        gain=0.5,
+        stops_after_cut_s=math.inf,
+        unsafe=(UNSAFE,),
+    )
+    text = " ".join(rows(draw, piloted(wrong, ("Leak Detected", Level.ERROR))))
+    for words_ in (
+        "A FAILSAFE ACTS",
+        "NEVER STOPS after the link is cut",
+        "stops 0.9 s after zero",
+        "DOES NOT KNOW ITS PLACE",
+        "sticks have 50% of their effect",
+        "1 unsafe parameter: the help lists them",
+        "NOT VERIFIED, its rules follow documents only",
+        "Leak Detected",
+    ):
+        assert words_ in text
+    assert "255" not in text
+
+
+def test_nothing_is_invented_about_a_vehicle_that_was_never_heard(draw: Draw) -> None:
+    unheard = AutopilotState(why="no heartbeat came yet")
+    assert rows(draw, piloted(unheard)) == ["NO AUTOPILOT YET", "no heartbeat came yet"]
+    assert rows(draw, piloted(None)) == ["no state of the autopilot"]
+
+
+def test_without_room_the_reason_stays_and_the_rest_is_counted(draw: Draw) -> None:
+    texts = [(f"text {number}", Level.OK) for number in range(9)]
+    wrong = rover(why="it is in hold", unsafe=(UNSAFE,))
+    drawn = rows(draw, piloted(wrong, *texts), height=10)
+    assert drawn[:2] == ["ARMED · guided · follows you", "it is in hold"]
+    assert drawn[-1].endswith(" more")
+    tall = rows(draw, piloted(wrong, *texts))
+    assert tall[-1] == "text 8"
+    assert "text 3" not in tall, "only the last ones"
+
+
+def test_an_old_state_is_marked(draw: Draw) -> None:
+    assert "STALE" in rows(draw, piloted(rover(), age=5.0))[0]
+
+
+def problems(autopilot: AutopilotState) -> dict[str, Severity]:
+    robot = piloted(autopilot)
+    found = troubles(robot, ConsoleState(now=NOW, robots={robot.name: robot}))
+    return {part.cause: part.severity for part in found}
+
+
+def test_that_nothing_stops_it_is_an_alarm_once_it_is_armed() -> None:
+    never = {"stops_after_cut_s": math.inf}
+    assert problems(rover(**never))["never stops"] is Severity.ALARM
+    disarmed = rover(phase=AutopilotPhase.DISARMED, **never)
+    assert problems(disarmed)["never stops"] is Severity.WARNING
+    assert "never stops" not in problems(rover(stops_after_cut_s=math.nan))
+    assert problems(rover(unsafe=(UNSAFE,)))["unsafe parameters"] is Severity.WARNING
+    assert "unsafe parameters" not in problems(rover())
