@@ -23,11 +23,12 @@ from hub.command_line import (
     number_type,
     write_completion,
 )
-from hub.errors import CentralUnreachableError, HubError, QueryError
+from hub.errors import CentralUnreachableError, HubError, QueryError, VehicleSilentError
 from hub.inspection import shape_command
 from hub.inspection.log_options import add_log, run_log
 from hub.inspection.mission_options import add_missions, order_mission, run_mission
 from hub.inspection.record_options import add_record, recording_settings, run_record
+from hub.inspection.vehicle.options import add_adopt, run_adopt
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
 from hub.nonblocking_logging import LEVELS, start_logging
@@ -59,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return ExitCode.OK
     except HubError as error:
         sys.stderr.write(f"rune-hub: {plain(str(error), lines=True)}\n")
-        if isinstance(error, (CentralUnreachableError, QueryError)):
+        if isinstance(error, (CentralUnreachableError, QueryError, VehicleSilentError)):
             return ExitCode.NO_HUB
         return ExitCode.USAGE
     except OSError as error:
@@ -245,6 +246,7 @@ _WITHOUT_CLIENT: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "arena": _show_arena,
     **dict.fromkeys(("record", "play"), run_record),
     "shape": shape_command.run,
+    "adopt": run_adopt,
     **dict.fromkeys(("check", "doctor", "service"), _run_machine_command),
 }
 _port = number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}")
@@ -324,6 +326,7 @@ def command_parser() -> CommandParser:
     add_missions(commands, look)
     add_record(commands, look)
     add_log(commands)
+    add_adopt(commands)
     shape_command.add_parser(commands, look)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     add_completion(commands)

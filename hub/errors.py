@@ -26,6 +26,7 @@
     ├── UnknownKindError (LookupError)         a kind of robot that is not known, or not usable
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
     ├── VehicleAddressError (ValueError)       an address of a vehicle that is none
+    ├── VehicleSilentError (ConnectionError)   no vehicle, or no answer, at an address
     ├── LinkProfileError (ValueError)          a profile of a link with mistakes, all of them listed
     ├── RecordingError (ValueError)            a recording that is damaged, or of a form not known
     ├── MapFileError (ValueError)              files of a map that cannot be written or read
@@ -186,6 +187,10 @@ class VehicleAddressError(HubError, ValueError):
     def __init__(self, text: str, reason: str) -> None:
         shown = text if len(text) <= 80 else text[:77] + "..."
         super().__init__(f"{shown!r} is no address of a vehicle: {reason}")
+
+
+class VehicleSilentError(HubError, ConnectionError):
+    """No vehicle is at an address, or the one there does not answer."""
 
 
 class MapFileError(HubError, ValueError):

@@ -23,6 +23,7 @@ from hub.pose import Pose
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import FileLoop, Sensors
 from hub.robots.left_alone import LeftAlone
+from hub.robots.mavlink.kinds import firmware_name
 from hub.robots.mavlink.link.address import vehicle_address
 from hub.robots.mavlink.link.answer_watch import AnswerWatch
 from hub.robots.mavlink.link.byte_link import ByteLink
@@ -37,8 +38,6 @@ from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from hub.robots.mavlink.wire.signing_key import read_signing_key
 from hub.sim.kinematics import moved
 
-_FIRMWARE: Final = 8
-"""Bits of each part of a version."""
 _WORDS: Final = {
     AutopilotPhase.LINKING: "links",
     AutopilotPhase.LEARNING: "learns",
@@ -175,7 +174,7 @@ class MavlinkBody:
             phase=vehicle.phase,
             why=why(vehicle, now),
             vehicle=profile.name if profile is not None else "",
-            firmware=_firmware(profile.autopilot if profile else "", vehicle.learning.firmware),
+            firmware=firmware_name(profile.autopilot if profile else "", vehicle.learning.firmware),
             verified=int(profile is not None and profile.verified),
             mode=profile.mode_name(vehicle.mode) if profile and vehicle.mode >= 0 else "",
             modes=tuple(profile.modes[each] for each in profile.offered) if profile else (),
@@ -279,14 +278,6 @@ def _signer(path: str) -> Signer | None:
         return None
     clock = SigningClock(Path(f"{path}.stamp"))
     return Signer(read_signing_key(Path(path)), clock)
-
-
-def _firmware(autopilot: str, version: int) -> str:
-    """A version in words, such as "ArduPilot 4.7.0"."""
-    if not autopilot or not version:
-        return autopilot
-    parts = [version >> shift & 0xFF for shift in (3 * _FIRMWARE, 2 * _FIRMWARE, _FIRMWARE)]
-    return f"{autopilot} {'.'.join(map(str, parts))}"
 
 
 def _or_zero(value: float) -> float:

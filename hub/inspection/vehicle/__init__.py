@@ -1,0 +1,1 @@
+"""The commands of `rune-hub` about vehicles with an autopilot."""

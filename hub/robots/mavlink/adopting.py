@@ -1,0 +1,269 @@
+"""The robot file of a vehicle that was found on a link, and what its owner has to know; pure."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+from hub.errors import CameraError
+from hub.plain_text import plain
+from hub.robots.left_alone import LeftAlone
+from hub.robots.mavlink.asking.findings import (
+    STATION_KIND,
+    FoundComponent,
+    FoundStream,
+    VehicleFinder,
+)
+from hub.robots.mavlink.kinds import AUTOPILOTS, KINDS, firmware_name, kind_name
+from hub.robots.mavlink.profiles.profile import Setpoint, WantedParameter
+from hub.robots.video_source import SourceKind, video_source
+from hub.values import dataclass
+
+_UNKNOWN_SPEED: Final = 0.3
+"""Limit of a vehicle that does not say how fast it may be [m/s]."""
+_TURN: Final = 1.0
+"""Highest turn rate that is written [rad/s]."""
+_FASTEST: Final = 1.0
+"""Highest limit that is written; its owner may raise it [m/s]."""
+_STICK_US: Final = 400.0
+_MOST_ADDRESS: Final = 200
+EXTRA: Final = ("ATC_STR_RAT_MAX",)
+"""Parameters that only the robot file needs."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Shape:
+    """The usual body of a kind of vehicle.
+
+    Attributes:
+        radius: Circle around it [m].
+        height: [m].
+        alone: What it does without an operator.
+    """
+
+    radius: float
+    height: float
+    alone: LeftAlone = LeftAlone.STAND
+
+
+_SHAPES: Final[Mapping[str, _Shape]] = {
+    "rover": _Shape(radius=0.35, height=0.3),
+    "boat": _Shape(radius=0.6, height=0.4),
+    "sub": _Shape(radius=0.3, height=0.26, alone=LeftAlone.SURFACE),
+    "blimp": _Shape(radius=0.6, height=0.8, alone=LeftAlone.HOLD_HEIGHT),
+}
+_ANY_SHAPE: Final = _Shape(radius=0.5, height=0.3)
+
+
+def limits(finder: VehicleFinder) -> Setpoint:
+    """The largest velocities that a vehicle follows with its present parameters.
+
+    A fast one gets less, since its owner has not seen it drive here yet. 0: it cannot.
+    """
+    profile, values = finder.profile, finder.parameters
+    if profile is None:
+        return Setpoint()
+    match profile.name:
+        case "sub":
+            gain = values.get("JS_GAIN_DEFAULT", 0.5)
+            stick = gain * (1.0 - values.get("THR_DZ", 100.0) / _STICK_US)
+            flat = values.get("PILOT_SPEED", 50.0) / 100.0 * stick
+            rise = values.get("PILOT_SPEED_UP", 50.0) / 100.0
+            sink = values.get("PILOT_SPEED_DN", 0.0) / 100.0 or rise
+            made = Setpoint(ahead=flat, left=flat, up=min(rise, sink), turn=_TURN)
+        case "blimp":
+            flat = values.get("MAX_VEL_XY", _UNKNOWN_SPEED)
+            up = values.get("MAX_VEL_Z", _UNKNOWN_SPEED)
+            made = Setpoint(ahead=flat, left=flat, up=up, turn=values.get("MAX_VEL_YAW", _TURN))
+        case _:
+            fast = values.get("WP_SPEED") or values.get("SPEED_MAX") or _UNKNOWN_SPEED
+            turn = math.radians(values.get("ATC_STR_RAT_MAX", math.inf))
+            made = Setpoint(ahead=fast, turn=turn)
+    return Setpoint(
+        ahead=_limit(made.ahead, _FASTEST),
+        left=_limit(made.left, _FASTEST),
+        up=_limit(made.up, _FASTEST),
+        turn=_limit(made.turn, _TURN),
+    )
+
+
+def unsafe(finder: VehicleFinder) -> list[tuple[WantedParameter, float]]:
+    """The unsafe parameters of a vehicle, and their values."""
+    values = finder.parameters
+    return [
+        (each, values[each.name])
+        for each in (finder.profile.wanted if finder.profile is not None else ())
+        if each.name in values and not each.safe(values[each.name])
+    ]
+
+
+def title(finder: VehicleFinder) -> str:
+    """What a vehicle is: "rover with ArduPilot 4.7.0"."""
+    vehicle = finder.vehicle
+    if vehicle is None:
+        return "no vehicle"
+    autopilot = AUTOPILOTS.get(vehicle.autopilot, f"autopilot {vehicle.autopilot}")
+    return f"{kind_name(vehicle.kind)} with {firmware_name(autopilot, finder.firmware)}"
+
+
+def usual_name(finder: VehicleFinder) -> str:
+    """A robot's name for a vehicle."""
+    return finder.profile.name if finder.profile is not None else "vehicle"
+
+
+def remarks(finder: VehicleFinder, *, signs: bool) -> Iterator[str]:
+    """What the owner has to know of a vehicle, a sentence each.
+
+    Args:
+        finder: It has asked the vehicle.
+        signs: Whether a key was given.
+    """
+    vehicle = finder.vehicle
+    if vehicle is None:
+        return
+    if vehicle.signed and not signs:
+        yield "its frames have signatures: give the file of its key"
+    if not finder.answers:
+        yield "it sends and does not answer: it may not receive, or needs a signing key"
+    yield from _rules(finder)
+    if vehicle.armed:
+        yield "it is armed now: its motors may move"
+    yield from _parameters(finder)
+    for each in finder.components.values():
+        yield from _component(each, vehicle)
+    for stream in finder.streams.values():
+        if not _readable(stream):
+            address = stream.address or "no address"
+            yield f"no pictures can be read from its stream {stream.name!r} at {address}"
+
+
+def _rules(finder: VehicleFinder) -> Iterator[str]:
+    if finder.profile is None:
+        yield "Rune does not drive vehicles of this type: it only watches"
+    elif not finder.profile.verified:
+        yield "its rules follow documents: they were not compared with recordings of such a vehicle"
+
+
+def _parameters(finder: VehicleFinder) -> Iterator[str]:
+    missing = [name for name in finder.wanted if name not in finder.parameters]
+    if missing and finder.answers:
+        yield f"it has no parameters of these names: {', '.join(missing)}"
+    for parameter, value in unsafe(finder):
+        wanted = f"{parameter.allowed[0]:g}"
+        yield f"unsafe: {parameter.name} is {value:g} in place of {wanted}: {parameter.why}"
+
+
+def _component(each: FoundComponent, vehicle: FoundComponent) -> Iterator[str]:
+    """What counts of another sender of heartbeats."""
+    if each.is_vehicle and each.system != vehicle.system:
+        yield f"another vehicle is on this link: system {each.system}, {kind_name(each.kind)}"
+    elif each.kind == STATION_KIND:
+        yield f"a ground station is connected to it: system {each.system}"
+    elif each.component != vehicle.component:
+        unknown = "" if each.kind in KINDS else ", which is not understood"
+        yield f"it has a component {each.component}: {kind_name(each.kind)}{unknown}"
+
+
+def robot_file(
+    finder: VehicleFinder, address: str, *, name: str = "", key_file: str = "", today: str = ""
+) -> str:
+    """The text of a robot file for the vehicle that was asked.
+
+    Args:
+        finder: It has asked a vehicle.
+        address: Where the vehicle is.
+        name: The robot's name; empty: the name of its kind.
+        key_file: File of the signing key; empty: none.
+        today: The date, for the first line; empty: none.
+    """
+    system = finder.vehicle.system if finder.vehicle is not None else 0
+    shape = _SHAPES.get(finder.profile.name if finder.profile else "", _ANY_SHAPE)
+    most = limits(finder)
+    when = f" on {today}" if today else ""
+    lines = [
+        f"# A {title(finder)}, adopted{when}.",
+        f"name = {_text(name or usual_name(finder))}",
+        'kind = "mavlink"',
+        "",
+        "[mavlink]",
+        f"address = {_text(address)}",
+        f"system = {system}",
+    ]
+    lines += [f"key_file = {_text(key_file)}"] if key_file else []
+    lines += ["", "[limits]", *_limit_lines(most)]
+    lines += [
+        "",
+        "[body]",
+        f"radius = {shape.radius:<10g}# usual for its kind: measure the circle that encloses it",
+        f"height = {shape.height:g}",
+        'arming = "disarmed"     # Rune arms it only when its operator says so',
+        "",
+        "[safety]",
+        f"left_alone = {_text(shape.alone.value)}",
+        "",
+        *_camera(finder),
+        *_modules(camera=any(map(_readable, finder.streams.values()))),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _limit_lines(most: Setpoint) -> Iterator[str]:
+    yield f"linear = {most.ahead:<10g}# [m/s]"
+    if most.left:
+        yield f"sway = {most.left:g}"
+    if most.up:
+        yield f"heave = {most.up:g}"
+    yield f"angular = {most.turn:<9g}# [rad/s]"
+
+
+def _camera(finder: VehicleFinder) -> Iterator[str]:
+    """The first stream that can be read, or an example of one."""
+    streams = [each for each in finder.streams.values() if _readable(each)]
+    if streams:
+        yield "[camera]"
+        yield f"source = {_text(streams[0].address)}"
+        yield "fov_deg = 80"
+    else:
+        yield "# [camera]"
+        yield '# source = "rtsp://192.168.2.2:8554/video"   # the address of its video, or a device'
+        yield "# fov_deg = 80"
+    yield ""
+
+
+def _modules(*, camera: bool) -> Iterator[str]:
+    for module in ("driver", "navigation", "mapping"):
+        yield f"[modules.{module}]"
+        yield f'run = "hub.modules.{module}"'
+        yield ""
+    off = "" if camera else "# "
+    yield f"{off}[modules.vision]"
+    yield f'{off}run = "hub.modules.vision"'
+    yield ""
+    yield "[modules.recorder]"
+    yield 'run = "hub.modules.recorder"'
+    yield 'start = "on demand"'
+    yield 'capabilities = ["REC_LOG"]'
+
+
+def _readable(stream: FoundStream) -> bool:
+    """Whether the vision module can read a stream."""
+    if not 0 < len(stream.address) <= _MOST_ADDRESS:
+        return False
+    with contextlib.suppress(CameraError):
+        return video_source(stream.address).kind is SourceKind.STREAM
+    return False
+
+
+def _limit(value: float, most: float) -> float:
+    """A limit as it is written: within 0 and `most`, rounded down to 0.01."""
+    if not math.isfinite(value):
+        return most
+    return math.floor(100.0 * max(0.0, min(most, value)) + 1e-3) / 100.0
+
+
+def _text(value: str) -> str:
+    """A text as TOML has it."""
+    shown = plain(value).replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{shown}"'

@@ -1,0 +1,42 @@
+"""Finds the one vehicle at an address, or says why there is none."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from hub.errors import VehicleSilentError
+from hub.robots.mavlink.asking.findings import VehicleFinder
+from hub.robots.mavlink.asking.session import VehicleSession
+from hub.robots.mavlink.kinds import kind_name
+
+_ANSWERING_S: Final = 6.0
+"""Longest time after the first heartbeat [s]."""
+
+
+def find_vehicle(
+    session: VehicleSession, system: int = 0, seconds: float = 5.0, extra: tuple[str, ...] = ()
+) -> VehicleFinder:
+    """Find a vehicle, and what it is.
+
+    Args:
+        session: A link.
+        system: Number of the vehicle; 0: the only one.
+        seconds: How long to listen for a first heartbeat [s].
+        extra: Parameters to read besides those of its kind.
+
+    Raises:
+        VehicleSilentError: There is none, or there are several.
+    """
+    finder = VehicleFinder(system, extra=extra)
+    if not session.ask(finder, seconds) and finder.begun:
+        session.ask(finder, _ANSWERING_S)
+    if finder.vehicle is not None:
+        return finder
+    known = [f"{each.system} ({kind_name(each.kind)})" for each in finder.vehicles]
+    if not known:
+        raise VehicleSilentError(session.silence())
+    if system:
+        text = f"vehicle {system} is not at {session.address.text}; there are: {', '.join(known)}"
+    else:
+        text = f"several vehicles are at {session.address.text}: {', '.join(known)}; give --system"
+    raise VehicleSilentError(text)
