@@ -193,6 +193,13 @@ class VehicleSilentError(HubError, ConnectionError):
     """No vehicle is at an address, or the one there does not answer."""
 
 
+class AutopilotSettingError(HubError, ValueError):
+    """A setting of a simulated autopilot that it does not have."""
+
+    def __init__(self, name: str, reason: str) -> None:
+        super().__init__(f"{name[:40]!r}: {reason}")
+
+
 class MapFileError(HubError, ValueError):
     """Files of a map that cannot be written or read."""
 

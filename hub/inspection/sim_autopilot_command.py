@@ -1,0 +1,119 @@
+"""`rune-hub sim-autopilot`: a simulated vehicle with MAVLink, to try Rune without a real one."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import math
+import signal
+import time
+
+from hub.command_line import CommandParser, Commands, ExitCode, number_type
+
+_KINDS = ("rover", "sub", "blimp")
+_LARGEST_PORT = 65_535
+_DEFAULT_PORT = 5760
+_port = number_type(int, 0, _LARGEST_PORT, f"port from 0 to {_LARGEST_PORT}")
+
+
+def add_sim_autopilot(commands: Commands) -> None:
+    """Add the command."""
+    command: CommandParser = commands.add_parser(
+        "sim-autopilot",
+        help="a simulated rover, Sub or blimp with an autopilot that speaks MAVLink",
+        description="A simulated vehicle that speaks MAVLink as ArduPilot 4.7 does: modes, arming, "
+        "failsafes, streams. It prints its addresses, such as tcp://127.0.0.1:5760, for the robot "
+        "file's key mavlink.address. Without --tcp, --udp and --pty it listens at TCP port 5760. "
+        "It takes 43 s to know its place, as a real one does; --fast-boot takes one.",
+        epilog="Example: rune-hub sim-autopilot rover --fast-boot --parameters FS_TIMEOUT=0.1",
+    )
+    command.add_argument("vehicle", choices=_KINDS, help="what it is")
+    command.add_argument(
+        "--tcp",
+        type=_port,
+        action="append",
+        default=[],
+        metavar="PORT",
+        help="listen at this TCP port of loopback, for any number of stations; 0: a free one",
+    )
+    command.add_argument(
+        "--udp",
+        type=_station,
+        action="append",
+        default=[],
+        metavar="HOST:PORT",
+        help="send datagrams to a station there",
+    )
+    command.add_argument(
+        "--pty", action="store_true", help="open a pseudo terminal, as serial port"
+    )
+    command.add_argument(
+        "--parameters",
+        type=_setting,
+        nargs="+",
+        default=[],
+        metavar="NAME=VALUE",
+        help="values of parameters; SIM_RC_FAIL=1: it has no radio receiver",
+    )
+    command.add_argument("--fast-boot", action="store_true", help="know the place after a second")
+    command.add_argument("--json", action="store_true", help="print the addresses as JSON")
+    command.add_argument("--stop-with-stdin", action="store_true", help="end when stdin ends")
+
+
+def run_sim_autopilot(options: argparse.Namespace) -> int:
+    """Serve until it is ended; returns the exit code.
+
+    Raises:
+        AutopilotSettingError: A port is not free, or there is no such parameter.
+    """
+    from hub.inspection.output import put, stdin_ended
+    from hub.robots.simulated_autopilot.autopilot import SimulatedAutopilot
+    from hub.robots.simulated_autopilot.kinds import AUTOPILOT_KINDS
+    from hub.robots.simulated_autopilot.motion import FittedMotion
+    from hub.robots.simulated_autopilot.parameters import ParameterStore
+    from hub.robots.simulated_autopilot.server import AutopilotServer
+
+    name = options.vehicle
+    autopilot = SimulatedAutopilot(
+        AUTOPILOT_KINDS[name],
+        FittedMotion(name),
+        ParameterStore(name, dict(options.parameters)),
+        time.monotonic(),
+        fast_start=options.fast_boot,
+    )
+    with contextlib.closing(AutopilotServer(autopilot)) as server:
+        ports = options.tcp or ([] if options.udp or options.pty else [_DEFAULT_PORT])
+        for port in ports:
+            server.listen(port)
+        for host, port in options.udp:
+            server.send_to(host, port)
+        if options.pty:
+            server.open_terminal()
+        if options.json:
+            put(json.dumps({"vehicle": name, "addresses": server.addresses}))
+        else:
+            for address in server.addresses:
+                put(address)
+        ended: list[int] = []
+        signal.signal(signal.SIGTERM, lambda number, _: ended.append(number))
+        while not ended and not (options.stop_with_stdin and stdin_ended()):
+            server.serve_once()
+    return ExitCode.OK
+
+
+def _station(text: str) -> tuple[str, int]:
+    host, colon, port = text.rpartition(":")
+    if not colon or not host or not port.isdecimal() or not 0 < int(port[:6]) <= _LARGEST_PORT:
+        message = f"{text!r} is no HOST:PORT of a station, such as 127.0.0.1:14550"
+        raise argparse.ArgumentTypeError(message)
+    return host.strip("[]"), int(port)
+
+
+def _setting(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    with contextlib.suppress(ValueError):
+        if name and math.isfinite(number := float(value)):
+            return name.upper(), number
+    message = f"{text!r} is no NAME=VALUE of a parameter, such as FS_TIMEOUT=0.1"
+    raise argparse.ArgumentTypeError(message)
