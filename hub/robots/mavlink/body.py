@@ -31,8 +31,9 @@ from hub.robots.mavlink.link.opening import link_to
 from hub.robots.mavlink.link.tap import LinkTap
 from hub.robots.mavlink.profiles.profile import Setpoint
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
-from hub.robots.mavlink.vehicle.reasons import why
-from hub.robots.mavlink.vehicle.vehicle import STATION_COMPONENT, MavlinkVehicle
+from hub.robots.mavlink.vehicle.reasons import warnings, why
+from hub.robots.mavlink.vehicle.sender import STATION_COMPONENT
+from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from hub.robots.mavlink.wire.signing_key import read_signing_key
@@ -110,7 +111,7 @@ class MavlinkBody:
         if armed:
             self.vehicle.arm(self._clock())
         else:
-            self.vehicle.disarm()
+            self.vehicle.disarm(self._clock())
 
     def drive(self) -> None:
         """Ask for the mode that follows velocities."""
@@ -266,6 +267,8 @@ class MavlinkBody:
             yield DiagnosticStatus(level=Severity.ERROR, name="autopilot", message=text)
         elif vehicle.phase is AutopilotPhase.ELSEWHERE:
             yield DiagnosticStatus(level=Severity.WARN, name="autopilot", message=why(vehicle, now))
+        for text in warnings(vehicle):
+            yield DiagnosticStatus(level=Severity.WARN, name="autopilot", message=text)
         if vehicle.failsafe and vehicle.armed:
             texts = [each.text for each in vehicle.texts.since(now - 10.0)]
             text = "; ".join(["a failsafe of the vehicle acts", *texts[-2:]])

@@ -18,9 +18,9 @@ from typing import Final
 
 from hub.plain_text import plain
 from hub.robots.mavlink.asking.session import OutgoingMessage, addressed
-from hub.robots.mavlink.profiles.profile import VehicleProfile
+from hub.robots.mavlink.profiles.profile import OLDER_NAMES, VehicleProfile
 from hub.robots.mavlink.profiles.table import profile_of
-from hub.robots.mavlink.vehicle.requests import ParameterReads
+from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads
 from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import VERSION_2, MavlinkFrame
 from hub.values import dataclass
@@ -149,7 +149,7 @@ class VehicleFinder:
     def wanted(self) -> tuple[str, ...]:
         """Names of the parameters that are read."""
         profile = self.profile
-        own = (*(each.name for each in profile.wanted), *profile.reads) if profile else ()
+        own = profile.parameters if profile else ()
         return tuple(dict.fromkeys((*own, *self._extra)))
 
     @property
@@ -223,7 +223,7 @@ class VehicleFinder:
         self.vehicle = vehicles[0]
         self._state, self._until = _State.ASKING, now + _ASKING_S
         self._asked_at = -math.inf
-        self._reads.begin(self.wanted)
+        self._reads.begin(self.wanted, OLDER_NAMES)
 
     def _is_answered(self, now: float) -> bool:
         """Whether nothing that was asked may still come."""

@@ -25,37 +25,43 @@ _CHANNELS: Final = 8
 _LEAVE: Final = 65535
 """A channel with this value stays as it is."""
 _MIDDLE_US: Final = 1500
-_BRAKING: Final = Braking(delay=0.3, per_speed=10.0, least=1.4)
-"""Measured on a simulated blimp in VELOCITY: 1.86 s from 0.15 m/s, up to 3.2 s from 0.2 m/s."""
+_BRAKING: Final = Braking(delay=0.3, per_speed=8.0, least=1.5)
+"""Measured on a simulated blimp in VELOCITY: 1.86 s from 0.15 m/s, 1.5 to 3.2 s from 0.2 m/s."""
+_RADIO_LOST_S: Final = 1.05
+"""Time without sticks until a vehicle without a receiver notices, at most [s]."""
 _DRIFTING_S: Final = 18.0
 """Time until it stands after it was disarmed: nothing brakes it [s]."""
 _MODES: Final = {0: "land", 1: "manual", 2: "velocity", 3: "loiter", 4: "rtl"}
 
 
 def _setpoint(wanted: Setpoint, parameters: Parameters, _gain: float) -> tuple[Message, ...]:
-    flat = max(0.01, parameters.get("MAX_VEL_XY", 0.5))
-    climb = max(0.01, parameters.get("MAX_VEL_Z", 0.4))
-    turn = max(0.01, parameters.get("MAX_VEL_YAW", 0.5))
     channels = dict.fromkeys(range(1, _CHANNELS + 1), _LEAVE)
-    for name, default, share in (
-        ("RCMAP_ROLL", 1, -wanted.left / flat),
-        ("RCMAP_PITCH", 2, wanted.ahead / flat),
-        ("RCMAP_THROTTLE", 3, wanted.up / climb),
-        ("RCMAP_YAW", 4, -wanted.turn / turn),
+    for name, default, speed, limit in (
+        ("RCMAP_ROLL", 1, -wanted.left, "MAX_VEL_XY"),
+        ("RCMAP_PITCH", 2, wanted.ahead, "MAX_VEL_XY"),
+        ("RCMAP_THROTTLE", 3, wanted.up, "MAX_VEL_Z"),
+        ("RCMAP_YAW", 4, -wanted.turn, "MAX_VEL_YAW"),
     ):
         number = int(parameters.get(name, default))
+        most = max(0.01, parameters.get(limit, math.inf))
         if number in channels:
-            channels[number] = _MIDDLE_US + stick(share, 500.0)
+            channels[number] = _MIDDLE_US + stick(speed / most, 500.0)
     fields: dict[str, Any] = {f"chan{number}_raw": value for number, value in channels.items()}
     return (("RC_CHANNELS_OVERRIDE", fields),)
 
 
 def _stops(parameters: Parameters, speed: float, receiver: bool) -> tuple[float, float]:  # noqa: FBT001
+    """With a receiver, its sticks come back; without one, a failsafe disarms, and it drifts."""
     braking = _BRAKING.time(speed)
     expires = parameters.get("RC_OVERRIDE_TIME", math.nan)
     if receiver:
-        return braking, expires + braking - _BRAKING.delay
-    return braking, expires + _DRIFTING_S if parameters.get("FS_THR_ENABLE") else NEVER
+        return braking, expires + braking
+    cuts = [NEVER]
+    if parameters.get("FS_THR_ENABLE", math.nan):
+        cuts.append(min(expires, _RADIO_LOST_S) + _DRIFTING_S)
+    if parameters.get("FS_GCS_ENABLE"):
+        cuts.append(parameters.get("FS_GCS_TIMEOUT", math.nan) + _DRIFTING_S)
+    return braking, min(each for each in cuts if not math.isnan(each))
 
 
 BLIMP: Final = VehicleProfile(
@@ -65,6 +71,7 @@ BLIMP: Final = VehicleProfile(
     types=frozenset({7}),
     modes=_MODES,
     drives=(_VELOCITY,),
+    need_place=frozenset({_VELOCITY, _LOITER}),
     holds=_LOITER,
     offered=(_VELOCITY, _LOITER, 0, 4),
     alone={LeftAlone.STAND: _LOITER, LeftAlone.HOLD_HEIGHT: _LOITER},
@@ -82,10 +89,10 @@ BLIMP: Final = VehicleProfile(
         ),
         STATION_WANTED,
     ),
+    scales=("MAX_VEL_XY", "MAX_VEL_Z", "MAX_VEL_YAW"),
     reads=(
-        "MAX_VEL_XY",
-        "MAX_VEL_Z",
-        "MAX_VEL_YAW",
+        "FS_GCS_ENABLE",
+        "FS_GCS_TIMEOUT",
         "RCMAP_ROLL",
         "RCMAP_PITCH",
         "RCMAP_THROTTLE",

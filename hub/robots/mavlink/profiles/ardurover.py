@@ -44,8 +44,16 @@ _MODES: Final = {
     15: "guided",
     16: "initialising",
 }
-_BRAKING: Final = Braking(delay=0.2, per_speed=1.3)
+_STEERS: Final = 26.0
+"""Function of an output that steers wheels: the rover is no skid-steered one."""
+_ZERO: Final = Braking(delay=0.2, per_speed=1.3)
 """Measured on a simulated skid-steered rover: 0.88 s from 0.53 m/s, 1.36 s from 1 m/s."""
+_HOLDING: Final = Braking(delay=0.1, per_speed=0.9, least=0.6)
+"""The same in HOLD: 0.67 s from 0.53 m/s, 0.9 s from 1 m/s."""
+_STEERED_ZERO: Final = Braking(delay=0.45, per_speed=2.15)
+"""Measured on a simulated rover that steers: 2.6 s from 1 m/s."""
+_STEERED_HOLD: Final = Braking(delay=0.3, per_speed=4.5)
+"""The same in HOLD, where it coasts: more than 4 s from 1 m/s."""
 
 
 def _setpoint(wanted: Setpoint, _parameters: Parameters, _gain: float) -> tuple[Message, ...]:
@@ -69,15 +77,19 @@ def _setpoint(wanted: Setpoint, _parameters: Parameters, _gain: float) -> tuple[
 
 
 def _stops(parameters: Parameters, speed: float, receiver: bool) -> tuple[float, float]:  # noqa: FBT001
+    """After the link is cut, its firmware brakes, or a failsafe holds earlier."""
     later = parameters.get("FS_TIMEOUT", math.nan)
-    silences = [_SETPOINT_TIMEOUT_S]
+    holds = [math.inf]
     if parameters.get("FS_GCS_ENABLE"):
-        silences.append(parameters.get("FS_GCS_TIMEOUT", math.nan) + later)
+        holds.append(parameters.get("FS_GCS_TIMEOUT", math.nan) + later)
     if parameters.get("FS_THR_ENABLE") and not receiver:
-        silences.append(_RADIO_LOST_S + later)
-    braking = _BRAKING.time(speed)
-    known = [each for each in silences if not math.isnan(each)]
-    return braking, min(known) + braking - _BRAKING.delay
+        holds.append(_RADIO_LOST_S + later)
+    steers = parameters.get("SERVO1_FUNCTION") == _STEERS
+    zero, hold = (_STEERED_ZERO, _STEERED_HOLD) if steers else (_ZERO, _HOLDING)
+    held = min(each for each in holds if not math.isnan(each))
+    if held < _SETPOINT_TIMEOUT_S:
+        return zero.time(speed), held + hold.time(speed)
+    return zero.time(speed), _SETPOINT_TIMEOUT_S + zero.time(speed) - zero.delay
 
 
 ROVER: Final = VehicleProfile(
@@ -87,6 +99,7 @@ ROVER: Final = VehicleProfile(
     types=frozenset({10}),
     modes=_MODES,
     drives=(_GUIDED,),
+    need_place=frozenset({_GUIDED, 5, 11}),
     holds=_HOLD,
     offered=(_GUIDED, _HOLD, 5, 0, 11),
     alone={LeftAlone.STAND: _HOLD, LeftAlone.HOLD_HEIGHT: _HOLD},
@@ -124,7 +137,7 @@ ROVER: Final = VehicleProfile(
         ),
         STATION_WANTED,
     ),
-    reads=("WP_SPEED", "ACRO_TURN_RATE", "SPEED_MAX"),
+    reads=("WP_SPEED", "SPEED_MAX", "ACRO_TURN_RATE", "SERVO1_FUNCTION"),
     frees=("ahead", "turn"),
     setpoint=_setpoint,
     stops=_stops,

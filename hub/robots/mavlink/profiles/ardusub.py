@@ -28,6 +28,10 @@ _ACRO_TURN: Final = math.radians(45.0)
 """Turn rate of a full stick, per unit of ACRO_YAW_P [rad/s]."""
 _BRAKING: Final = Braking(delay=0.2, per_speed=3.0, least=1.6)
 """Measured on a simulated Sub in POSHOLD: 1.81 s from 0.31 m/s, 2.0 s from 0.26 m/s and more."""
+_AFTER_SILENCE_S: Final = 2.45
+"""Time until it stands after it noticed the silence, in either mode [s]: 2.0 to 3.9."""
+_DISARM: Final = 2.0
+"""Action of a failsafe: disarm."""
 _COASTING_S: Final = 3.9
 """Time until it stands after it was disarmed, before it rises [s]."""
 _MODES: Final = {
@@ -51,17 +55,17 @@ def _axis(speed: float, most: float, gain: float, dead: float) -> int:
     ArduSub makes 400 us * gain of a full stick. THR_DZ of it is dead; the rest is a share of the
     pilot's speed.
     """
-    if not speed or most <= 0.0:
+    if not speed or not most > 0.0:
         return 0
     return stick(math.copysign(abs(speed) / most / gain + dead / _STICK_US, speed))
 
 
 def _climb(speed: float, parameters: Parameters, gain: float) -> int:
     """The vertical stick, 0 to 1000, for a speed upwards [m/s]."""
-    if not speed:
+    rise = parameters.get("PILOT_SPEED_UP", math.nan) / 100.0
+    if not speed or math.isnan(rise):
         return 500
-    rise = parameters.get("PILOT_SPEED_UP", 50.0) / 100.0
-    sink = (parameters.get("PILOT_SPEED_DN") or parameters.get("PILOT_SPEED_UP", 50.0)) / 100.0
+    sink = parameters.get("PILOT_SPEED_DN", 0.0) / 100.0 or rise
     dead = parameters.get("THR_DZ", 100.0) * gain
     share = min(1.0, abs(speed) / max(0.01, rise if speed > 0.0 else sink))
     travel = dead + (500.0 - dead) * share
@@ -71,17 +75,18 @@ def _climb(speed: float, parameters: Parameters, gain: float) -> int:
 
 def _turn(rate: float, parameters: Parameters, gain: float) -> int:
     """The stick for a turn rate, clockwise positive, for one counter-clockwise [rad/s]."""
-    if not rate:
+    if not rate or "ACRO_YAW_P" not in parameters:
         return 0
-    full = _ACRO_TURN * max(0.1, parameters.get("ACRO_YAW_P", 3.375))
+    full = _ACRO_TURN * max(0.1, parameters["ACRO_YAW_P"])
     dead = parameters.get("RC4_DZ", 40.0) * gain
     travel = dead + (_STICK_US - dead) * min(1.0, abs(rate) / full)
     return stick(math.copysign(travel / _STICK_US / gain, -rate))
 
 
 def _setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Message, ...]:
-    gain = min(1.0, max(0.05, gain if math.isfinite(gain) else 0.5))
-    most = parameters.get("PILOT_SPEED", 50.0) / 100.0
+    known = gain if math.isfinite(gain) else parameters.get("JS_GAIN_DEFAULT", 1.0)
+    gain = min(1.0, max(0.05, known))
+    most = parameters.get("PILOT_SPEED", math.nan) / 100.0
     dead = parameters.get("THR_DZ", 100.0)
     return (
         (
@@ -97,17 +102,23 @@ def _setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Me
 
 
 def _stops(parameters: Parameters, speed: float, receiver: bool) -> tuple[float, float]:  # noqa: FBT001
-    braking = _BRAKING.time(speed)
-    after_zero = braking - _BRAKING.delay
-    cuts = []
+    """After the link is cut, sticks end by FS_PILOT_INPUT, or the station's failsafe disarms.
+
+    Other actions of the station's failsafe go on with the last sticks. With a receiver, its own
+    sticks keep FS_PILOT_INPUT from acting.
+    """
+    cuts = [NEVER]
     pilot = parameters.get("FS_PILOT_INPUT", math.nan)
-    noticed = parameters.get("FS_PILOT_TIMEOUT", math.nan)
     if pilot and not receiver:
-        cuts.append(noticed + (_COASTING_S if pilot == 2.0 else _BRAKING.delay + after_zero))
+        rest = _COASTING_S if pilot == _DISARM else _AFTER_SILENCE_S
+        cuts.append(parameters.get("FS_PILOT_TIMEOUT", math.nan) + rest)
     station = parameters.get("FS_GCS_ENABLE", math.nan)
-    if station in (2.0, 4.0):
+    if station == _DISARM:
         cuts.append(parameters.get("FS_GCS_TIMEOUT", math.nan) + _COASTING_S)
-    return braking, min(cuts) if cuts else NEVER
+    unknown = [each for each in (*cuts, pilot, station) if math.isnan(each)]
+    known = [each for each in cuts if not math.isnan(each)]
+    after_cut = min(known)
+    return _BRAKING.time(speed), math.nan if unknown and after_cut == NEVER else after_cut
 
 
 SUB: Final = VehicleProfile(
@@ -117,6 +128,7 @@ SUB: Final = VehicleProfile(
     types=frozenset({12}),
     modes=_MODES,
     drives=(_POSITION_HOLD, _DEPTH_HOLD),
+    need_place=frozenset({_POSITION_HOLD}),
     holds=_DEPTH_HOLD,
     offered=(_POSITION_HOLD, _DEPTH_HOLD, _SURFACE, 0, 19),
     alone={
@@ -124,7 +136,7 @@ SUB: Final = VehicleProfile(
         LeftAlone.HOLD_HEIGHT: _DEPTH_HOLD,
         LeftAlone.SURFACE: _SURFACE,
     },
-    rates=STREAMS,
+    rates={**STREAMS, "GIMBAL_DEVICE_ATTITUDE_STATUS": 5.0},
     wanted=(
         WantedParameter(
             name="FS_PILOT_INPUT",
@@ -148,12 +160,10 @@ SUB: Final = VehicleProfile(
         ),
         STATION_WANTED,
     ),
+    scales=("PILOT_SPEED", "PILOT_SPEED_UP", "ACRO_YAW_P"),
     reads=(
-        "PILOT_SPEED",
-        "PILOT_SPEED_UP",
         "PILOT_SPEED_DN",
         "THR_DZ",
-        "ACRO_YAW_P",
         "RC4_DZ",
         "JS_THR_GAIN",
         "JS_GAIN_DEFAULT",

@@ -21,6 +21,11 @@ Parameters: TypeAlias = Mapping[str, float]
 NEVER: Final = math.inf
 """The vehicle does not stop by itself [s]."""
 
+_CUSTOM_MODE: Final = 1.0
+"""MAV_MODE_FLAG_CUSTOM_MODE_ENABLED."""
+OLDER_NAMES: Final[Mapping[str, str]] = {"SYSID_MYGCS": "MAV_GCS_SYSID"}
+"""Present names of parameters, by their names in older firmware."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setpoint:
@@ -89,6 +94,8 @@ class Braking:
 class VehicleProfile:
     """The rules of one kind of vehicle.
 
+    A parameter that `scales` was not read: the setpoint leaves out the freedoms that need it.
+
     Attributes:
         name: "rover", "boat", "sub", "blimp", "copter".
         autopilot: "ArduPilot" or "PX4".
@@ -96,12 +103,17 @@ class VehicleProfile:
         types: The MAV_TYPE numbers of such vehicles.
         modes: The names of its modes, by number.
         drives: The modes that follow velocities, the best first.
+        need_place: The modes that it refuses, or in which it ignores velocities, without a place.
+        flies: Whether it follows velocities in the air only, where another has brought it.
         holds: The mode in which it stays where it is; None: it has none.
         offered: The modes that an operator may ask for; others can leave the vehicle unable to arm.
         alone: The mode of each action without an operator.
         rates: The messages that it is asked to send [Hz].
         wanted: The parameters that make it safe.
-        reads: Further parameters that the driver needs.
+        scales: Parameters without which velocities cannot be made.
+        reads: Further parameters that the driver uses.
+        bytewise: Whether whole numbers come as the bytes of a 32-bit float.
+        main_modes: Whether a mode's number is made of a main and a sub mode, as PX4 does.
         frees: The degrees of freedom: "ahead", "left", "up", "turn".
         setpoint: The messages of a velocity.
         stops: Times to stand from a speed: after a zero, and after all is silent [s]. Arguments
@@ -114,15 +126,40 @@ class VehicleProfile:
     types: frozenset[int]
     modes: Mapping[int, str]
     drives: tuple[int, ...]
+    need_place: frozenset[int] = frozenset()
+    flies: bool = False
     holds: int | None
     offered: tuple[int, ...]
     alone: Mapping[LeftAlone, int]
     rates: Mapping[str, float]
     wanted: tuple[WantedParameter, ...]
-    reads: tuple[str, ...]
+    scales: tuple[str, ...] = ()
+    reads: tuple[str, ...] = ()
+    bytewise: bool = False
+    main_modes: bool = False
     frees: tuple[str, ...]
     setpoint: Callable[[Setpoint, Parameters, float], tuple[Message, ...]]
     stops: Callable[[Parameters, float, bool], tuple[float, float]]
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The names of all parameters that are read."""
+        return (*(each.name for each in self.wanted), *self.scales, *self.reads)
+
+    def drives_with(self, *, place: bool) -> tuple[int, ...]:
+        """The modes that follow velocities now.
+
+        Args:
+            place: Whether the vehicle knows its place.
+        """
+        kept = tuple(each for each in self.drives if place or each not in self.need_place)
+        return kept or self.drives
+
+    def mode_parameters(self, number: int) -> tuple[float, ...]:
+        """The parameters of MAV_CMD_DO_SET_MODE for a mode."""
+        if self.main_modes:
+            return _CUSTOM_MODE, float(number >> 16 & 0xFF), float(number >> 24)
+        return _CUSTOM_MODE, float(number)
 
     def mode_name(self, number: int) -> str:
         """The name of a mode."""

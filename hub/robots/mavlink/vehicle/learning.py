@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from hub.robots.mavlink.profiles.profile import STREAMS, VehicleProfile
-from hub.robots.mavlink.vehicle.requests import ParameterReads, RequestQueue, VehicleRequest
+from hub.robots.mavlink.profiles.profile import OLDER_NAMES, STREAMS, VehicleProfile
+from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads
+from hub.robots.mavlink.vehicle.requests import RequestKind, RequestQueue, VehicleRequest
 from hub.robots.mavlink.wire.definitions import BY_NAME
 
 _INTERVAL: Final = 511
@@ -35,9 +36,9 @@ class Learning:
         self.firmware = 0
 
     def begin(self, profile: VehicleProfile | None, now: float) -> None:
-        """Ask for streams and parameters; other requests end."""
+        """Ask for streams and parameters; earlier questions end."""
         self._since = now
-        self._requests.drop()
+        self._requests.drop(RequestKind.QUESTION)
         rates = profile.rates if profile is not None else STREAMS
         questions: list[tuple[int, tuple[float, ...]]] = [
             (_REQUEST, (float(BY_NAME["AUTOPILOT_VERSION"].number),))
@@ -48,11 +49,15 @@ class Learning:
         self._left = len(questions)
         for command, parameters in questions:
             self._requests.add(
-                VehicleRequest(command=command, parameters=parameters, answered=self._answered)
+                VehicleRequest(
+                    kind=RequestKind.QUESTION,
+                    command=command,
+                    parameters=parameters,
+                    answered=self._answered,
+                )
             )
         if profile is not None:
-            wanted = (each.name for each in profile.wanted)
-            self._parameters.begin((*wanted, *profile.reads))
+            self._parameters.begin(profile.parameters, OLDER_NAMES)
 
     def done(self, now: float) -> bool:
         """Whether all was answered, or the time is over."""

@@ -1,7 +1,8 @@
-"""Why a vehicle does not follow velocities, in words; pure."""
+"""Why a vehicle does not follow velocities, and what to know of it, in words; pure."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final
 
 from hub.gcm.autopilot import AutopilotPhase
@@ -10,6 +11,7 @@ from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
 _PREARM_S: Final = 40.0
 """Age up to which a text on arming still holds; vehicles repeat them every 30 s [s]."""
 _WATCHED: Final = "Rune does not drive vehicles of this type: it only watches"
+_GROUND: Final = "it is on the ground, and Rune does not take off: a pilot brings it into the air"
 
 
 def why(vehicle: MavlinkVehicle, now: float) -> str:
@@ -21,8 +23,7 @@ def why(vehicle: MavlinkVehicle, now: float) -> str:
     """
     match vehicle.phase:
         case AutopilotPhase.LINKING:
-            other = f"; vehicles heard: {sorted(vehicle.others)}" if vehicle.others else ""
-            return f"no heartbeat came yet{other}"
+            return f"no heartbeat came yet{_others(vehicle)}"
         case AutopilotPhase.GONE:
             return vehicle.liveness.gone(now) or "it is asked again"
         case AutopilotPhase.LEARNING:
@@ -34,12 +35,35 @@ def why(vehicle: MavlinkVehicle, now: float) -> str:
         case AutopilotPhase.ELSEWHERE:
             return _elsewhere(vehicle, now)
         case _:
-            return "release the stick first" if vehicle.must_be_neutral else ""
+            return _driving(vehicle)
+
+
+def warnings(vehicle: MavlinkVehicle) -> Iterator[str]:
+    """What an operator should know of the vehicle and its link, a sentence each."""
+    if vehicle.system and vehicle.others:
+        yield f"other vehicles are on its link{_others(vehicle)}; Rune drives {vehicle.system}"
+    if vehicle.identity.twin:
+        yield f"another kind of vehicle uses the number {vehicle.system}: give it another one"
+    profile = vehicle.profile
+    if profile is None:
+        return
+    if not profile.verified:
+        yield f"the rules of a {profile.autopilot} {profile.name} were never compared with one"
+    missing = [name for name in profile.scales if name in vehicle.parameters.missing]
+    if missing:
+        yield f"it does not tell {', '.join(missing)}: it does not move where these are needed"
+
+
+def _others(vehicle: MavlinkVehicle) -> str:
+    numbers = ", ".join(map(str, sorted(vehicle.others)[:8]))
+    return f", with the numbers {numbers}" if numbers else ""
 
 
 def _disarmed(vehicle: MavlinkVehicle, now: float) -> str:
     if vehicle.profile is None:
         return _WATCHED
+    if vehicle.profile.flies:
+        return _GROUND
     if vehicle.telemetry.armable:
         return "it is disarmed: arm it"
     reasons = [
@@ -54,6 +78,8 @@ def _elsewhere(vehicle: MavlinkVehicle, now: float) -> str:
     profile, orders = vehicle.profile, vehicle.orders
     if profile is None:
         return _WATCHED
+    if vehicle.grounded:
+        return _GROUND
     if orders.follows:
         return f"it is asked for the mode {profile.mode_name(orders.number)}"
     by = "asked for here" if orders.chosen_here(vehicle.mode, now) else "not asked for here"
@@ -61,3 +87,12 @@ def _elsewhere(vehicle: MavlinkVehicle, now: float) -> str:
     text = f"it is in {profile.mode_name(vehicle.mode)}, {by}{failsafe}: ask it to drive"
     refusal = orders.refusal()
     return f"{refusal}; {text}" if refusal else text
+
+
+def _driving(vehicle: MavlinkVehicle) -> str:
+    if vehicle.must_be_neutral:
+        return "release the stick first"
+    profile = vehicle.profile
+    if profile is not None and vehicle.mode in profile.need_place:
+        return "" if vehicle.telemetry.position else "it does not know its place"
+    return ""

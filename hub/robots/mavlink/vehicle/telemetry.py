@@ -18,24 +18,49 @@ from typing import Any, Final
 
 from hub.gcm.geometry import Twist, Vector3
 from hub.robots.mavlink.wire.frames import MavlinkFrame
+from hub.values import dataclass
 
 _PREARM: Final = 0x10000000
 """MAV_SYS_STATUS_PREARM_CHECK."""
 _RECEIVER: Final = 0x10000
 """MAV_SYS_STATUS_SENSOR_RC_RECEIVER."""
+_IN_AIR: Final = 2
+"""MAV_LANDED_STATE_IN_AIR."""
 _POSITION: Final = 16
-"""Flag of EKF_STATUS_REPORT: it knows its place in the horizontal plane."""
+"""Flag of EKF_STATUS_REPORT and ESTIMATOR_STATUS: it knows its place in the horizontal plane."""
 _NO_VOLTAGE: Final = 65535
 _FARTHEST: Final = 1e6
 _FASTEST: Final = 100.0
 _AHEAD: Final = 0
 _DOWN: Final = 25
 """MAV_SENSOR_ORIENTATION of range sensors."""
+_BODY_FRD: Final = 12
+"""MAV_FRAME_BODY_FRD: directions from ahead."""
+_NOTHING_MEASURED: Final = 65535
 
 
 def within(value: float, most: float) -> float:
     """A number; NaN where it is none, or larger than any vehicle's."""
     return value if abs(value) <= most else math.nan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Obstacles:
+    """The newest OBSTACLE_DISTANCE.
+
+    Attributes:
+        first: Direction of the first distance in `base_link`, counter-clockwise from ahead [rad].
+        step: From a direction to the next [rad]; negative: clockwise.
+        nearest: Least range [m].
+        farthest: Largest range [m].
+        distances: [m]; inf: nothing within reach, NaN: not measured.
+    """
+
+    first: float
+    step: float
+    nearest: float
+    farthest: float
+    distances: tuple[float, ...]
 
 
 class Telemetry:
@@ -63,6 +88,9 @@ class Telemetry:
         pressure: Of the water or air outside [Pa].
         ahead: Range of a sensor ahead [m].
         below: Range of a sensor downwards [m].
+        in_air: Whether it says that it is in the air.
+        tilt: Of its camera [rad], positive up; NaN: not known.
+        obstacles: Distances around it; None: none came.
         named: Newest values of NAMED_VALUE_FLOAT, by name.
         boot_ms: Time since its start [ms].
         measured: Monotonic time of the last ATTITUDE [s].
@@ -80,6 +108,9 @@ class Telemetry:
         self.gain = math.nan
         self.depth = self.pressure = math.nan
         self.ahead = self.below = math.nan
+        self.in_air = False
+        self.tilt = math.nan
+        self.obstacles: Obstacles | None = None
         self.named: dict[str, float] = {}
         self.boot_ms = 0
         self.measured = -math.inf
@@ -167,11 +198,50 @@ def _range(to: Telemetry, values: Mapping[str, Any]) -> None:
         to.below = distance
 
 
+def _landed(to: Telemetry, values: Mapping[str, Any]) -> None:
+    to.in_air = values["landed_state"] == _IN_AIR
+
+
+def _gimbal(to: Telemetry, values: Mapping[str, Any]) -> None:
+    """The camera's pitch, from the quaternion of its attitude in north, east, down."""
+    w, x, y, z = (within(part, 2.0) for part in values["q"])
+    sine = 2.0 * (w * y - z * x)
+    to.tilt = math.asin(max(-1.0, min(1.0, sine))) if not math.isnan(sine) else math.nan
+
+
+def _obstacles(to: Telemetry, values: Mapping[str, Any]) -> None:
+    """Distances clockwise from ahead; of a message in another frame, from north, none are taken."""
+    step = values["increment_f"] or float(values["increment"])
+    step, offset = within(step, 360.0), within(values["angle_offset"], 360.0)
+    if values["frame"] != _BODY_FRD or math.isnan(step + offset) or not step:
+        return
+    farthest = values["max_distance"]
+    distances = values["distances"]
+    count = min(len(distances), int(360.0 / abs(step)) or 1)
+    to.obstacles = Obstacles(
+        first=math.radians(-offset),
+        step=math.radians(-step),
+        nearest=values["min_distance"] / 100.0,
+        farthest=farthest / 100.0,
+        distances=tuple(_distance(each, farthest) for each in distances[:count]),
+    )
+
+
+def _distance(centimetres: int, farthest: int) -> float:
+    if centimetres == _NOTHING_MEASURED:
+        return math.nan
+    return centimetres / 100.0 if centimetres <= farthest else math.inf
+
+
 _READERS: Final[Mapping[str, Callable[[Telemetry, Mapping[str, Any]], None]]] = {
     "ATTITUDE": _attitude,
     "LOCAL_POSITION_NED": _local_position,
     "SYS_STATUS": _status,
     "EKF_STATUS_REPORT": _estimator,
+    "ESTIMATOR_STATUS": _estimator,
+    "EXTENDED_SYS_STATE": _landed,
+    "GIMBAL_DEVICE_ATTITUDE_STATUS": _gimbal,
+    "OBSTACLE_DISTANCE": _obstacles,
     "GPS_RAW_INT": _satellites,
     "VFR_HUD": _hud,
     "SCALED_PRESSURE2": _pressure,

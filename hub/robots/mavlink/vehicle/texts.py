@@ -1,10 +1,20 @@
-"""The texts of a vehicle, joined from their parts; pure."""
+"""The texts of a vehicle, joined from their parts; pure.
+
+| event | action |
+| --- | --- |
+| a text without a number | it is whole |
+| a part with a number | keep it; the text ends when no part is missing and the last is short |
+| 1 s after its first part | the text ends; "..." stands for each missing part |
+| a fifth text begins before the others ended | the oldest ends |
+| more than 20 texts in a second, or the same one again within a second | leave it out |
+"""
 
 from __future__ import annotations
 
 from collections import deque
 from typing import Final
 
+from hub.bucket import Bucket
 from hub.gcm.diagnostics import Severity
 from hub.plain_text import plain
 from hub.values import dataclass
@@ -14,8 +24,12 @@ _KEPT: Final = 50
 _MOST_PARTS: Final = 8
 """Most parts of one text; each has 50 letters."""
 _PART: Final = 50
+_MOST_OPEN: Final = 4
+"""Most texts whose parts are waited for."""
 _JOINED_S: Final = 1.0
-"""A text whose parts do not come within this time ends as it is [s]."""
+_EACH_S: Final = 1.0
+"""Time after which the same text counts again [s]."""
+_MOST_PER_S: Final = 20.0
 _REPEATED: Final = ("Field Elevation Set",)
 """Texts that come every second and mean nothing to an operator."""
 _SEVERITIES: Final = (Severity.ERROR,) * 4 + (Severity.WARN,) * 2 + (Severity.OK,) * 2
@@ -37,16 +51,42 @@ class VehicleText:
     text: str
 
 
+@dataclass(slots=True, kw_only=True, eq=False)
+class OpenText:
+    """A text whose parts come.
+
+    Attributes:
+        severity: Its MAV_SEVERITY.
+        since: When its first part came, on the monotonic clock [s].
+        parts: The parts by their places.
+    """
+
+    severity: int
+    since: float
+    parts: dict[int, str]
+
+    @property
+    def whole(self) -> bool:
+        """Whether no part is missing."""
+        last = max(self.parts)
+        return len(self.parts) == last + 1 and (
+            len(self.parts[last]) < _PART or last == _MOST_PARTS - 1
+        )
+
+
 class VehicleTexts:
-    """The newest texts of a vehicle."""
+    """The newest texts of a vehicle.
+
+    Attributes:
+        left_out: Texts that came too often.
+    """
 
     def __init__(self) -> None:
         self._texts: deque[VehicleText] = deque(maxlen=_KEPT)
         self._new: deque[VehicleText] = deque(maxlen=_KEPT)
-        self._number = 0
-        self._parts: dict[int, str] = {}
-        self._level = 0
-        self._since = 0.0
+        self._open: dict[int, OpenText] = {}
+        self._rate = Bucket(_MOST_PER_S, _MOST_PER_S)
+        self.left_out = 0
 
     def add(self, severity: int, text: str, number: int, part: int, now: float) -> None:
         """Take a STATUSTEXT.
@@ -58,34 +98,24 @@ class VehicleTexts:
             part: The place of this part, from 0.
             now: Monotonic time [s].
         """
-        if number != self._number or not number:
-            self.flush(now)
+        text = text[:_PART]
+        if not number:
+            self._keep(severity, text, now)
+            return
         if part >= _MOST_PARTS:
             return
-        if not self._parts:
-            self._number, self._level, self._since = number, severity, now
-        self._parts[part] = text[:_PART]
-        if not number or len(text) < _PART:
-            self.flush(now)
+        if number not in self._open:
+            if len(self._open) == _MOST_OPEN:
+                self._end(next(iter(self._open)), now)
+            self._open[number] = OpenText(severity=severity, since=now, parts={})
+        self._open[number].parts[part] = text
+        if self._open[number].whole:
+            self._end(number, now)
 
-    def flush(self, now: float, *, late: bool = False) -> None:
-        """End the text whose parts came.
-
-        Args:
-            now: Monotonic time [s].
-            late: Only if its last part has not come in time.
-        """
-        if not self._parts or (late and now - self._since < _JOINED_S):
-            return
-        words = plain("".join(self._parts[place] for place in sorted(self._parts))).strip()
-        self._parts.clear()
-        self._number = 0
-        if not words or words.startswith(_REPEATED):
-            return
-        level = _SEVERITIES[min(self._level, len(_SEVERITIES) - 1)]
-        made = VehicleText(time=now, level=level, text=words)
-        self._texts.append(made)
-        self._new.append(made)
+    def step(self, now: float) -> None:
+        """End the texts whose parts have not come in time."""
+        for number in [n for n, each in self._open.items() if now - each.since >= _JOINED_S]:
+            self._end(number, now)
 
     def since(self, time: float) -> list[VehicleText]:
         """The texts from a monotonic time [s] on."""
@@ -96,3 +126,23 @@ class VehicleTexts:
         taken = list(self._new)
         self._new.clear()
         return taken
+
+    def _end(self, number: int, now: float) -> None:
+        ended = self._open.pop(number)
+        places = range(max(ended.parts) + 1)
+        words = "".join(ended.parts.get(place, "...") for place in places)
+        self._keep(ended.severity, words, now)
+
+    def _keep(self, severity: int, words: str, now: float) -> None:
+        words = plain(words).strip()
+        if not words or words.startswith(_REPEATED):
+            return
+        if any(each.text == words for each in self.since(now - _EACH_S)) or not self._rate.take(
+            1.0, now
+        ):
+            self.left_out += 1
+            return
+        level = _SEVERITIES[min(severity, len(_SEVERITIES) - 1)]
+        made = VehicleText(time=now, level=level, text=words)
+        self._texts.append(made)
+        self._new.append(made)

@@ -5,61 +5,56 @@
 | LINKING | a heartbeat of an autopilot | LEARNING |
 | any other | no heartbeat for 2.5 s, no echo for 1 s | GONE |
 | GONE | heartbeats and echoes | LEARNING |
-| any after LEARNING | it was booted, or its telemetry is silent | LEARNING |
-| LEARNING | its streams and parameters were asked for | by its heartbeat, as below |
+| any after LEARNING | it starts, it was booted, or its telemetry is silent | LEARNING |
+| LEARNING | it does not start, its streams and parameters were asked for | as below |
 | DISARMED | `arm` | ARMING |
 | ARMING | it refuses, or 5 s pass | DISARMED |
 | any of these | its heartbeat: disarmed | DISARMED |
 | any of these | armed, in a driving mode, and the operator asked to drive | DRIVING |
-| any of these | armed otherwise | ELSEWHERE |
+| any of these | armed otherwise; one that flies, on the ground | ELSEWHERE |
 
 The operator's order to drive ends with each other mode, with a disarmed vehicle, and with a boot.
 Another station that sets the driving mode again does not renew it.
 
 | phase | sends |
 | --- | --- |
-| LINKING, GONE | heartbeats, echoes |
-| LEARNING, ELSEWHERE | these; neutral sticks, if the present mode was asked for here |
+| LINKING | heartbeats |
+| GONE | heartbeats, echoes, the order to disarm |
+| LEARNING, ELSEWHERE | these, all orders; neutral sticks, if the present mode was asked for here |
 | DISARMED, ARMING | these, neutral sticks |
 | DRIVING | these, the velocity; until the first neutral one, a neutral one |
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Final
 
 from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.left_alone import LeftAlone
 from hub.robots.mavlink.profiles.profile import NEUTRAL, Setpoint, VehicleProfile
-from hub.robots.mavlink.profiles.table import profile_of
+from hub.robots.mavlink.vehicle.identity import VehicleIdentity
 from hub.robots.mavlink.vehicle.learning import Learning
 from hub.robots.mavlink.vehicle.liveness import Liveness
-from hub.robots.mavlink.vehicle.mode_orders import ModeOrders
-from hub.robots.mavlink.vehicle.requests import ParameterReads, RequestQueue
+from hub.robots.mavlink.vehicle.mode_orders import ModeOrder, ModeOrders
+from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads, parameter_value
+from hub.robots.mavlink.vehicle.requests import RequestKind, RequestQueue
+from hub.robots.mavlink.vehicle.sender import VehicleSender
+from hub.robots.mavlink.vehicle.stick_stream import StickStream
 from hub.robots.mavlink.vehicle.telemetry import Telemetry
 from hub.robots.mavlink.vehicle.texts import VehicleTexts
-from hub.robots.mavlink.wire.definitions import BY_NAME
+from hub.robots.mavlink.vehicle.velocity_gate import VelocityGate
 from hub.robots.mavlink.wire.frames import FramePacker, MavlinkFrame
 
-STATION_COMPONENT: Final = 190
-"""The number of a mission planner in a ground station."""
-_AUTOPILOT: Final = 1
-"""The component that is the autopilot."""
-_NO_AUTOPILOT: Final = 8
 _ARMED: Final = 128
 _BOOTING: Final = (0, 1, 2)
 _FAILSAFE: Final = 5
-_HEARTBEAT_S: Final = 1.0
-_MOVING_S: Final = 0.05
-_NEUTRAL_S: Final = 0.1
-"""Time between two velocities while moving, and else [s]."""
-_ARMING_S: Final = 5.0
 _WAKING_S: Final = 0.4
 """Time of neutral sticks before the driving mode: without them a failsafe would end it [s]."""
+_AWAY: Final = (AutopilotPhase.LINKING, AutopilotPhase.GONE)
 _STARTS: Final = "it starts"
 _BOOTED: Final = "it was booted"
+_SILENT: Final = "its telemetry is silent"
 
 
 class MavlinkVehicle:
@@ -67,8 +62,7 @@ class MavlinkVehicle:
 
     Attributes:
         phase: What can be done with it.
-        profile: The rules of its kind; None: it is not known.
-        system: Its number; 0: not known yet.
+        identity: Its number and kind, and who else is on its link.
         armed: Whether its motors may move.
         mode: Number of its mode; -1: not known.
         failsafe: Whether one of its failsafes acts.
@@ -76,9 +70,10 @@ class MavlinkVehicle:
         parameters: The parameters that were read.
         texts: Its texts.
         liveness: Its heartbeats and echoes.
-        others: Numbers of other vehicles on this link.
         orders: The orders to arm it and to change its mode.
         learning: The questions to it.
+        learns_because: Why it is asked for everything again; empty: it was heard for the first
+            time.
     """
 
     def __init__(
@@ -92,11 +87,11 @@ class MavlinkVehicle:
             limits: The largest velocities.
             system: Number of the vehicle; 0: the first one that is heard.
         """
-        self._send_frame, self._packer, self._limits = send, packer, limits
-        self._wanted_system = system
+        self._sender = VehicleSender(send, packer)
+        self._sticks = StickStream(self._sender)
+        self._gate = VelocityGate(limits)
         self.phase = AutopilotPhase.LINKING
-        self.profile: VehicleProfile | None = None
-        self.system = 0
+        self.identity = VehicleIdentity(system)
         self.armed = False
         self.mode = -1
         self.failsafe = False
@@ -104,109 +99,113 @@ class MavlinkVehicle:
         self.parameters = ParameterReads()
         self.texts = VehicleTexts()
         self.liveness = Liveness()
-        self.others: set[int] = set()
         self._requests = RequestQueue()
         self.learning = Learning(self._requests, self.parameters)
         self.orders = ModeOrders(self._requests, self.texts)
-        self._learns_because = ""
-        self._velocity = NEUTRAL
-        self._must_be_neutral = True
-        self._arming_until = -math.inf
-        self._sent_at = self._heartbeat_at = -math.inf
+        self.learns_because = ""
+        self._starts = False
+        self._alone: LeftAlone | None = None
 
     # What the driver asks.
 
     def set_velocity(self, wanted: Setpoint, now: float) -> None:
         """Follow a velocity within the limits; NaN counts as 0. A new one leaves at once."""
-        limited = Setpoint(
-            ahead=_limited(wanted.ahead, self._limits.ahead),
-            left=_limited(wanted.left, self._limits.left),
-            up=_limited(wanted.up, self._limits.up),
-            turn=_limited(wanted.turn, self._limits.turn),
-        )
-        if limited.neutral:
-            if self.phase is AutopilotPhase.DRIVING:
-                self._must_be_neutral = False
-        elif self._must_be_neutral or self.phase is not AutopilotPhase.DRIVING:
-            limited = NEUTRAL
-        if limited != self._velocity:
-            self._velocity = limited
+        if self._gate.take(wanted, driven=self.phase is AutopilotPhase.DRIVING):
             self._send_velocity(now)
 
     def arm(self, now: float) -> None:
         """Arm it in its driving mode; an order in another phase than DISARMED changes nothing."""
-        if self.phase is not AutopilotPhase.DISARMED or self.profile is None:
-            return
-        self.phase = AutopilotPhase.ARMING
-        self._arming_until = now + _ARMING_S
-        self._ask_mode(self.profile, self.profile.drives, now, arm=self._arm)
+        profile = self.profile
+        if self.phase is AutopilotPhase.DISARMED and profile is not None and not profile.flies:
+            self.phase = AutopilotPhase.ARMING
+            self._change_mode(self._driving_order(profile, arms=True), now)
 
-    def disarm(self) -> None:
+    def disarm(self, now: float) -> None:
         """Switch its motors off."""
-        self._velocity = NEUTRAL
-        self.orders.disarm()
+        self._gate.close()
+        self._alone = None
+        self.orders.disarm(now)
 
     def drive(self, now: float) -> None:
         """Ask for the mode that follows velocities; they begin with a neutral one."""
-        if self.profile is not None and self.armed:
-            self._ask_mode(self.profile, self.profile.drives, now, after=_WAKING_S)
+        if self.profile is not None and self.armed and self._can_change and not self.grounded:
+            self._change_mode(self._driving_order(self.profile), now)
 
     def set_mode(self, name: str, now: float) -> None:
         """Ask for a mode by its name; one that is not offered changes nothing."""
-        number = self.profile.mode_number(name) if self.profile is not None else None
-        if self.profile is not None and number is not None:
-            drives = self.armed and number in self.profile.drives
-            after = _WAKING_S if drives else 0.0
-            self._ask_mode(self.profile, (number,), now, drives=drives, after=after)
+        profile = self.profile
+        number = profile.mode_number(name) if profile is not None else None
+        if profile is None or number is None or not self._can_change:
+            return
+        drives = self.armed and number in profile.drives and not self.grounded
+        self._change_mode(ModeOrder(profile=profile, numbers=(number,), drives=drives), now)
 
     def left_alone(self, action: LeftAlone | None, now: float) -> None:
-        """Do this without an operator; a mode that another chose is not changed."""
-        if action is None or self.profile is None or not self.armed:
-            return
-        number = self.profile.alone.get(action)
-        if number is not None and self.orders.chosen_here(self.mode, now):
-            self._ask_mode(self.profile, (number,), now, drives=False)
+        """Do this without an operator, if need be later; None: an operator is there again.
+
+        A mode that another chose is not changed.
+        """
+        self._alone = action
+        self._do_alone(now)
 
     # Received and sent.
 
     def received(self, frame: MavlinkFrame, now: float) -> None:
         """Take a frame of the link."""
         if frame.name == "HEARTBEAT":
-            self._heartbeat(frame, now)
-        elif frame.system == self.system and frame.component == _AUTOPILOT:
+            before = self.profile
+            if self.identity.heartbeat(frame, silent=self.phase in _AWAY):
+                if self.profile is not before:
+                    self._forget()
+                self._heartbeat(frame, now)
+        elif self.identity.sent(frame):
             self._from_autopilot(frame, now)
 
     def step(self, now: float) -> None:
         """Let time pass: change the phase, and send what is due."""
-        self.texts.flush(now, late=True)
+        self.texts.step(now)
         self._change_phase(now)
-        if now - self._heartbeat_at >= _HEARTBEAT_S:
-            self._heartbeat_at = now
-            self._send(
-                "HEARTBEAT", type=6, autopilot=_NO_AUTOPILOT, system_status=4, mavlink_version=3
-            )
+        self.orders.step(self.mode, now, armed=self.armed)
+        self._do_alone(now)
+        self._sender.heartbeat(now)
         if self.system and (stamp := self.liveness.echo_due(now)):
-            self._send("TIMESYNC", ts1=stamp)
-        if now - self._sent_at >= (_NEUTRAL_S if self._velocity.neutral else _MOVING_S):
+            self._sender.message("TIMESYNC", ts1=stamp)
+        if self._sticks.due(self._gate.velocity, now):
             self._send_velocity(now)
         self._send_requests(now)
 
     # State.
 
     @property
+    def profile(self) -> VehicleProfile | None:
+        """The rules of its kind; None: it is not known."""
+        return self.identity.profile
+
+    @property
+    def system(self) -> int:
+        """Its number; 0: not known yet."""
+        return self.identity.system
+
+    @property
+    def others(self) -> set[int]:
+        """Numbers of other vehicles on its link."""
+        return self.identity.others
+
+    @property
+    def grounded(self) -> bool:
+        """Whether it flies, and is on the ground: Rune does not take off."""
+        flies = self.profile is not None and self.profile.flies
+        return flies and not self.telemetry.in_air
+
+    @property
     def velocity(self) -> Setpoint:
         """The velocity that it is asked to follow now."""
-        return self._velocity if self.phase is AutopilotPhase.DRIVING else NEUTRAL
+        return self._gate.velocity if self.phase is AutopilotPhase.DRIVING else NEUTRAL
 
     @property
     def must_be_neutral(self) -> bool:
         """Whether velocities wait for a neutral one."""
-        return self._must_be_neutral
-
-    @property
-    def learns_because(self) -> str:
-        """Why it is asked for everything again; empty: it was heard for the first time."""
-        return self._learns_because
+        return self._gate.shut
 
     def awaits(self, now: float) -> bool:
         """Whether an answer is on its way whose time matters."""
@@ -214,21 +213,24 @@ class MavlinkVehicle:
 
     # Inside.
 
+    @property
+    def _can_change(self) -> bool:
+        """Whether it can be asked for a mode: one that starts would forget it."""
+        return self.phase not in _AWAY and not self._starts
+
+    def _driving_order(self, profile: VehicleProfile, *, arms: bool = False) -> ModeOrder:
+        numbers = profile.drives_with(place=self.telemetry.position)
+        return ModeOrder(profile=profile, numbers=numbers, drives=True, arms=arms)
+
     def _heartbeat(self, frame: MavlinkFrame, now: float) -> None:
-        if frame["autopilot"] == _NO_AUTOPILOT or frame.component != _AUTOPILOT:
-            return  # a ground station, a gimbal
-        if frame.system != (self.system or self._wanted_system or frame.system):
-            if len(self.others) < 64:
-                self.others.add(frame.system)
-            return
-        self.system = frame.system
-        self.profile = profile_of(frame["autopilot"], frame["type"])
+        self._sender.system = frame.system
         self.liveness.heartbeat(now)
         self.armed = bool(frame["base_mode"] & _ARMED)
         self.mode = frame["custom_mode"]
         self.failsafe = frame["system_status"] == _FAILSAFE
-        booting = frame["system_status"] in _BOOTING
-        if booting and self.phase not in (AutopilotPhase.LINKING, AutopilotPhase.GONE):
+        started = self._starts
+        self._starts = frame["system_status"] in _BOOTING
+        if self._starts is not started and self.phase not in _AWAY:
             self._learn(now, _STARTS)
         self._change_phase(now)
 
@@ -236,10 +238,11 @@ class MavlinkVehicle:
         match frame.name:
             case "TIMESYNC" if frame["tc1"]:
                 self.liveness.echo(frame["ts1"], now)
-            case "COMMAND_ACK" if frame["target_system"] in (0, self._packer.system):
+            case "COMMAND_ACK" if self._sender.is_asker(frame):
                 self._requests.answer(frame["command"], frame["result"], now)
             case "PARAM_VALUE":
-                self.parameters.take(frame["param_id"], frame["param_value"])
+                bytewise = self.profile is not None and self.profile.bytewise
+                self.parameters.take(frame["param_id"], parameter_value(frame, bytewise=bytewise))
             case "STATUSTEXT":
                 self.texts.add(
                     frame["severity"], frame["text"], frame["id"], frame["chunk_seq"], now
@@ -247,9 +250,10 @@ class MavlinkVehicle:
             case "AUTOPILOT_VERSION":
                 self.learning.firmware = frame["flight_sw_version"]
             case "ATTITUDE" if frame["time_boot_ms"] + 1000 < self.telemetry.boot_ms:
-                self.telemetry = Telemetry()
+                self._forget()
                 self.telemetry.take(frame, now)
-                self._learn(now, _BOOTED)
+                if self.phase not in _AWAY:
+                    self._learn(now, _BOOTED)
             case _:
                 self.telemetry.take(frame, now)
 
@@ -259,63 +263,66 @@ class MavlinkVehicle:
             return
         if self.liveness.gone(now):
             self.phase = AutopilotPhase.GONE
-        elif before in (AutopilotPhase.LINKING, AutopilotPhase.GONE):
-            self._learn(now, "")
+            if before is not self.phase:
+                self.orders.gone()
+                self._requests.drop(RequestKind.QUESTION)
+        elif before in _AWAY:
+            self._learn(now, _STARTS if self._starts else "")
         elif before is AutopilotPhase.LEARNING:
-            if self.learning.done(now):
+            if self.learning.done(now) and not self._starts:
                 self._by_heartbeat(now)
         elif self.learning.is_silent(self.telemetry.measured, now):
-            self._learn(now, "its telemetry is silent")
+            self._learn(now, _SILENT)
         else:
             self._by_heartbeat(now)
         if self.phase is not before:
-            self._must_be_neutral = True
-            self._velocity = NEUTRAL
+            self._gate.close()
             self._send_velocity(now)
 
     def _by_heartbeat(self, now: float) -> None:
+        """The phase of a vehicle that was learnt."""
         if not self.armed:
-            if self.phase is AutopilotPhase.ARMING and now <= self._arming_until:
+            if self.phase is AutopilotPhase.ARMING and self.orders.arming(now):
                 return
             if self.phase is not AutopilotPhase.DISARMED:
-                self.orders.end()
+                self.orders.release()
             self.phase = AutopilotPhase.DISARMED
             return
-        drives = self.profile is not None and self.mode in self.profile.drives
+        profile = self.profile
+        drives = profile is not None and self.mode in profile.drives
         self.orders.seen(self.mode, now, drives=drives)
-        drives = drives and self.orders.follows
+        drives = drives and self.orders.follows and not self.grounded
         self.phase = AutopilotPhase.DRIVING if drives else AutopilotPhase.ELSEWHERE
+
+    def _forget(self) -> None:
+        """Another vehicle is there, or this one was booted."""
+        self.telemetry = Telemetry()
+        self.parameters.values.clear()
+        self.orders.forget()
 
     def _learn(self, now: float, because: str) -> None:
         """Ask for everything: a vehicle that was booted knows nothing of this station."""
-        if because in (_STARTS, _BOOTED):
+        if because == _STARTS or self.phase is AutopilotPhase.ARMING:
             self.orders.forget()
-        self.phase, self._learns_because = AutopilotPhase.LEARNING, because
-        self._velocity, self._must_be_neutral = NEUTRAL, True
+        self.phase, self.learns_because = AutopilotPhase.LEARNING, because
+        self._gate.close()
         self.learning.begin(self.profile, now)
 
-    def _ask_mode(
-        self,
-        profile: VehicleProfile,
-        numbers: Sequence[int],
-        now: float,
-        *,
-        drives: bool = True,
-        after: float = 0.0,
-        arm: Callable[[], None] | None = None,
-    ) -> None:
+    def _change_mode(self, order: ModeOrder, now: float) -> None:
         """Ask for a mode; the velocities begin with a neutral one."""
-        self._velocity, self._must_be_neutral = NEUTRAL, True
-        self.orders.change(profile, numbers, now, drives=drives, after=after, arm=arm)
+        self._gate.close()
+        self.orders.change(order, now, _WAKING_S if order.drives and self.armed else 0.0)
 
-    def _arm(self) -> None:
-        self.orders.arm(refused=self._not_armed)
+    def _do_alone(self, now: float) -> None:
+        """Ask for the mode of a vehicle without an operator, as soon as it can be asked."""
+        profile, learns = self.profile, self.phase is AutopilotPhase.LEARNING
+        if self._alone is None or profile is None or learns or not self._can_change:
+            return
+        number, self._alone = profile.alone.get(self._alone), None
+        if number is not None and self.armed and self.orders.chosen_here(self.mode, now):
+            self._change_mode(ModeOrder(profile=profile, numbers=(number,)), now)
 
-    def _not_armed(self) -> None:
-        if self.phase is AutopilotPhase.ARMING:
-            self.phase = AutopilotPhase.DISARMED
-
-    def _sticks(self, now: float) -> bool:
+    def _sends_sticks(self, now: float) -> bool:
         """Whether sticks are sent: else a pilot or another station has the vehicle."""
         match self.phase:
             case AutopilotPhase.DISARMED | AutopilotPhase.ARMING | AutopilotPhase.DRIVING:
@@ -326,32 +333,16 @@ class MavlinkVehicle:
                 return False
 
     def _send_velocity(self, now: float) -> None:
-        if self.profile is None or not self._sticks(now):
+        if self.profile is None or not self._sends_sticks(now):
             return
-        self._sent_at = now
-        setpoint = self.profile.setpoint(self.velocity, self.parameters.values, self.telemetry.gain)
-        for name, fields in setpoint:
-            self._send(name, **fields)
+        values = self.parameters.values
+        self._sticks.send(self.profile, self.velocity, values, self.telemetry.gain, now)
 
     def _send_requests(self, now: float) -> None:
-        if not self.system or self.phase is AutopilotPhase.GONE:
+        if not self.system:
             return
         request = self._requests.due(now)
         if request is not None:
-            values = {f"param{place}": value for place, value in enumerate(request.parameters, 1)}
-            self._send("COMMAND_LONG", command=request.command, **values)
-        if name := self.parameters.due(now):
-            self._send("PARAM_REQUEST_READ", param_index=-1, param_id=name)
-
-    def _send(self, name: str, **fields: object) -> None:
-        names = {field.name for field in BY_NAME[name].fields}
-        if "target_system" in names and name != "TIMESYNC":
-            fields |= {"target_system": self.system, "target_component": _AUTOPILOT}
-        elif "target" in names:
-            fields["target"] = self.system
-        self._send_frame(self._packer.pack(name, **fields))
-
-
-def _limited(value: float, limit: float) -> float:
-    """A velocity within its limit; one that is no number is 0."""
-    return max(-limit, min(limit, value)) if math.isfinite(value) else 0.0
+            self._sender.command(request)
+        if self.phase is not AutopilotPhase.GONE and (name := self.parameters.due(now)):
+            self._sender.message("PARAM_REQUEST_READ", param_index=-1, param_id=name)
