@@ -58,6 +58,7 @@ def _check(options: argparse.Namespace) -> int:
     import json
 
     from rune_study.plan.checking import check_study, unmeasured
+    from rune_study.plan.conditions import not_kept
     from rune_study.plan.design_report import as_data, design_lines, design_report
     from rune_study.plan.study_file import refuse
 
@@ -67,7 +68,7 @@ def _check(options: argparse.Namespace) -> int:
             sys.stdout.write(json.dumps({"problems": draft.problems}) + "\n")
         refuse(options.folder, draft.problems)
     report = design_report(draft.study)
-    notes = [*report.warnings, *unmeasured(draft.study)]
+    notes = [*report.warnings, *unmeasured(draft.study), *not_kept(draft.study)]
     if options.json:
         whole = {**as_data(report), "warnings": notes, "problems": []}
         sys.stdout.write(json.dumps(whole) + "\n")

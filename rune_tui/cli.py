@@ -358,9 +358,10 @@ def _console(
         console = Console(*given)
     else:
         from rune_tui.conducted import ConductedConsole
+        from rune_tui.model.operating_limits import NO_LIMITS
 
         console = conducted = ConductedConsole(*given)
-        conducted.conduct_by(options.conductor)
+        conducted.conduct_by(options.conductor, options.limits or NO_LIMITS)
     if options.record is not None:
         console.effects.record_into(options.record)
     return console.run_to_end()

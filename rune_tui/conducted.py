@@ -29,22 +29,34 @@ from typing import Any
 
 from textual import events
 
+from hub.gcm.navigation import ASSISTANCE_COMMAND
 from rune_tui.app import Console
 from rune_tui.controls.keyboard import name_of_key
+from rune_tui.model.control import Standing, standing
 from rune_tui.model.effects import Notify
+from rune_tui.model.operating_limits import OperatingLimits
+from rune_tui.model.robot_state import LinkPhase
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.driver_reports import KeyMoved
 
 _logger = logging.getLogger(__name__)
 _LONGEST_LINE = 65_536
 _LOOK_S = 0.1
+_KEEP_S = 0.5
+"""Time between two commands that keep assistance; the robot forgets it after 10 s [s]."""
 
 
 class ConductedConsole(Console, inherit_bindings=True):
     """The console with a line to the program that conducts it."""
 
-    def conduct_by(self, handle: int) -> None:
-        """Obey the program at the other end of a socket from the start of the console on."""
+    def conduct_by(self, handle: int, limits: OperatingLimits) -> None:
+        """Obey the program at the other end of a socket from the start of the console on.
+
+        Args:
+            handle: The socket.
+            limits: What robots may do by themselves, for all layouts.
+        """
+        self.current.change(limits=limits)
         self._line = socket.socket(fileno=handle)
         self._line.settimeout(0.0)
         self._unread = b""
@@ -56,6 +68,7 @@ class ConductedConsole(Console, inherit_bindings=True):
         """Begin to listen; the other program gets `ready`."""
         asyncio.get_running_loop().add_reader(self._line.fileno(), self._read)
         self.set_interval(_LOOK_S, self._withhold_when_quiet)
+        self.set_interval(_KEEP_S, self._keep_assistance)
         self._report("ready")
 
     def on_key(self, event: events.Key) -> None:
@@ -124,6 +137,16 @@ class ConductedConsole(Console, inherit_bindings=True):
             self._quiet = None
             self.inputs.withheld = True
             self._report("withheld")
+
+    def _keep_assistance(self) -> None:
+        """Switch assistance as the condition wants it; the robot forgets that it is off."""
+        wanted = self.current.console.limits.kept
+        if wanted is None:
+            return
+        for name, robot in self.state.robots.items():
+            there = robot.link.phase is LinkPhase.CONNECTED
+            if there and standing(robot) is not Standing.OTHERS:
+                self._links[name].send(ASSISTANCE_COMMAND, wanted)
 
     def _withdraw(self) -> None:
         self.inputs.release_all()

@@ -28,6 +28,7 @@ from rune_tui.model.effects import (
     ToggleLog,
     TurnPage,
 )
+from rune_tui.model.limited_effects import within
 from rune_tui.model.own_keys import own_key
 from rune_tui.model.page import scrolled, turned
 from rune_tui.widgets.driving import DrivingWidgets
@@ -60,6 +61,7 @@ class Dispatch:
     | a stop | release the held inputs of the robot |
     | a widget fails | notify the operator once; disable the widget until its next press |
     | a driving widget fails | also send zero speed to its robot |
+    | the condition of a study refuses a message | drop it, and say why |
     | another operator has control | drop the messages that only the owner may send |
     | a new press drives a free robot | take control |
     | control changes | release the held inputs |
@@ -328,7 +330,7 @@ class Dispatch:
         """A widget's effects; if it fails, a notice and zero speed for its robot."""
         try:
             given = [_checked(each).addressed(state.chosen) for each in ask()]
-            return [effect for effect in given if effect is not None]
+            return within((effect for effect in given if effect is not None), state)
         except Exception:  # a fault in one widget must not disable the rest
             name = type(widget).__name__
             _logger.exception("the widget %s failed", name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import time
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 
@@ -42,6 +42,8 @@ from rune_tui.model.effects import (
     TurnPage,
 )
 from rune_tui.model.leaving import ordered, reasons_to_stay
+from rune_tui.model.limited_effects import confirms, within
+from rune_tui.model.operating_limits import NO_LIMITS
 from rune_tui.model.state_changes import changed
 from rune_tui.model.team_events import TeamEvent, TeamWatch
 from rune_tui.startup.following import LayoutFollower
@@ -103,16 +105,18 @@ class EffectRunner:
         self.layouts = LayoutFollower(source, self.open_layout, self.report_trouble)
 
     def run(self, effects: Iterable[Effect]) -> None:
-        """Execute some effects.
+        """Execute some effects; the limits of a study's condition hold for all of them.
 
         After an order that does not reach its robot, the reason stays: later notices of that robot
         are dropped, as they confirm the order; alarms are not.
         """
         unreached: set[str] = set()
+        if self._current.console.limits != NO_LIMITS:
+            effects = within(effects, self._state())
         for effect in effects:
             with self.guard(effect):
                 if isinstance(effect, StateEffect):
-                    if not _confirms(effect, unreached):
+                    if not confirms(effect, unreached):
                         self._change(effect)
                     continue
                 self._do(effect)
@@ -271,8 +275,3 @@ class EffectRunner:
             if effect.controlled:
                 state = self._state()
                 self._record_team(self._team.command(effect.robot, state), state.now)
-
-
-def _confirms(effect: StateEffect, robots: Collection[str]) -> bool:
-    """Whether an effect is a notice without alarm of one of these robots."""
-    return isinstance(effect, Notify) and not effect.notice.alarm and effect.notice.robot in robots

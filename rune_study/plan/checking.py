@@ -15,6 +15,7 @@ from hub.shaper.profile import load_profile
 from hub.sim.arena import load_arena
 from rune_study.errors import QuestionnaireError
 from rune_study.metrics.registry import METRICS
+from rune_study.plan.conditions import layout_problems, limits_of
 from rune_study.plan.folder import (
     arena_of,
     hub_settings,
@@ -55,14 +56,19 @@ def check_study(folder: Path) -> StudyDraft:
 
 
 def _alike(draft: StudyDraft) -> Iterator[_Problem]:
-    """Conditions that differ in a name alone: nothing says what the name changes."""
+    """Conditions that do not differ: in a name alone, or in a level that changes nothing."""
     study = draft.study
     found: dict[ConditionSpec, Mapping[str, Any]] = {}
     for spec, levels in zip(study.conditions, study.levels, strict=False):
-        effect = dataclasses.replace(spec, assistance="", autonomy="")
+        limits = limits_of(spec)
+        effect = dataclasses.replace(
+            spec, assistance=limits.assistance.value, autonomy=limits.autonomy.name
+        )
         other = found.setdefault(effect, levels)
         if other is not levels:
             names = [name for name in levels if levels[name] != other.get(name)]
+            if draft.refused.intersection(names):
+                continue  # a level that is none is named already
             for name in names:
                 text = (
                     f"[factors]: {name} {other.get(name)!r} and {levels[name]!r} do not differ; "
@@ -196,6 +202,8 @@ def _layout_problems(
             f"'robots' = {spec.robots}"
         )
         yield "layout", text
+    if not refused & {"layout", "autonomy", "assistance"}:
+        yield from layout_problems(spec, layout)
 
 
 def _own_hint(study: StudySpec, room: str, name: str) -> str:

@@ -7,6 +7,7 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 
 from hub.values import dataclass
+from rune_study.plan.conditions import shared_words
 from rune_study.plan.orders import BY_LOT, MOST_TRIES, ROWS, balance, counts_kept
 from rune_study.plan.steps import (
     BREAK,
@@ -46,6 +47,7 @@ class DesignReport:
         minutes: Expected length of a session [min].
         minutes_of: The same of its parts, by their names.
         warnings: What to think about, a sentence each.
+        shared: What robots may do by themselves in all conditions; empty: conditions say it.
     """
 
     rows: int
@@ -60,6 +62,7 @@ class DesignReport:
     minutes: float
     minutes_of: Mapping[str, float]
     warnings: tuple[str, ...]
+    shared: str = ""
 
 
 def design_report(study: StudySpec) -> DesignReport:
@@ -97,6 +100,7 @@ def design_report(study: StudySpec) -> DesignReport:
         minutes=sum(minutes.values()),
         minutes_of=minutes,
         warnings=tuple(_warnings(study, rows, kept, tries)),
+        shared=shared_words(study),
     )
 
 
@@ -126,6 +130,8 @@ def design_lines(report: DesignReport) -> Iterator[str]:
     """The report for people."""
     those = f"{report.rows} orders" if report.rows else "an order by lot for each"
     yield f"{report.participants} participants, {len(report.codes)} conditions, {those}"
+    if report.shared:
+        yield f"all conditions: {report.shared}"
     if report.minutes_of:
         parts = ", ".join(f"{name} {minutes:.0f}" for name, minutes in report.minutes_of.items())
         hours = report.participants * report.minutes / 60.0

@@ -25,6 +25,7 @@ from hub.toml_reader import (
 )
 from hub.values import dataclass
 from rune_study.plan.orders import BY_LOT, ROWS
+from rune_tui.model.operating_limits import ASSISTANCE, AUTONOMY
 
 MOST_PARTICIPANTS = 1000
 MOST_CONDITIONS = 26
@@ -89,8 +90,18 @@ class ConditionSpec:
     )
     link: str = key(text(64), "", "profile of the link to the hub", without="as it is")
     link_seed: str = key(choice(SEED_RULES), "trial", "for what the link's seed stays the same")
-    assistance: str = key(text(64), "", "how the robot helps; see [[level]]", without="as it is")
-    autonomy: str = key(text(64), "", "what it does by itself; see [[level]]", without="as it is")
+    assistance: str = key(
+        choice(ASSISTANCE),
+        "",
+        "whether robots stop before obstacles",
+        without="`switched`: as the operator wants",
+    )
+    autonomy: str = key(
+        choice(AUTONOMY),
+        "",
+        "the most that robots do by themselves",
+        without="what the layout offers",
+    )
     speed: float | None = key(
         number(0.01, 3.0), None, "largest forward velocity [m/s]", without="the robot's"
     )

@@ -10,7 +10,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from hub.plain_text import plain
-from rune_study.plan.steps import TRIAL, Step, codes, plan
+from rune_study.plan.conditions import condition_lines, limit_words
+from rune_study.plan.steps import TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
 
 _OF_TRIALS = ("freezes", "withheld", "questions", "link_seed")
@@ -25,9 +26,7 @@ def as_lines(study: StudySpec, participants: Sequence[int], *, named: bool) -> I
         named: Whether codes are explained: no in a blind study.
     """
     if named:
-        for code, levels in sorted(zip(codes(study), study.levels, strict=True)):
-            what = ", ".join(f"{name} {plain(str(level))}" for name, level in levels.items())
-            yield f"{code}  {what or 'the only condition'}"
+        yield from map(plain, condition_lines(study))
     for participant in participants:
         trials = [step for step in plan(study, participant) if step.kind == TRIAL]
         yield f"{participant:3}  {' '.join(step.code for step in trials)}"
@@ -61,7 +60,8 @@ def as_data(study: StudySpec, step: Step, *, named: bool) -> dict[str, Any]:
     if step.condition < 0 or not named:
         del data["condition"]
     else:
-        data["levels"] = dict(study.levels[step.condition])
+        given = study.levels[step.condition]
+        data["levels"] = {**limit_words(study.conditions[step.condition]), **given}
     if step.kind != TRIAL:
         data = {name: value for name, value in data.items() if name not in _OF_TRIALS}
     return data

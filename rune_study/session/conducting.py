@@ -128,6 +128,7 @@ def console_options(
     operator: str,
     record: Path,
     variables: Sequence[tuple[str, str]],
+    limits: str,
     keys: Path | None = None,
 ) -> list[str]:
     """Options of `rune run` for a trial.
@@ -137,10 +138,11 @@ def console_options(
         operator: The participant's code.
         record: Folder of the console's recording.
         variables: Values of the layout's variables.
+        limits: What robots may do by themselves, see `rune_tui.model.operating_limits`.
         keys: The key file, for hubs on other machines.
     """
     words = [("--hub", hub) for hub in hubs]
-    words += [("--operator", operator), ("--record", str(record))]
+    words += [("--operator", operator), ("--record", str(record)), ("--limits", limits)]
     words += [("--keys", str(keys))] if keys is not None else []
     words += [("--set", f"{name}={value}") for name, value in variables]
     return [each for pair in words for each in pair]

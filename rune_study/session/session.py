@@ -7,11 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rune_study.errors import StudyError
+from rune_study.plan.conditions import limit_words
 from rune_study.plan.folder import questionnaire_path, text_path
 from rune_study.plan.practice import practice_of
 from rune_study.plan.real_robots import RealRobots, real_problems
 from rune_study.plan.steps import BREAK, PRACTICE, SECONDARY, TRIAL, Step, plan
-from rune_study.plan.study_spec import StudySpec
+from rune_study.plan.study_spec import ConditionSpec, StudySpec
 from rune_study.questionnaires.asking import ask, is_refused
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.session.freezing import ANSWERS
@@ -86,8 +87,11 @@ class Session:
 
     def _do(self, step: Step, attempt: int) -> Result | None:
         if step.kind in (TRIAL, PRACTICE):
-            with study_log(self._journal, self._study.digest, self._code, step, attempt):
-                return self._try(step, attempt)
+            spec = self._condition(step)
+            limits = {} if self._study.design.blind else limit_words(spec)
+            given = self._journal, self._study.digest, self._code, step, attempt, limits
+            with study_log(*given):
+                return self._try(step, attempt, spec)
         self._mark(f"step {step.name}")
         if step.kind == BREAK:
             text = text_path(self._study, BREAK)
@@ -120,11 +124,14 @@ class Session:
             raise LeftError(why)
         return {"questionnaire": questionnaire.name}
 
-    def _try(self, step: Step, attempt: int) -> Result | None:
-        spec = self._study.conditions[max(step.condition, 0)]
-        if step.kind == PRACTICE:
-            first = next((each for each in self._steps if each.kind == TRIAL), step)
-            spec = practice_of(self._study, self._study.conditions[first.condition])
+    def _condition(self, step: Step) -> ConditionSpec:
+        """The condition of a trial or of practice."""
+        if step.kind != PRACTICE:
+            return self._study.conditions[step.condition]
+        first = next((each for each in self._steps if each.kind == TRIAL), step)
+        return practice_of(self._study, self._study.conditions[first.condition])
+
+    def _try(self, step: Step, attempt: int, spec: ConditionSpec) -> Result | None:
         real = self._real.of(spec)
         self._wait_for_begin(step, real)
         with stage(

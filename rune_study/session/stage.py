@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from hub.shaper.shaped_link import ShapedLink
 from hub.values import dataclass
+from rune_study.plan.conditions import limit_words, limits_of
 from rune_study.plan.folder import arena_of, hub_settings, layout_of, link_of, robot_of
 from rune_study.plan.real_robots import RealRobots
 from rune_study.plan.steps import Step
@@ -33,6 +34,7 @@ class Stage:
         links: Bad links of the condition; none: links are as they are.
         files: Recordings of the hubs, and last the one of the console, which may not exist yet.
         arena: Name or path of the arena; empty: it is not known.
+        limits: Levels of autonomy and assistance, by their keys; none in a blind study.
     """
 
     console: ConsoleProcess
@@ -41,6 +43,7 @@ class Stage:
     links: tuple[ShapedLink, ...]
     files: tuple[Path, ...]
     arena: str
+    limits: Mapping[str, str]
 
     def broken(self, now: float) -> str:
         """Which part has ended, so that the trial does not count; empty: all run."""
@@ -120,7 +123,8 @@ def stage(
         seen = [link.endpoint for link in links] or own
         part = part_of(of_console)
         stack.callback(_keep, part, of_console)
-        options = console_options(seen, operator, part, spec.variables, real.keys)
+        limits = str(limits_of(spec))
+        options = console_options(seen, operator, part, spec.variables, limits, real.keys)
         console = stack.enter_context(ConsoleProcess(layout_of(study, spec), options))
         yield Stage(
             console=console,
@@ -129,6 +133,7 @@ def stage(
             links=links,
             files=(*recordings, of_console),
             arena=arena_of(study, spec),
+            limits={} if study.design.blind else limit_words(spec),
         )
 
 

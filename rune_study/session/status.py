@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from hub.values import dataclass
+from rune_study.plan.conditions import condition_lines
 from rune_study.plan.steps import TRIAL, plan
 from rune_study.plan.study_spec import MOST_PARTICIPANTS, StudySpec
 from rune_study.session.journal import (
@@ -108,8 +109,10 @@ def state_words(progress: Progress) -> str:
 
 
 def status_lines(study: StudySpec) -> Iterator[str]:
-    """A line for each participant, and what is next."""
+    """A line for each condition unless the study is blind, for each participant, and the next."""
     known = participants_of(study)
+    if not study.design.blind:
+        yield from condition_lines(study)
     complete = 0
     declined: set[int] = set()
     taken: set[int] = set()

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,12 @@ _MOST_NUMBER = 0xFFFF
 
 @contextlib.contextmanager
 def study_log(
-    journal: Journal, study: str, participant: str, step: Step, attempt: int
+    journal: Journal,
+    study: str,
+    participant: str,
+    step: Step,
+    attempt: int,
+    limits: Mapping[str, str],
 ) -> Iterator[Path]:
     """Write the journal's records into a recording until the end of the context; gives its file.
 
@@ -51,10 +56,11 @@ def study_log(
         participant: The participant's code.
         step: The trial or practice.
         attempt: Its number.
+        limits: Levels of autonomy and assistance, by their keys; none in a blind study.
     """
     path = journal.path.parent / f"{step.name}-a{attempt}{STUDY_FILE}"
     try:
-        writer = RecordingWriter(path, TimeAnchor.now(), {"participant": participant})
+        writer = RecordingWriter(path, TimeAnchor.now(), {"participant": participant, **limits})
     except OSError as fault:
         journal.put("unrecorded", n=step.number, why=f"{path}: {fault.strerror or fault}")
         yield path

@@ -115,7 +115,7 @@ class Trial:
             robot.begin()
         now = time.monotonic()
         schedule = Schedule(self._step, now)
-        self._note("trial-begin", moment_s=now)
+        self._note("trial-begin", moment_s=now, **self._stage.limits)
         self._mark(f"begin {self._step.name} {self._step.code}".strip())
         try:
             ending = self._loop(schedule)

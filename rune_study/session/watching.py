@@ -209,7 +209,12 @@ def line_of(record: Record, names: Mapping[int, str]) -> str:
         names: Names of all steps, by their numbers.
     """
     shown = ("step", "code", "attempt", "number", "do", "text", "why", "key", "correct", "seconds")
-    data = {name: record.data[name] for name in shown if record.data.get(name) not in (None, "")}
+    also = ("autonomy", "assistance")  # a blind study has none
+    data = {
+        name: record.data[name]
+        for name in (*shown, *also)
+        if record.data.get(name) not in (None, "")
+    }
     attempt = data.pop("attempt", 1)
     words = [f"{each:.1f}" if isinstance(each, float) else str(each) for each in data.values()]
     if record.what in (DONE, "failed"):

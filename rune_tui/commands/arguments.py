@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hub.command_line import CommandParser, Commands, ShowVersion, add_completion, number_type
 from rune_tui.commands.demo import ARENAS, AUTO, DEMO_LAYOUT, ROBOTS
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
+
+if TYPE_CHECKING:
+    from rune_tui.model.operating_limits import OperatingLimits
 
 _LONGEST_NAME = 64
 _ASPECT_HELP = "height of a cell over its width, where the terminal does not say (2)"
@@ -28,6 +32,16 @@ def _size(text: str) -> tuple[int, int]:
         return int(columns), int(rows)
     reason = f"{text!r} is no size such as 120x40, each number 1 to 1000"
     raise argparse.ArgumentTypeError(reason)
+
+
+def _limits(text: str) -> OperatingLimits:
+    from rune_tui.model.operating_limits import OperatingLimits
+
+    limits = OperatingLimits.read(text)
+    if limits is None:
+        reason = f"{text!r:.80} is none such as goals/off"
+        raise argparse.ArgumentTypeError(reason)
+    return limits
 
 
 def _name(text: str) -> str:
@@ -185,6 +199,8 @@ def _add_operator_and_record(*commands: CommandParser) -> None:
         )
         # An inherited socket of the program that conducts the console: `rune_tui/conducted.py`.
         command.add_argument("--conductor", type=int, help=argparse.SUPPRESS)
+        # What it limits: `rune_tui/model/operating_limits.py`.
+        command.add_argument("--limits", type=_limits, help=argparse.SUPPRESS)
 
 
 def _add_without_options(commands: Commands) -> None:

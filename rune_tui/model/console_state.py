@@ -17,6 +17,7 @@ from rune_tui.layout.spec import CHOSEN, LayoutSpec
 from rune_tui.model.attention import AttentionEntry
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.joystick_state import JoystickState
+from rune_tui.model.operating_limits import NO_LIMITS, OperatingLimits
 from rune_tui.model.page import Page
 from rune_tui.model.robot_state import RobotState, titles
 from rune_tui.model.theme import DARK, Theme
@@ -148,6 +149,7 @@ class ConsoleState:
         attention: The problems of all robots, in the order in which they need the operator.
         ghosts: Marks that the operator has not confirmed yet, by robot.
         sent_off: Time of the last order to go somewhere from this console [s], by robot.
+        limits: What robots may do by themselves in the condition of a study.
     """
 
     now: float
@@ -190,6 +192,7 @@ class ConsoleState:
     attention: tuple[AttentionEntry, ...] = ()
     ghosts: Mapping[str, Ghost] = field(default_factory=dict)
     sent_off: Mapping[str, float] = field(default_factory=dict)
+    limits: OperatingLimits = NO_LIMITS
 
     @classmethod
     def at_start(cls, layout: LayoutSpec, now: float, operator: str = "") -> Self:

@@ -10,6 +10,8 @@ from pathlib import Path
 import psutil
 import pytest
 
+from hub.gcm.autonomy import AUTONOMY_COMMAND
+from hub.gcm.navigation import ROBOT_STATE, Assistance
 from hub.recording.reader import Recording
 from hub.recording.recording_set import RecordingSet
 from rune_study.data.derive import derive
@@ -17,6 +19,7 @@ from rune_study.data.store import recordings_of
 from rune_study.plan.study_file import read_study
 from rune_study.session.journal import JOURNAL, Record, read_journal
 from rune_study.trial_data.trial_log import TrialLog
+from rune_tui.model.own_records import RUNE_INPUT, InputOutcome
 from rune_tui.model.study_records import RUNE_PROBE
 from rune_tui.replay.source import EventKind
 from rune_tui.replay.survey import survey
@@ -308,3 +311,42 @@ def test_practice_ends_when_a_metric_of_its_last_part_is_reached(folder: Path) -
     assert note.data["values"]["driven"] == pytest.approx(0.0, abs=0.05)
     assert note.data["values"]["command_rate"] == 0.0
     assert note.data["values"]["bumps"] == 0.0
+
+
+@pytest.mark.timeout(150)
+def test_teleoperation_without_assistance_refuses_goals_and_drives(folder: Path) -> None:
+    limits = '[defaults]\narena = "empty"\nautonomy = "teleoperation"\nassistance = "off"'
+    text = STUDY.format(seconds=15.0, more="", steps='"trials"').replace(
+        '[defaults]\narena = "empty"', limits
+    )
+    (folder / "study.toml").write_text(text.replace("minimal", "search"))
+    session = ConsoleProcess(["study", "run", str(folder), "--participant", "1"])
+    try:
+        shows(session, "Trial 1 of 1")
+        session.type("\r")
+        session.wait_for_picture()
+        shows(session, "ASSISTANCE OFF")
+        for key in ("e", "\x1b[19~"):  # F8 switches assistance
+            session.type(key)
+        shows(session, "not in this condition")
+        session.pump(1.5)
+        session.hold_until("w", lambda: seen(folder, "trial-end"), 40.0)
+        shows(session, "How hard was it?")
+    finally:
+        session.close()
+    (begin,) = seen(folder, "trial-begin")
+    assert (begin.data["autonomy"], begin.data["assistance"]) == ("teleoperation", "off")
+    (end,) = seen(folder, "trial-end")
+    assert end.data["robots"][0]["distance"] > 0.3
+    files = [folder / "sub-01" / f"t1-a1{kind}.mcap" for kind in ("", ".console", ".study")]
+    with RecordingSet.open(files) as recordings:
+        log = TrialLog(recordings)
+        assert not [*log.values("magellan", AUTONOMY_COMMAND)]
+        states = [each.assistance for _, each in log.values("magellan", ROBOT_STATE)]
+        used = {(each.input, each.outcome) for _, each in log.own(RUNE_INPUT) if each.pressed}
+    assert states[-1] is Assistance.OFF
+    assert {("e", InputOutcome.REFUSED), ("f8", InputOutcome.REFUSED)} < used
+    assert ("w", InputOutcome.SENT) in used
+    with Recording.open(files[2]) as recording:
+        kept = recording.about["rune"]
+    assert (kept["autonomy"], kept["assistance"]) == ("teleoperation", "off")

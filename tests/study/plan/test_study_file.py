@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,12 +13,16 @@ from hypothesis import strategies as st
 
 from rune_study.errors import StudyError, StudyFileError
 from rune_study.plan.checking import check_study
+from rune_study.plan.conditions import not_kept
+from rune_study.plan.design_report import design_lines, design_report
 from rune_study.plan.practice import Criterion
 from rune_study.plan.steps import TRIAL, plan
 from rune_study.plan.study_file import read_study
 from rune_study.plan.study_spec import StudySpec
+from rune_study.plan.tables import as_lines, json_lines
 from rune_study.plan.template import write_study
-from tests.study.studies import FOUR, study_of
+from rune_study.session.status import status_lines
+from tests.study.studies import FOUR, HEAD, study_of
 
 
 def test_a_new_study_can_be_read(tmp_path: Path) -> None:
@@ -171,7 +176,69 @@ def test_a_criterion_compares_what_is_measured() -> None:
 
 @pytest.mark.parametrize(("level", "times"), [("", 1), ("variables = {a = 'b'}", 0)])
 def test_levels_that_change_nothing_are_named(tmp_path: Path, level: str, times: int) -> None:
-    change = f"[[level]]\nfactor = 'autonomy'\nlevel = 'waypoint'\n{level}\n" if level else ""
-    study_of(tmp_path, f"[factors]\nautonomy = ['teleoperation', 'waypoint']\n{change}")
-    text = "autonomy 'teleoperation' and 'waypoint' do not differ"
+    change = f"[[level]]\nfactor = 'help'\nlevel = 'b'\n{level}\n"
+    study_of(tmp_path, f"[factors]\nhelp = ['a', 'b']\n{change}")
+    text = "help 'a' and 'b' do not differ"
     assert sum(text in each for each in check_study(tmp_path).problems) == times
+
+
+def found_in(folder: Path, text: str) -> list[str]:
+    (folder / "study.toml").write_text(HEAD + text)
+    return [each.partition(": ")[2] for each in check_study(folder).problems]
+
+
+def test_unknown_levels_of_autonomy_and_assistance_get_near_names(tmp_path: Path) -> None:
+    levels = "autonomy = ['goal', 'exploration']\nassistance = ['on', 'of']"
+    assert found_in(tmp_path, f"[factors]\n{levels}\n") == [
+        "[factors], key 'autonomy': 'goal' is none of teleoperation, goals, exploration; did you "
+        "mean 'goals'?",
+        "[factors], key 'assistance': 'of' is none of switched, on, off; did you mean 'off'?",
+    ]
+
+
+def test_levels_without_an_input_of_the_layout_are_named(tmp_path: Path) -> None:
+    table = "[defaults]\nlayout = 'minimal'\nautonomy = '{}'\nassistance = '{}'\n"
+    assert found_in(tmp_path, table.format("teleoperation", "off")) == []
+    assert found_in(tmp_path, table.format("goals", "on")) == [
+        "autonomy 'goals': layout 'minimal' has no input for goals or turns; bind one, "
+        "or write 'teleoperation'"
+    ]
+    assistance, autonomy = found_in(tmp_path, table.format("exploration", "switched"))
+    assert "has no input for exploration; bind one, or write 'teleoperation'" in autonomy
+    assert "assistance 'switched': layout 'minimal' has no input that switches it" in assistance
+    assert (
+        found_in(tmp_path, table.format("exploration", "switched").replace("minimal", "search"))
+        == []
+    )
+
+
+def test_a_level_that_is_the_usual_one_makes_no_other_condition(tmp_path: Path) -> None:
+    (problem,) = found_in(tmp_path, "[[condition]]\n[[condition]]\nautonomy = 'exploration'\n")
+    assert "do not differ" in problem
+
+
+def test_a_plan_names_what_robots_may_do_by_themselves(tmp_path: Path) -> None:
+    study = study_of(
+        tmp_path,
+        """
+        [defaults]
+        assistance = "on"
+        [factors]
+        autonomy = ["teleoperation", "goals"]
+        """,
+    )
+    assert list(as_lines(study, [], named=True)) == [
+        "A  autonomy teleoperation, assistance on",
+        "B  autonomy goals, assistance on",
+    ]
+    assert list(design_lines(design_report(study)))[1] == "all conditions: assistance on"
+    levels = [json.loads(line).get("levels") for line in json_lines(study, [1], named=True)]
+    assert {"autonomy": "goals", "assistance": "on"} in levels
+    assert list(status_lines(study))[:2] == list(as_lines(study, [], named=True))
+
+
+def test_limits_of_real_robots_are_noted(tmp_path: Path) -> None:
+    study = study_of(tmp_path, "[defaults]\nhubs = ['10.0.0.7']\nautonomy = 'goals'\n")
+    (note,) = not_kept(study)
+    assert note.startswith("condition A limits real robots (autonomy) at the participant's console")
+    assert not list(not_kept(study_of(tmp_path, "[defaults]\nautonomy = 'goals'\n")))

@@ -148,7 +148,7 @@ def test_what_happens_is_on_the_time_line_of_the_recordings(study: StudySpec) ->
     step = next(each for each in plan(study, 1) if each.trial)
     with contextlib.closing(Journal.of(study, 1)) as journal:
         journal.put(BEGIN, n=1, attempt=1, step="t1")
-        with study_log(journal, study.digest, "p01", step, 1) as path:
+        with study_log(journal, study.digest, "p01", step, 1, {"autonomy": "goals"}) as path:
             journal.put("trial-begin", n=1, moment_s=journal.records[-1].moment)
             task = SecondaryTask(study, step, journal)
             task.ask(asked(1), time.monotonic())
@@ -189,7 +189,7 @@ def test_a_disk_that_refuses_costs_the_recording_alone(study: StudySpec) -> None
     step = next(each for each in plan(study, 1) if each.trial)
     with contextlib.closing(Journal.of(study, 1)) as journal:
         (journal.path.parent / "t1-a1.study.mcap").mkdir()
-        with study_log(journal, study.digest, "p01", step, 1):
+        with study_log(journal, study.digest, "p01", step, 1, {"autonomy": "goals"}):
             journal.put("trial-begin", n=1, moment_s=0.0)
         what = [each.what for each in journal.records]
     assert what == ["session", "unrecorded", "trial-begin"]
