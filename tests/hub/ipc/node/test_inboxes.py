@@ -215,10 +215,10 @@ def test_neighbour_that_could_not_be_reached_is_tried_again(
     full = threading.Event()
     full.set()
 
-    def without_descriptors(context: Any, kind: int, plane: Plane) -> Any:
+    def without_descriptors(context: Any, kind: int, plane: Plane, queue: int = 0) -> Any:
         if kind == zmq.PUSH and full.is_set():
             raise zmq.ZMQError(errno.EMFILE)
-        return make_inbox(context, kind, plane)
+        return make_inbox(context, kind, plane, queue)
 
     monkeypatch.setattr(sockets, "make_inbox", without_descriptors)
     one.open(v.LOG)
