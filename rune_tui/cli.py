@@ -5,20 +5,19 @@ from __future__ import annotations
 import argparse
 import functools
 import gc
-import logging
-import logging.handlers
 import os
 import shutil
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from hub.command_line import ExitCode, login_name, write_completion
 from hub.ipc.endpoints import DEFAULT_ENDPOINT
 from hub.plain_text import plain
 from rune_tui.commands.arguments import parser
 from rune_tui.commands.demo import AUTO, DEMO_LAYOUT
+from rune_tui.commands.log_file import LogFile, log_to_file
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import ConsoleError, DamagedLogError, TunnelError
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
     from rune_tui.terminal.traits import Traits
 
 _WITHOUT_TERMINAL = "`rune joytest --list` lists what is plugged in"
-_LOG_BYTES = 1_000_000
 _COLLECT_AFTER = 10_000
 """Number of new objects between garbage collections; Python's default is 700."""
 _CONSOLE_LIBRARIES = ("textual", "rich", "PIL", "lxml", "platformdirs")
@@ -57,6 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands: dict[str, Callable[[argparse.Namespace], int]] = {
         "run": _run,
         "demo": _demo,
+        "drive": _drive,
         "check": _check,
         "layout": _layout,
         "layouts": _layouts,
@@ -156,6 +155,20 @@ def _demo(options: argparse.Namespace) -> int:
         hubs.start(robots[len(hubs) :], arena)
         links = _links(source.layout, hubs.endpoints(), operator=options.operator)
         return _console(source, links, options, log)
+
+
+def _drive(options: argparse.Namespace) -> int:
+    from rune_tui.commands import drive
+
+    _need_screen([], ())
+    log = log_to_file()
+
+    def show(layout: str, hub: str) -> int:
+        source = _source([layout], (), watched=False)
+        links = _links(source.layout, [hub], operator=options.operator)
+        return _console(source, links, options, log)
+
+    return drive.run(options, log.path, show)
 
 
 def _say_start(robots: int) -> None:
@@ -346,7 +359,7 @@ def _study(arguments: Sequence[str]) -> int:
 
 
 def _console(
-    source: LayoutSource, links: RobotLinks, options: argparse.Namespace, log: _Log
+    source: LayoutSource, links: RobotLinks, options: argparse.Namespace, log: LogFile
 ) -> int:
     from rune_tui.app import Console
 
@@ -456,41 +469,6 @@ def _need_terminal(*streams: TextIO | None, instead: str) -> None:
     if not all(stream and stream.isatty() for stream in (sys.stdin, sys.stderr, *streams)):
         text = f"this needs a terminal; without one, {instead}"
         raise _UsageError(text)
-
-
-class _Log(NamedTuple):
-    """The log file.
-
-    Attributes:
-        path: The file; the null device if none can be written.
-        trouble: Why there is no log file, in one sentence; else empty.
-    """
-
-    path: Path
-    trouble: str = ""
-
-
-def log_to_file() -> _Log:
-    """Write the log to the user's log folder; if that fails, report it and continue without."""
-    import platformdirs
-
-    folder = Path(platformdirs.user_log_dir("rune", appauthor=False))
-    handler: logging.Handler
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        path = folder / "rune.log"
-        handler = logging.handlers.RotatingFileHandler(
-            path, maxBytes=_LOG_BYTES, backupCount=2, encoding="utf-8"
-        )
-        log = _Log(path)
-    except OSError as error:
-        log = _Log(Path(os.devnull), f"no log is kept: {folder}: {error.strerror}")
-        handler = logging.NullHandler()
-        _report(log.trouble)
-    handler.setFormatter(logging.Formatter("%(asctime)s console %(levelname)s %(message)s"))
-    logging.basicConfig(level=logging.INFO, handlers=[handler])
-    logging.raiseExceptions = False  # the errors of a full disk must not appear in the picture
-    return log
 
 
 def _report(*texts: str) -> None:

@@ -2,7 +2,7 @@
 
     ConsoleError
     ├── LayoutError (ValueError)        a layout file with mistakes, all of them listed
-    ├── DemoError (RuntimeError)        the demo's hub did not come up
+    ├── OwnHubError (RuntimeError)      a hub that the console starts did not come up
     ├── HubChoiceError (ValueError)     one hub is named for several robots
     ├── TunnelError (ConnectionError)   ssh cannot open a tunnel to a robot
     ├── PictureFileError (OSError)      `rune shot` cannot write its file
@@ -62,8 +62,12 @@ class LayoutError(ConsoleError, ValueError):
         super().__init__("\n".join(map(str, self.problems)))
 
 
-class DemoError(ConsoleError, RuntimeError):
-    """The demo's hub did not come up."""
+class DriveAddressError(ConsoleError, ValueError):
+    """An address of a robot to drive that has no kind of link."""
+
+
+class OwnHubError(ConsoleError, RuntimeError):
+    """A hub that the console starts did not come up."""
 
 
 class HubChoiceError(ConsoleError, ValueError):

@@ -43,7 +43,7 @@ def simulated(robots: Sequence[str], settings: Sequence[str], log: Path) -> Iter
     """Endpoints of the hubs of simulated robots, which end with the context.
 
     Raises:
-        DemoError: One did not start.
+        OwnHubError: One did not start.
     """
     with DemoHubs(log) as hubs:
         hubs.start(robots, "", settings)

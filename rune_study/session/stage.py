@@ -88,7 +88,7 @@ def stage(
 
     Raises:
         HubError: A hub, a link or the console cannot be started, or a robot cannot be reached.
-        DemoError: A simulated robot did not start.
+        OwnHubError: A simulated robot did not start.
     """
     log = folder / LOG
     *recordings, of_console = names_of_files(folder, step.name, attempt, spec.robots)

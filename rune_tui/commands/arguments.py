@@ -90,9 +90,8 @@ def parser() -> CommandParser:
     )
     demo.advice = "--arena chooses the arena of a layout; rune demo --help says more"
 
+    drive = _add_drive(commands)
     _add_layout(commands, keys_help)
-    layouts = commands.add_parser("layouts", help="list the layouts that come with Rune")
-    layouts.add_argument("--json", action="store_true", help="JSON, one line a layout")
 
     check = commands.add_parser("check", help="report all that is wrong with layout files")
     check.add_argument("layouts", nargs="+", metavar="LAYOUT", help=layout_help)
@@ -115,10 +114,10 @@ def parser() -> CommandParser:
     replay = _add_replay(commands)
     terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
     terminal.add_argument("--json", action="store_true", help="in one line, for machines")
-    _add_operator_and_record(run, demo)
-    for command in (run, demo, shot, replay, terminal):
+    _add_operator_and_record(run, demo, drive)
+    for command in (run, demo, drive, shot, replay, terminal):
         command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
-    for command in (run, demo, replay, terminal):
+    for command in (run, demo, drive, replay, terminal):
         command.add_argument("--colors", choices=colors, help=colors_help)
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=_ASPECT_HELP)
     joytest = _add_joytest(commands)
@@ -134,6 +133,32 @@ def parser() -> CommandParser:
             help="give a variable of the layout this value; as often as needed",
         )
     return parser
+
+
+def _add_drive(commands: Commands) -> CommandParser:
+    drive = commands.add_parser(
+        "drive",
+        help="find a vehicle, start its hub here, and open the console on it",
+        description="Find a vehicle with an autopilot, say what is unsafe in it, start a hub for "
+        "it on this machine, and open the console with a layout made for it. The hub ends with "
+        "the console. Nothing in the vehicle changes, and it is armed only when you arm it.",
+        epilog="Exit codes: 0 ended by you, 1 a fault, 2 wrong usage, 3 there is no vehicle.",
+    )
+    drive.add_argument(
+        "address",
+        metavar="mavlink:ADDRESS",
+        help="mavlink:udp://:14550, mavlink:tcp://HOST:5760, mavlink:/dev/ttyACM0",
+    )
+    drive.add_argument("-o", "--output", type=Path, metavar="FILE.toml", help="keep its robot file")
+    system = number_type(int, 0, 255, "number from 0 to 255")
+    drive.add_argument(
+        "--system", type=system, default=0, metavar="N", help="its number; 0: the only one"
+    )
+    drive.add_argument("--key", type=Path, metavar="FILE", help="file of its signing key")
+    drive.add_argument(
+        "-y", "--yes", action="store_true", help="open the console also if something is unsafe"
+    )
+    return drive
 
 
 def _add_replay(commands: Commands) -> CommandParser:
@@ -267,6 +292,8 @@ def _add_pad(commands: Commands, keys_help: str) -> None:
 
 
 def _add_layout(commands: Commands, keys_help: str) -> None:
+    layouts = commands.add_parser("layouts", help="list the layouts that come with Rune")
+    layouts.add_argument("--json", action="store_true", help="JSON, one line a layout")
     layout = commands.add_parser("layout", help="make a layout for a robot")
     tasks = layout.add_subparsers(dest="task", required=True, metavar="TASK")
     auto = tasks.add_parser("auto", help="from what the robot's hub describes, to be edited")

@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import os
-import selectors
-import subprocess
-import sys
-import tempfile
-import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from hub.plain_text import plain
-from rune_tui.errors import DemoError
+from rune_tui.commands.own_hub import OwnHub
 
 DEMO_LAYOUT = "demo"
 AUTO = "auto"
@@ -30,11 +22,6 @@ _OF_ARENA = {"pool": "rov"}
 _OF_ROLE = {name: name for name in ROBOTS} | {"submarine": "rov"}
 _ALL_ELEMENTS = "hall"
 """The arena of a demo with several kinds of robots: land, water and air."""
-_SAID = "rune-hub: "
-"""Begins the line in which the hub says why it ends."""
-_LONGEST_LOG = 100_000
-_START_S = 10.0
-_STOP_S = 8.0
 
 
 def demo_robots(roles: Sequence[str], arena: str, robot: str | None) -> tuple[list[str], str]:
@@ -64,97 +51,6 @@ def demo_layout(arena: str, robot: str | None) -> str:
     return DEMO_LAYOUT if chosen == ROBOTS[0] else AUTO
 
 
-class DemoHub:
-    """`rune-hub run` of a shipped robot; it ends with this process at any kind of end."""
-
-    def __init__(self, robot: str, log: Path, settings: Sequence[str] = ()) -> None:
-        """Start the process; its start continues in parallel with the console's.
-
-        Args:
-            robot: Name of a shipped robot.
-            log: File for the hub's log.
-            settings: Values that replace the robot file's, such as "simulation.arena=empty".
-
-        Raises:
-            DemoError: The process cannot be started.
-        """
-        self._log = log
-        self._endpoint = ""
-        command = [sys.executable, "-m", "hub", "run", robot, "--port", "0", "--json"]
-        command += [word for setting in settings for word in ("--set", setting)]
-        # A demo's data end with it, so that the next one begins with an empty map.
-        self._kept = tempfile.TemporaryDirectory(prefix="rune-demo-", ignore_cleanup_errors=True)
-        try:
-            with log.open("ab") as file:
-                self._written = file.tell()
-                self._process = subprocess.Popen(
-                    [*command, "--stop-with-stdin"],
-                    stdin=subprocess.PIPE,
-                    stdout=subprocess.PIPE,
-                    stderr=file,
-                    process_group=0,
-                    env={**os.environ, "STATE_DIRECTORY": self._kept.name},
-                )
-        except OSError as error:
-            text = f"the demo's hub cannot be started: {error}"
-            raise DemoError(text) from error
-
-    def endpoint(self) -> str:
-        """Wait until the hub listens; returns its endpoint.
-
-        Raises:
-            DemoError: The hub ended, or takes too long.
-        """
-        if not self._endpoint:
-            self._endpoint = self._said()
-        return self._endpoint
-
-    def _said(self) -> str:
-        pipe = self._process.stdout
-        if pipe is None:
-            text = "the demo's hub has no output"
-            raise DemoError(text)
-        deadline = time.monotonic() + _START_S
-        with selectors.DefaultSelector() as selector:
-            selector.register(pipe, selectors.EVENT_READ)
-            while selector.select(max(0.0, deadline - time.monotonic())):
-                line = pipe.readline()
-                if not line:
-                    break
-                said = json.loads(line)
-                if said["event"] == "listening":
-                    return str(said["hub"])
-        reason = self._reason()
-        why = f": {reason}" if reason else f"; {self._log} says why"
-        text = f"the demo's hub did not start{why}"
-        raise DemoError(text)
-
-    def _reason(self) -> str:
-        """What the hub said before it ended; empty: nothing."""
-        with self._log.open("rb") as file:
-            file.seek(self._written)
-            lines = file.read(_LONGEST_LOG).decode(errors="replace").splitlines()
-        said = (line.removeprefix(_SAID) for line in lines if line.startswith(_SAID))
-        return plain(next(said, ""))
-
-    def begin_end(self) -> None:
-        """Have the hub and all its modules end, and do not wait."""
-        if self._process.stdin is not None:
-            self._process.stdin.close()
-
-    def close(self) -> None:
-        """End the hub and all its modules."""
-        self.begin_end()
-        try:
-            self._process.wait(_STOP_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
-        if self._process.stdout is not None:
-            self._process.stdout.close()
-        self._kept.cleanup()
-
-
 class DemoHubs:
     """The hubs of a demo; they end in parallel, with this context."""
 
@@ -165,7 +61,7 @@ class DemoHubs:
             log: File for the logs of all hubs.
         """
         self._log = log
-        self._hubs: list[DemoHub] = []
+        self._hubs: list[OwnHub] = []
 
     def __enter__(self) -> Self:
         return self
@@ -191,11 +87,11 @@ class DemoHubs:
             settings: More values that replace those of robot files.
 
         Raises:
-            DemoError: A process cannot be started.
+            OwnHubError: A process cannot be started.
         """
         settings = [*([f"simulation.arena={arena}"] if arena else []), *settings]
         for robot in robots:
-            self._hubs.append(DemoHub(robot, self._log, settings))
+            self._hubs.append(OwnHub(robot, self._log, settings))
 
     def __len__(self) -> int:
         return len(self._hubs)
@@ -204,6 +100,6 @@ class DemoHubs:
         """Wait until all hubs listen; returns their endpoints.
 
         Raises:
-            DemoError: A hub ended, or takes too long.
+            OwnHubError: A hub ended, or takes too long.
         """
         return [hub.endpoint() for hub in self._hubs]

@@ -17,7 +17,8 @@ from hub.ipc.broker.central import Central
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
 from hub.plain_text import is_plain
-from rune_tui.cli import log_to_file, main
+from rune_tui.cli import main
+from rune_tui.commands.log_file import log_to_file
 from rune_tui.compositor.glyph_set import GlyphSet
 
 LAYOUTS = Path(__file__).parents[2] / "layouts"

@@ -9,7 +9,7 @@ import pytest
 from hub.robots.robot_file import SHIPPED
 from hub.sim.arena import load_arena, shipped_arenas
 from rune_tui.commands.demo import ARENAS, ROBOTS, DemoHubs, demo_layout, demo_robots
-from rune_tui.errors import DemoError
+from rune_tui.errors import OwnHubError
 
 
 def test_the_demo_knows_all_robots_and_arenas_that_come_with_the_hub() -> None:
@@ -66,5 +66,5 @@ def test_a_hub_that_does_not_start_says_why_in_one_sentence(tmp_path: Path) -> N
     log.write_text("rune-hub: the words of an earlier demo\n")
     with DemoHubs(log) as hubs:
         hubs.start(["rov"], "yellow")
-        with pytest.raises(DemoError, match=r"did not start: .*it has no water to dive in"):
+        with pytest.raises(OwnHubError, match=r"did not start: .*it has no water to dive in"):
             hubs.endpoints()
