@@ -21,7 +21,7 @@ _PHASES: Final = {
     AutopilotPhase.DISARMED: "",
     AutopilotPhase.ARMING: "is armed now",
     AutopilotPhase.DRIVING: "follows you",
-    AutopilotPhase.ELSEWHERE: "does not follow you",
+    AutopilotPhase.ELSEWHERE: "does not follow",
     AutopilotPhase.GONE: "GONE",
 }
 _SILENT_S: Final = 1.5
@@ -44,7 +44,8 @@ def head_of(robot: RobotState, autopilot: AutopilotState) -> Part:
         severity = Severity.ALARM
     elif autopilot.phase is not AutopilotPhase.LINKING:
         words[:0] = ["ARMED" if armed else "DISARMED", autopilot.mode]
-    return Part(" · ".join(filter(None, words)), 10, severity)
+    known = [*filter(None, words)]
+    return Part(" · ".join(known), 10, severity, short=" · ".join(known[:2]))
 
 
 def autopilot_parts(robot: RobotState, autopilot: AutopilotState) -> Iterator[Part]:

@@ -18,7 +18,7 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.autopilot_words import autopilot_parts, head_of
-from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped, write_rows
+from rune_tui.visualizers.parts.rows import TextRow, fitting_form, wrapped, write_rows
 from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
 from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
 from rune_tui.visualizers.visualizer import PlainVisualizer
@@ -64,7 +64,7 @@ class VisualizeAutopilot(PlainVisualizer):
 def _parts(robot: RobotState) -> tuple[Part, ...]:
     autopilot = autopilot_of(robot)
     if autopilot is None:
-        return (Part("no state of the autopilot", 10, Severity.FAINT),)
+        return (Part("no state of the autopilot", 10, Severity.FAINT, "no state"),)
     texts = [each.value for each in robot.texts[-_MOST_TEXTS:]]
     # The newest texts are the last ones to be left out.
     said = [Part(each.text, place / 10.0, _LEVELS[each.level]) for place, each in enumerate(texts)]
@@ -107,4 +107,4 @@ def _write_head(canvas: Canvas, head: Part, theme: Theme) -> None:
         with drawing(canvas) as pen:
             pen.rectangle(0, 0, canvas.width, 2, grounds[head.severity])
     ink = inks.get(head.severity) or ink_of(head.severity, theme)
-    canvas.text(0, 0, cut(head.text, canvas.width), ink)
+    canvas.text(0, 0, fitting_form(canvas.width, head.text, head.short), ink)

@@ -100,6 +100,12 @@ def test_without_room_the_reason_stays_and_the_rest_is_counted(draw: Draw) -> No
     assert "text 3" not in tall, "only the last ones"
 
 
+def test_a_narrow_head_keeps_whether_it_is_armed_and_its_mode(draw: Draw) -> None:
+    away = rover(phase=AutopilotPhase.ELSEWHERE, mode="smart rtl", why="it is in smart rtl")
+    assert rows(draw, piloted(away), width=40)[0] == "ARMED · smart rtl · does not follow"
+    assert rows(draw, piloted(away), width=20)[0] == "ARMED · smart rtl"
+
+
 def test_an_old_state_is_marked(draw: Draw) -> None:
     assert "STALE" in rows(draw, piloted(rover(), age=5.0))[0]
 

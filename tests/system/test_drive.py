@@ -1,0 +1,62 @@
+"""`rune drive`: one command from a vehicle's address to the console, and nothing stays behind."""
+
+from __future__ import annotations
+
+import tomllib
+from contextlib import ExitStack, closing
+from pathlib import Path
+
+import pytest
+
+from hub.command_line import ExitCode
+from tests.support.command_line import rune
+from tests.support.fake_vehicle import FakeVehicle, served
+from tests.support.ports import free_port
+from tests.support.waiting import until
+from tests.system.harness import ConsoleProcess, family, gone
+
+
+def rover() -> FakeVehicle:
+    vehicle = FakeVehicle()
+    vehicle.parameters = {"FS_GCS_ENABLE": (0.0, 2)}
+    return vehicle
+
+
+def test_it_says_what_is_unsafe_opens_the_console_and_ends_its_hub(
+    stack: ExitStack, tmp_path: Path
+) -> None:
+    path = tmp_path / "found.toml"
+    address = stack.enter_context(served(rover()))
+    command = ["drive", f"mavlink:{address}", "-o", str(path)]
+    console = stack.enter_context(closing(ConsoleProcess(command, columns=120, rows=40)))
+    console.wait(lambda: "Enter opens the console" in console.text, 30.0)
+    assert "a rover with ArduPilot 4.7.0" in console.text
+    assert "unsafe: FS_GCS_ENABLE is 0 in place of 1" in console.text
+    assert "DISARMED" not in console.text, "the operator reads first"
+    console.type("\r")
+    console.wait(lambda: "DISARMED" in console.text, 20.0)
+    assert "autopilot" in console.text
+    processes = family(console.process.pid)
+    assert console.quit() == ExitCode.OK
+    until(lambda: gone(processes), 10.0, "processes are left")
+    assert tomllib.loads(path.read_text())["mavlink"]["address"] == address
+
+
+@pytest.mark.parametrize("address", ["udp://:14550", "ws://robot", "mavlink", "mavlink:", "hub:a"])
+def test_an_address_without_a_kind_of_link_is_refused(address: str) -> None:
+    with closing(ConsoleProcess(["drive", address])) as console:
+        assert console.wait_ended() == ExitCode.USAGE
+        assert "has no kind of link: write mavlink:udp://:14550" in " ".join(console.text.split())
+
+
+def test_without_a_vehicle_it_says_so_and_starts_nothing() -> None:
+    silent = f"mavlink:tcp://127.0.0.1:{free_port()}"
+    with closing(ConsoleProcess(["drive", silent])) as console:
+        assert console.wait_ended(20.0) == ExitCode.NO_HUB
+        assert "rune-hub: " in console.text
+
+
+def test_without_a_terminal_it_does_not_begin() -> None:
+    done = rune("drive", "mavlink:udp://:14550")
+    assert done.returncode == ExitCode.USAGE
+    assert "needs a terminal" in done.stderr
