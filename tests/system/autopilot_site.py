@@ -1,0 +1,228 @@
+"""A simulated vehicle with an autopilot, a relay, a hub, and an operator: real processes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from hub.gcm.autopilot import AUTOPILOT_STATE, AutopilotPhase, AutopilotState
+from hub.gcm.common import COMMON_RESULT
+from hub.gcm.control import (
+    CONSOLE_HEARTBEAT,
+    CONTROL_REQUEST,
+    CONTROL_STATE,
+    ConsoleHeartbeat,
+    ControlAction,
+    ControlRequest,
+)
+from hub.gcm.diagnostics import DIAGNOSTICS
+from hub.gcm.geometry import Twist, TwistStamped
+from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, RobotState
+from hub.gcm.vehicle import VEHICLE_COMMAND, VEHICLE_STATE, VehicleCommand, VehicleOrder
+from hub.ipc.client import Client
+from tests.support import warm_start
+from tests.support.mavlink_relay import MavlinkRelay
+from tests.support.waiting import until
+from tests.system.harness import HubProcess, Observer
+
+_TABLES = """
+[mavlink]
+address = "tcp://127.0.0.1:{port}"
+[limits]
+{limits}
+[body]
+arming = "disarmed"
+radius = 0.4
+"""
+_LIMITS = {
+    "rover": "linear = 1.0\nangular = 1.0",
+    "sub": "linear = 0.5\nsway = 0.5\nheave = 0.3\nangular = 0.6",
+    "blimp": "linear = 0.2\nsway = 0.2\nheave = 0.2\nangular = 0.3",
+}
+_MODULES = ("driver", "navigation")
+_EVERY_S = 0.05
+_HEARTBEAT_S = 0.2
+
+
+class SimulatedVehicle:
+    """`rune-hub sim-autopilot`, from start to end."""
+
+    def __init__(self, kind: str, parameters: Sequence[str] = ()) -> None:
+        options = ["--tcp", "0", "--fast-boot", "--json", "--stop-with-stdin"]
+        settings = ["--parameters", *parameters] if parameters else []
+        self.process = warm_start.start(
+            [sys.executable, "-m", "hub", "sim-autopilot", kind, *options, *settings],
+            environment=dict(os.environ),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        assert self.process.stdout is not None
+        (address,) = json.loads(self.process.stdout.readline())["addresses"]
+        self.port = int(address.rpartition(":")[2])
+
+    def kill(self) -> None:
+        self.process.send_signal(signal.SIGKILL)
+        self.close()
+
+    def close(self) -> None:
+        for pipe in (self.process.stdin, self.process.stdout):
+            if pipe is not None:
+                pipe.close()
+        self.process.wait(10.0)
+
+
+class Operator:
+    """Somebody who holds a stick: sends a velocity again and again while the test waits.
+
+    Attributes:
+        twist: The velocity; None: nothing is sent.
+        sent: How many were sent.
+    """
+
+    def __init__(self, endpoint: str, name: str) -> None:
+        self.client = Client(name, endpoint)
+        self.client.wait_connected(5.0)
+        self.client.define(VEHICLE_COMMAND, VELOCITY_COMMAND, CONSOLE_HEARTBEAT)
+        self.client.wait_defined(5.0)
+        self.twist: Twist | None = None
+        self.sent = 0
+        self.client.every(_EVERY_S, self._send)
+
+    def _send(self) -> None:
+        if self.twist is not None:
+            self.client.publish(VELOCITY_COMMAND, TwistStamped.of(self.twist))
+            self.sent += 1
+
+    def order(self, order: VehicleOrder, name: str = "") -> None:
+        self.client.wait_connected(5.0)  # the tests of other sites may have taken a while
+        self.client.publish(VEHICLE_COMMAND, VehicleCommand(order=order, name=name))
+        self.client.wait_published(5.0)
+
+    def takes_control(self) -> None:
+        """Take it, and keep it until the hub's modules know it."""
+        told: list[bool] = []
+        mine = ConsoleHeartbeat(holds=1)
+        self.client.every(_HEARTBEAT_S, lambda: self.client.publish(CONSOLE_HEARTBEAT, mine))
+        self.client.subscribe(
+            CONTROL_STATE, lambda state, _: told.append(state.owner == self.client.number)
+        )
+        request = ControlRequest(action=ControlAction.TAKE, operator="alice")
+        answer = self.client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=5.0)
+        assert answer.done, answer.text
+        until(lambda: sum(told) >= 2, 10.0, meanwhile=lambda: self.client.listen(0.02))
+
+
+class AutopilotSite:
+    """All of them.
+
+    Attributes:
+        vehicle: The simulated vehicle.
+        relay: Between it and the hub.
+        hub: The hub.
+        observer: What the hub publishes.
+        operator: Who drives.
+    """
+
+    def __init__(self, folder: Path, kind: str = "rover", parameters: Sequence[str] = ()) -> None:
+        self._kind, self._parameters = kind, parameters
+        self.vehicle = SimulatedVehicle(kind, parameters)
+        self._closing: list[Callable[[], None]] = [self._end_vehicle]
+        try:
+            self.relay = MavlinkRelay(self.vehicle.port)
+            self._closing.append(self.relay.close)
+            tables = _TABLES.format(port=self.relay.port, limits=_LIMITS[kind])
+            self.hub = HubProcess(folder, kind="mavlink", modules=_MODULES, tables=tables)
+            self._closing.append(self.hub.close)
+            definitions = (AUTOPILOT_STATE, ROBOT_STATE, VEHICLE_STATE, DIAGNOSTICS)
+            self.observer = Observer(self.hub.endpoint, *definitions)
+            self._closing.append(self.observer.close)
+            self.operator = Operator(self.hub.endpoint, "operator")
+            self._closing.append(self.operator.client.close)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        while self._closing:
+            self._closing.pop()()
+
+    def _end_vehicle(self) -> None:
+        self.vehicle.close()
+
+    def start_vehicle_again(self) -> None:
+        """Kill it, and start another one like it in its place."""
+        self.vehicle.kill()
+        self.vehicle = SimulatedVehicle(self._kind, self._parameters)
+        self.relay.vehicle = self.vehicle.port
+
+    def newest(self, definition: Any) -> Any:
+        return self.observer.seen[definition.name][-1][1]
+
+    @property
+    def autopilot(self) -> AutopilotState:
+        state: AutopilotState = self.newest(AUTOPILOT_STATE)
+        return state
+
+    @property
+    def robot(self) -> RobotState:
+        state: RobotState = self.newest(ROBOT_STATE)
+        return state
+
+    @property
+    def phase(self) -> AutopilotPhase:
+        return self.autopilot.phase
+
+    @property
+    def problems(self) -> list[str]:
+        return [each.message for each in self.newest(DIAGNOSTICS).status]
+
+    def wait(self, condition: Callable[[], object], timeout: float = 15.0, why: str = "") -> None:
+        """Until something is so; the operator goes on meanwhile."""
+
+        def both() -> bool:
+            self.operator.client.listen(0.0)
+            return bool(condition())
+
+        self.observer.wait(both, timeout, lambda: f"{why} {self.autopilot} {self.problems}")
+
+    def go_on(self, seconds: float) -> None:
+        """Let time pass, because what must not happen needs time to happen."""
+        end = time.monotonic() + seconds
+        self.wait(lambda: time.monotonic() >= end, seconds + 10.0)
+
+    def drive(self) -> None:
+        """Arm it, from whatever it does."""
+        self.operator.twist = None
+        self.relay.join()
+        if self.autopilot.phase is not AutopilotPhase.DISARMED:
+            self.operator.order(VehicleOrder.DISARM)
+        self.wait(
+            lambda: (
+                self.phase is AutopilotPhase.DISARMED
+                and self.autopilot.armable
+                and self.autopilot.position
+            ),
+            why="it never was ready:",
+        )
+        self.operator.order(VehicleOrder.ARM)
+        self.wait(lambda: self.phase is AutopilotPhase.DRIVING, why="it never drove:")
+
+    def move(self, twist: Twist) -> None:
+        """From neutral to this velocity, until the vehicle moves."""
+        self.operator.twist, sent = Twist(), self.operator.sent
+        self.wait(lambda: self.operator.sent > sent + 2 and not self.autopilot.why)
+        self.operator.twist = twist
+        self.wait(lambda: self.speed > 0.7 * abs(twist.linear.x), why="it never moved:")
+
+    @property
+    def speed(self) -> float:
+        """Newest speed that the vehicle reported [m/s]."""
+        speeds = self.relay.speeds(time.monotonic() - 1.0)
+        return speeds[-1][1] if speeds else 0.0

@@ -1,0 +1,232 @@
+"""A vehicle with an autopilot through a hub of real processes: it drives, and it stops."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from hub.gcm.autopilot import AutopilotPhase
+from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.navigation import MotionState
+from hub.gcm.vehicle import VehicleOrder
+from hub.robots.mavlink.wire.frames import FramePacker
+from tests.system.autopilot_site import AutopilotSite, Operator
+from tests.system.harness import in_soak
+
+TOLD_S = 0.35
+"""Longest time from the cause until the vehicle is told to stop [s]."""
+AHEAD = Twist.planar(0.5, 0.0)
+MODE, ARM = 176, 400
+GUIDED, HOLD = 15, 4
+_NO_RECEIVER = ("SIM_RC_FAIL=1", "FS_TIMEOUT=0.1", "FS_GCS_ENABLE=1", "FS_GCS_TIMEOUT=2")
+_PARAMETERS = {
+    "rover": _NO_RECEIVER,
+    "sub": ("SIM_RC_FAIL=1", "FS_PILOT_INPUT=1", "FS_PILOT_TIMEOUT=0.5"),
+    "blimp": ("SIM_RC_FAIL=1", "RC_OVERRIDE_TIME=0.5"),
+}
+
+
+@pytest.fixture(scope="module")
+def lasting(tmp_path_factory: pytest.TempPathFactory) -> Iterator[AutopilotSite]:
+    with closing(AutopilotSite(tmp_path_factory.mktemp("hub"), "rover", _NO_RECEIVER)) as site:
+        site.go_on(1.0)
+        assert not site.relay.orders(0.0), "nothing arms it or changes its mode at a start"
+        yield site
+
+
+@pytest.fixture
+def rover(lasting: AutopilotSite) -> AutopilotSite:
+    """A rover that drives ahead."""
+    lasting.drive()
+    lasting.move(AHEAD)
+    return lasting
+
+
+def told_after(site: AutopilotSite, cause: float) -> float:
+    """Time from the cause to the last order to move [s]."""
+    moving = site.relay.moving(cause)
+    return moving[-1][0] - cause if moving else 0.0
+
+
+def stands(site: AutopilotSite) -> None:
+    site.wait(lambda: site.speed < 0.05, why="it never stood:")
+
+
+@pytest.mark.parametrize(
+    ("kind", "wanted", "rest_s"),
+    [
+        ("sub", Twist(linear=Vector3(x=0.25, y=0.15, z=-0.15)), 4.0),
+        ("blimp", Twist(linear=Vector3(x=0.1, y=0.08, z=0.1), angular=Vector3(z=0.15)), 4.0),
+    ],
+)
+def test_a_vehicle_that_floats_follows_each_velocity_and_stops(
+    tmp_path: Path, kind: str, wanted: Twist, rest_s: float
+) -> None:
+    with closing(AutopilotSite(tmp_path, kind, _PARAMETERS[kind])) as site:
+        site.drive()
+        site.move(wanted)
+        site.wait(
+            lambda: (
+                site.robot.linear == pytest.approx(wanted.linear.x, rel=0.2)
+                and site.robot.sway == pytest.approx(wanted.linear.y, rel=0.2)
+                and site.robot.heave == pytest.approx(wanted.linear.z, rel=0.2)
+                and site.robot.angular == pytest.approx(wanted.angular.z, rel=0.25, abs=0.02)
+            ),
+            why="it never had these velocities:",
+        )
+        site.operator.twist, silent = None, time.monotonic()
+        stands(site)
+        assert told_after(site, silent) < TOLD_S
+        assert time.monotonic() - silent < TOLD_S + rest_s
+
+
+def test_a_rover_follows_a_velocity_and_a_turn(rover: AutopilotSite) -> None:
+    rover.operator.twist = Twist.planar(0.4, 0.3)
+    rover.wait(
+        lambda: (
+            rover.robot.linear == pytest.approx(0.4, abs=0.04)
+            and rover.robot.angular == pytest.approx(0.3, abs=0.03)
+        )
+    )
+    rover.operator.twist = Twist.planar(-0.4, 0.0)
+    rover.wait(lambda: rover.robot.linear == pytest.approx(-0.4, abs=0.04))
+
+
+def test_it_stops_when_the_operator_is_silent(rover: AutopilotSite) -> None:
+    rover.operator.twist, silent = None, time.monotonic()
+    stands(rover)
+    assert told_after(rover, silent) < TOLD_S
+    assert rover.phase is AutopilotPhase.DRIVING
+
+
+@pytest.mark.parametrize("ways", [("to_vehicle", "to_hub"), *in_soak(("to_vehicle",), ("to_hub",))])
+def test_no_motion_begins_when_a_cut_link_is_back(
+    rover: AutopilotSite, ways: tuple[str, ...]
+) -> None:
+    cut = time.monotonic()
+    for way in ways:
+        setattr(rover.relay, way, False)
+    rover.wait(lambda: rover.phase is AutopilotPhase.GONE)
+    rover.wait(lambda: rover.robot.motion is MotionState.NO_DRIVER)
+    stands(rover)
+    assert told_after(rover, cut) < 1.5
+    back = time.monotonic()
+    rover.relay.join()
+    rover.wait(lambda: rover.phase is AutopilotPhase.ELSEWHERE, why="it did not come back:")
+    rover.go_on(1.0)
+    assert not rover.relay.moving(back), "the stick was deflected all the time"
+    assert not rover.relay.orders(back), "no mode was asked for"
+    assert rover.speed < 0.05
+
+
+def test_another_station_that_changes_the_mode_is_not_fought(rover: AutopilotSite) -> None:
+    packer = FramePacker(254, 190)
+    changed = time.monotonic()
+    with socket.create_connection(("127.0.0.1", rover.vehicle.port)) as station:
+
+        def ask(mode: int) -> None:
+            values = {"param1": 1.0, "param2": float(mode)}
+            target = {"target_system": 1, "target_component": 1}
+            station.sendall(packer.pack("COMMAND_LONG", command=MODE, **values, **target))
+
+        ask(HOLD)
+        rover.wait(lambda: rover.phase is AutopilotPhase.ELSEWHERE)
+        elsewhere = time.monotonic()
+        ask(GUIDED)
+        rover.wait(lambda: rover.autopilot.mode == "guided")
+        rover.go_on(1.0)
+        assert rover.phase is AutopilotPhase.ELSEWHERE
+    assert not rover.relay.of_hub(elsewhere)
+    assert not rover.relay.orders(changed)
+    assert "not asked for here" in rover.autopilot.why
+    rover.operator.order(VehicleOrder.DRIVE)
+    rover.wait(lambda: rover.phase is AutopilotPhase.DRIVING)
+    rover.go_on(0.5)
+    assert not rover.relay.moving(elsewhere), "the stick was deflected all the time"
+    rover.move(AHEAD)
+
+
+def test_who_has_no_control_may_disarm_it_and_do_no_more(rover: AutopilotSite) -> None:
+    rover.operator.takes_control()
+    rival = Operator(rover.hub.endpoint, "rival")
+    with closing(rival.client):
+        begun = time.monotonic()
+        rival.order(VehicleOrder.MODE, "hold")
+        rover.go_on(0.5)
+        assert not rover.relay.orders(begun)
+        rival.order(VehicleOrder.DISARM)
+        rover.wait(lambda: rover.phase is AutopilotPhase.DISARMED)
+        assert rover.relay.orders(begun) == [(ARM, 0.0, 0.0)]
+        begun = time.monotonic()
+        rival.order(VehicleOrder.ARM)
+        rover.go_on(0.5)
+        assert not rover.relay.orders(begun)
+
+
+def test_it_holds_when_it_has_lost_its_operator(rover: AutopilotSite) -> None:
+    rover.operator.takes_control()
+    rover.operator.client.close()
+    rover.operator = Operator(rover.hub.endpoint, "another")
+    rover.wait(lambda: rover.autopilot.mode == "hold", why="it did not hold:")
+    assert rover.phase is AutopilotPhase.ELSEWHERE
+
+
+def test_killed_processes_leave_a_vehicle_that_stands_and_waits_for_a_neutral_stick(
+    tmp_path: Path,
+) -> None:
+    with closing(AutopilotSite(tmp_path, "rover", _NO_RECEIVER)) as site:
+        site.drive()
+        site.move(AHEAD)
+        for kill in (navigation_killed, driver_killed, autopilot_killed, hub_killed):
+            kill(site)
+
+
+def navigation_killed(site: AutopilotSite) -> None:
+    killed = time.monotonic()
+    os.kill(site.hub.pids["navigation"], signal.SIGKILL)
+    stands(site)
+    site.go_on(1.5)
+    assert told_after(site, killed) < TOLD_S, "the stick is still deflected"
+    site.move(AHEAD)
+
+
+def driver_killed(site: AutopilotSite) -> None:
+    killed = time.monotonic()
+    os.kill(site.hub.pids["driver"], signal.SIGKILL)
+    stands(site)
+    site.wait(lambda: site.phase is AutopilotPhase.ELSEWHERE)
+    site.go_on(0.5)
+    assert told_after(site, killed) < TOLD_S
+    assert not site.relay.orders(killed), "it was armed, and another's"
+    site.operator.order(VehicleOrder.DRIVE)
+    site.wait(lambda: site.phase is AutopilotPhase.DRIVING)
+    site.go_on(0.5)
+    assert not site.relay.moving(killed + TOLD_S), "the stick is still deflected"
+    site.move(AHEAD)
+
+
+def autopilot_killed(site: AutopilotSite) -> None:
+    killed = time.monotonic()
+    site.start_vehicle_again()
+    site.wait(lambda: site.phase is not AutopilotPhase.DRIVING)
+    site.wait(lambda: site.phase is AutopilotPhase.DISARMED and site.autopilot.armable)
+    assert not site.relay.orders(killed)
+    assert told_after(site, killed) < 1.5
+    site.drive()
+    site.move(AHEAD)
+
+
+def hub_killed(site: AutopilotSite) -> None:
+    killed = time.monotonic()
+    site.hub.process.send_signal(signal.SIGKILL)
+    end = killed + 10.0
+    while not (site.speed < 0.05 and time.monotonic() > killed + 0.5):
+        assert time.monotonic() < end
+    assert told_after(site, killed) < TOLD_S
