@@ -50,6 +50,7 @@ _DOWN_S: Final = 0.3
 _CHUNK: Final = 50
 """Longest text of one STATUSTEXT."""
 _PREARM_S: Final = 30.0
+_FIRST_PREARM_S: Final = 30.8
 _ELEVATION_S: Final = 1.05
 _ONLY_STATION: Final = 1
 _KEY: Final = 32
@@ -142,7 +143,7 @@ class SimulatedAutopilot:
         self._buttons = JoystickButtons(self.vehicle)
         self._failsafes: Failsafes = FAILSAFES[self._kind.name](self.vehicle)
         self._heartbeat_at = now + startup.times.heard * (0.1 if self._fast else 1.0)
-        self._prearm_at = now + _PREARM_S
+        self._prearm_at = now + _FIRST_PREARM_S
         self._elevation_at = self._sync_at = now + 10.0
         for link in self._links:
             self._begin_link(link)
@@ -173,19 +174,23 @@ class SimulatedAutopilot:
         self._failsafes.step(fresh=fresh)
         self._motion.step(demand(vehicle), STEP)
         self._say_more()
-        heartbeat_due = now >= self._heartbeat_at
-        if heartbeat_due:
-            self._heartbeat_at = now + 1.0
-        mode_changed = not vehicle.mode_shown and now >= vehicle.startup.began
-        vehicle.mode_shown = True
+        if now >= self._heartbeat_at:
+            self._heartbeat_at += 1.0
+            vehicle.mode_shown = False
+        self._show_mode()
         for link in self._links:
-            if heartbeat_due or mode_changed:
-                link.send("HEARTBEAT", **heartbeat(vehicle))
             self._report(link)
         self._send_texts()
         for each in [each for each in self._later if each[0] <= now]:
             self._later.remove(each)
             _acknowledge(each[1], each[2], ACCEPTED)
+
+    def _show_mode(self) -> None:
+        """Send a heartbeat where one is due; a change of the mode does not wait for the next."""
+        if not self.vehicle.mode_shown:
+            self.vehicle.mode_shown = True
+            for link in self._links:
+                link.send("HEARTBEAT", **heartbeat(self.vehicle))
 
     def _report(self, link: StationLink) -> None:
         vehicle = self.vehicle
@@ -273,6 +278,7 @@ class SimulatedAutopilot:
                 link.send("TIMESYNC", tc1=int(self._time * 1e9), ts1=fields["ts1"])
             case "SET_MODE" if fields["base_mode"] & 1:
                 vehicle.ask_mode(fields["custom_mode"])
+                self._show_mode()
             case "SET_GPS_GLOBAL_ORIGIN":
                 vehicle.set_origin()
             case "VISION_POSITION_ESTIMATE":
@@ -298,6 +304,7 @@ class SimulatedAutopilot:
             self._later.append((self._time + CALIBRATING_S, link, frame))
         else:
             _acknowledge(link, frame, answer(vehicle, link, command, values))
+            self._show_mode()
 
     def _set_key(self, fields: Mapping[str, Any]) -> None:
         key = bytes(fields["secret_key"])[:_KEY]

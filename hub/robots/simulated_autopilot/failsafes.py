@@ -26,9 +26,8 @@ _RADIO: Final = "Radio"
 _STATION: Final = "GCS"
 _RADIO_S: Final = 0.5
 _OVERRIDE_S: Final = 1.0
-_LATE_S: Final = 0.1
-"""The station's silence is checked ten times a second; a Sub's, three times [s]."""
 _SUB_LATE_S: Final = 0.33
+"""A Sub looks for its station three times a second [s]."""
 _WARN_AGAIN_S: Final = 30.0
 _SMART_RTL, _RTL = 12, 11
 _DEPTH_HOLD, _SURFACE = 2, 9
@@ -40,7 +39,6 @@ class Failsafes(abc.ABC):
 
     def __init__(self, vehicle: VehicleCondition) -> None:
         self._vehicle = vehicle
-        self._check_at = -math.inf
 
     @abc.abstractmethod
     def step(self, *, fresh: bool) -> None:
@@ -49,12 +47,6 @@ class Failsafes(abc.ABC):
         Args:
             fresh: Whether the radio channels were read with this step.
         """
-
-    def _check_due(self, every: float) -> bool:
-        if self._vehicle.now < self._check_at:
-            return False
-        self._check_at = self._vehicle.now + every
-        return True
 
     def _station_silent(self) -> bool:
         vehicle = self._vehicle
@@ -77,7 +69,7 @@ class RoverFailsafes(Failsafes):
         vehicle = self._vehicle
         if vehicle.parameters["FS_THR_ENABLE"]:
             self._set(_RADIO, missing=vehicle.now - vehicle.radio.heard > _RADIO_S)
-        if vehicle.parameters["FS_GCS_ENABLE"] and self._check_due(_LATE_S):
+        if vehicle.parameters["FS_GCS_ENABLE"]:
             self._set(_STATION, missing=self._station_silent())
         vehicle.radio_lost = _RADIO in self._missing
         vehicle.in_failsafe = bool(self._acted_on)
@@ -131,14 +123,15 @@ class SubFailsafes(Failsafes):
     def __init__(self, vehicle: VehicleCondition) -> None:
         super().__init__(vehicle)
         self._no_pilot = self._no_station = False
-        self._warned = -math.inf
+        self._warned = self._check_at = -math.inf
 
     def step(self, *, fresh: bool) -> None:  # noqa: ARG002 - the age of the last frame counts
         """Act where something is missing."""
         self._watch_pilot()
-        if self._check_due(_SUB_LATE_S):
-            self._watch_station()
         vehicle = self._vehicle
+        if vehicle.now >= self._check_at:
+            self._check_at = vehicle.now + _SUB_LATE_S
+            self._watch_station()
         vehicle.in_failsafe = self._no_pilot or self._no_station
 
     def _watch_pilot(self) -> None:
@@ -198,7 +191,7 @@ class BlimpFailsafes(Failsafes):
                 vehicle.radio_lost = True
                 vehicle.say(WARNING, "Radio Failsafe - Disarming")
                 vehicle.disarm()
-        if vehicle.parameters["FS_GCS_ENABLE"] and self._check_due(_LATE_S):
+        if vehicle.parameters["FS_GCS_ENABLE"]:
             silent = self._station_silent()
             if silent and not self._no_station:
                 vehicle.disarm()

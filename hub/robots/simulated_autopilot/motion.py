@@ -167,13 +167,19 @@ class AxisFollower:
 _AXES: Final = ("ahead", "right", "down", "turn")
 _STILL: Final = AxisResponse()
 _ROVER_TURN: Final = AxisResponse(ramp=2.5, braking=2.5, rise=0.05, fall=0.05)
-_SUB_TURN: Final = AxisResponse(delay=0.05, gain=1.05, rise=0.35, fall=0.4)
+_SUB_TURN: Final = AxisResponse(delay=0.05, gain=1.05, rise=0.35, fall=0.33)
 _SUB_CLIMB: Final = AxisResponse(delay=0.1, gain=1.07, rise=0.35, fall=0.45)
 _SUB_THRUST: Final = AxisResponse(delay=0.04, push=5.08, drag=4.7)
-_SUB_PLACE: Final = AxisResponse(delay=0.12, gain=1.02, rise=0.75, fall=1.1)
+_SUB_PLACE: Final = AxisResponse(delay=0.12, gain=1.02, rise=0.75, fall=1.18)
+_SUB_GUIDED: Final = (
+    AxisResponse(delay=0.12, rise=0.75, fall=1.1),
+    AxisResponse(delay=0.12, rise=0.75, fall=1.1),
+    AxisResponse(delay=0.1, rise=0.35, fall=0.45),
+    AxisResponse(delay=0.05, rise=0.35, fall=0.4),
+)
 _SUB_SLOW_CLIMB: Final = AxisResponse(delay=0.3, rise=0.4, fall=0.4)
 _SUB_COASTS: Final = AxisResponse(drag=4.7)
-_BLIMP_FLAT: Final = AxisResponse(delay=0.1, gain=1.12, ramp=0.115, rise=0.1, fall=1.3)
+_BLIMP_FLAT: Final = AxisResponse(delay=0.05, gain=1.12, ramp=0.115, rise=0.1, fall=1.25)
 _BLIMP_CLIMB: Final = AxisResponse(delay=0.2, gain=0.92, rise=0.5, fall=0.7)
 _BLIMP_TURN: Final = AxisResponse(delay=0.15, gain=0.87, rise=0.3, fall=0.15)
 _BLIMP_PLACE: Final = AxisResponse(
@@ -193,7 +199,7 @@ RESPONSES: Final[Mapping[str, Mapping[DemandKind, _Axes]]] = {
         DemandKind.OFF: (AxisResponse(delay=0.04, fall=0.287), _STILL, _STILL, _ROVER_TURN),
     },
     "sub": {
-        DemandKind.VELOCITY: (_SUB_PLACE, _SUB_PLACE, _SUB_CLIMB, _SUB_TURN),
+        DemandKind.VELOCITY: _SUB_GUIDED,
         DemandKind.PLACE: (_SUB_PLACE, _SUB_PLACE, _SUB_CLIMB, _SUB_TURN),
         DemandKind.THRUST: (_SUB_THRUST, _SUB_THRUST, _SUB_CLIMB, _SUB_TURN),
         DemandKind.OPEN: (_SUB_THRUST, _SUB_THRUST, _SUB_THRUST, _SUB_TURN),
