@@ -29,7 +29,7 @@ from hub.inspection.log_options import add_log, run_log
 from hub.inspection.mission_options import add_missions, order_mission, run_mission
 from hub.inspection.record_options import add_record, recording_settings, run_record
 from hub.inspection.sim_autopilot_command import add_sim_autopilot, run_sim_autopilot
-from hub.inspection.vehicle.options import add_adopt, run_adopt
+from hub.inspection.vehicle.options import add_adopt, add_vehicle, run_adopt, run_vehicle
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
 from hub.nonblocking_logging import LEVELS, start_logging
@@ -249,6 +249,7 @@ _WITHOUT_CLIENT: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "shape": shape_command.run,
     "adopt": run_adopt,
     "sim-autopilot": run_sim_autopilot,
+    "vehicle": run_vehicle,
     **dict.fromkeys(("check", "doctor", "service"), _run_machine_command),
 }
 _port = number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}")
@@ -329,6 +330,7 @@ def command_parser() -> CommandParser:
     add_record(commands, look)
     add_log(commands)
     add_adopt(commands)
+    add_vehicle(commands)
     shape_command.add_parser(commands, look)
     add_sim_autopilot(commands)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))

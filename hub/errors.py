@@ -27,6 +27,7 @@
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
     ├── VehicleAddressError (ValueError)       an address of a vehicle that is none
     ├── VehicleSilentError (ConnectionError)   no vehicle, or no answer, at an address
+    ├── ParameterFileError (ValueError)        a file of a vehicle's parameters that cannot be used
     ├── LinkProfileError (ValueError)          a profile of a link with mistakes, all of them listed
     ├── RecordingError (ValueError)            a recording that is damaged, or of a form not known
     ├── MapFileError (ValueError)              files of a map that cannot be written or read
@@ -198,6 +199,10 @@ class AutopilotSettingError(HubError, ValueError):
 
     def __init__(self, name: str, reason: str) -> None:
         super().__init__(f"{name[:40]!r}: {reason}")
+
+
+class ParameterFileError(HubError, ValueError):
+    """A file of a vehicle's parameters that cannot be written or read."""
 
 
 class MapFileError(HubError, ValueError):

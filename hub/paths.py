@@ -44,6 +44,11 @@ def for_recordings(wanted: str = "") -> Path:
     return Path(wanted) if wanted else _state() / "recordings"
 
 
+def for_vehicle_parameters() -> Path:
+    """The folder for the parameters that vehicles had before they were changed."""
+    return _state() / "vehicle-parameters"
+
+
 def _state() -> Path:
     given = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
     return Path(given) if given else _own("STATE", "state")

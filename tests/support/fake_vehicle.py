@@ -34,6 +34,7 @@ class FakeVehicle:
         heard: Names of the messages that came.
         keys: Keys that SETUP_SIGNING gave it.
         beats: Further senders of heartbeats: component, type, autopilot.
+        others: The same of other systems, whose number stands first.
     """
 
     def __init__(self, kind: int = 10, system: int = 1) -> None:
@@ -47,6 +48,7 @@ class FakeVehicle:
         self.heard: list[str] = []
         self.keys: list[bytes] = []
         self.beats: list[tuple[int, int, int]] = []
+        self.others: list[tuple[int, int, int, int]] = []
         self._sent: dict[str, int] = {}
 
     def beat(self) -> list[Sent]:
@@ -154,7 +156,12 @@ class _Air:
 
     def beats(self) -> list[bytes]:
         """The heartbeats of all."""
-        return [frame for each in self._vehicles for frame in self._packed(each, each.beat())]
+        frames = [frame for each in self._vehicles for frame in self._packed(each, each.beat())]
+        for each in self._vehicles:
+            for system, component, kind, autopilot in each.others:
+                packer = FramePacker(system, component, self._signer)
+                frames.append(packer.pack("HEARTBEAT", type=kind, autopilot=autopilot))
+        return frames
 
     def answers(self, datagram: bytes) -> list[bytes]:
         """What they answer."""

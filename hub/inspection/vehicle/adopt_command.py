@@ -31,12 +31,17 @@ def run(options: argparse.Namespace) -> int:
         print_error(f"{output} is there; give another name, or --force to replace it")
         return 1
     key_file = str(options.key.absolute()) if options.key is not None else ""
-    with contextlib.closing(open_session(options.address, key_file)) as session:
+    with contextlib.closing(open_session(options.address, key_file, options.station)) as session:
         finder = find_vehicle(session, options.system, options.seconds, adopting.EXTRA)
     today = time.strftime("%Y-%m-%d")
     address = options.address.strip()
     text = adopting.robot_file(
-        finder, address, name=options.name or "", key_file=key_file, today=today
+        finder,
+        address,
+        name=options.name or "",
+        key_file=key_file,
+        station=options.station,
+        today=today,
     )
     if output is not None:
         try:
@@ -50,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _report(finder: VehicleFinder, options: argparse.Namespace, text: str) -> None:
     """Say what was found."""
-    remarks = [*adopting.remarks(finder, signs=options.key is not None)]
+    remarks = [*adopting.remarks(finder, station=options.station, signs=options.key is not None)]
     if options.json:
         put(json.dumps(_facts(finder, options, remarks)))
         return
@@ -63,7 +68,7 @@ def _report(finder: VehicleFinder, options: argparse.Namespace, text: str) -> No
         say(f"video {each.name!r} of component {each.component} at {each.address}")
     for remark in remarks:
         say(remark)
-    if adopting.unsafe(finder):
+    if adopting.unsafe(finder, options.station):
         where = options.output or options.address
         say(f"`rune-hub vehicle parameters {where} --write-safe` sets the safe values")
     if options.output is not None:
@@ -88,8 +93,8 @@ def _facts(
         "armed": vehicle is not None and vehicle.armed,
         "parameters": finder.parameters,
         "unsafe": [
-            {"name": each.name, "value": value, "wanted": each.allowed[0], "why": each.why}
-            for each, value in adopting.unsafe(finder)
+            {"name": each.name, "value": each.value, "wanted": each.wanted, "why": each.why}
+            for each in adopting.unsafe(finder, options.station)
         ],
         "streams": [each.address for each in finder.streams.values()],
         "remarks": remarks,

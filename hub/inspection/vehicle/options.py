@@ -1,4 +1,4 @@
-"""The options of `rune-hub adopt`."""
+"""The options of `rune-hub adopt` and `rune-hub vehicle`."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from pathlib import Path
 
 from hub.command_line import CommandParser, Commands, number_type
 from hub.inspection.record_options import reader
+from hub.robots.mavlink.profiles.profile import STATION
 from hub.toml_reader import plain_name
 
 _system = number_type(int, 0, 255, "number from 0 to 255")
+_station = number_type(int, 1, 255, "number from 1 to 255")
 _seconds = number_type(float, 0.1, 3600.0, "number from 0.1 to 3600")
 
 
@@ -63,6 +65,13 @@ def vehicle_options() -> CommandParser:
         help="how long to listen (%(default)g)",
     )
     link.add_argument(
+        "--station",
+        type=_station,
+        default=STATION,
+        metavar="N",
+        help="own number as a ground station, the vehicle's MAV_GCS_SYSID (%(default)s)",
+    )
+    link.add_argument(
         "--key", type=Path, metavar="FILE", help="file of its signing key; without: unsigned"
     )
     return link
@@ -73,3 +82,47 @@ def run_adopt(options: argparse.Namespace) -> int:
     from hub.inspection.vehicle import adopt_command
 
     return adopt_command.run(options)
+
+
+def add_vehicle(commands: Commands) -> None:
+    """Add `vehicle`."""
+    vehicle = commands.add_parser(
+        "vehicle",
+        help="a vehicle with an autopilot: its parameters",
+        description="Ask a vehicle with an autopilot, or change it when you say so. It is named by "
+        "its robot file or by its address. Exit codes: 0 done, 1 it was refused or a part of it "
+        "failed, 2 wrong usage, 3 there is no vehicle.",
+    )
+    tasks = vehicle.add_subparsers(dest="task", required=True, metavar="TASK")
+    which = CommandParser(add_help=False, parents=[vehicle_options()])
+    which.add_argument("vehicle", help="a robot file (TOML), or an address such as udp://:14550")
+    _add_parameters(tasks, which)
+
+
+def _add_parameters(tasks: Commands, which: CommandParser) -> None:
+    task = tasks.add_parser(
+        "parameters",
+        parents=[which],
+        help="show its parameters, or set some",
+        description="Show the parameters that decide how the vehicle stops and drives, with the "
+        "values that make it safe. They change only with --write, --write-safe or --restore, and "
+        "not while it is armed or its hub runs. Each is read back, and the old values are kept in "
+        "a file.",
+    )
+    task.add_argument("names", nargs="*", metavar="NAME", help="only these")
+    task.add_argument("--all", action="store_true", help="all that it has, 1000 and more")
+    task.add_argument("--unsafe", action="store_true", help="only those with an unsafe value")
+    task.add_argument("--json", action="store_true", help="JSON, one line a parameter")
+    change = task.add_mutually_exclusive_group()
+    change.add_argument(
+        "--write", nargs="+", default=[], metavar="NAME=VALUE", help="set these parameters"
+    )
+    change.add_argument("--write-safe", action="store_true", help="set those that are unsafe")
+    change.add_argument("--restore", type=Path, metavar="FILE", help="set those in a file")
+
+
+def run_vehicle(options: argparse.Namespace) -> int:
+    """Carry out `vehicle`; returns the exit code."""
+    from hub.inspection.vehicle import parameters_command
+
+    return parameters_command.run(options)

@@ -2,25 +2,106 @@
 
 from __future__ import annotations
 
+import argparse
+import time
 from pathlib import Path
 
+from hub.errors import HubError, RobotFileError
+from hub.gcm.body import ROBOT_DESCRIPTION
+from hub.inspection.message_commands import connect
 from hub.robots.mavlink.asking.session import VehicleSession
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from hub.robots.mavlink.wire.signing_key import read_signing_key
+from hub.robots.robot_file import find_robot_file, read_description
+from hub.values import dataclass
+
+_ANSWER_S = 1.0
 
 
-def open_session(address: str, key_file: str) -> VehicleSession:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehiclePlace:
+    """Where a vehicle is, and how a command talks to it.
+
+    Attributes:
+        address: Its address.
+        system: Its number; 0: the only one.
+        station: Number of the hub as a ground station.
+        key_file: File of the signing key; empty: unsigned.
+        name: Name of the robot.
+        port: TCP port of its hub; 0: not known.
+    """
+
+    address: str
+    system: int
+    station: int
+    key_file: str
+    name: str
+    port: int = 0
+
+
+def place_of(options: argparse.Namespace) -> VehiclePlace:
+    """The vehicle that the options name by an address or a robot file.
+
+    Raises:
+        RobotFileError: The robot file has mistakes, or none of an autopilot.
+    """
+    where = str(options.vehicle)
+    if not where.endswith(".toml") or "://" in where:
+        return VehiclePlace(
+            address=where,
+            system=options.system,
+            station=options.station,
+            key_file=str(options.key or ""),
+            name="vehicle",
+        )
+    robot, problems = read_description(find_robot_file(where))
+    if not problems and robot.kind != "mavlink":
+        problems.append(f"kind {robot.kind!r} has no autopilot; give a robot file of kind mavlink")
+    if problems:
+        raise RobotFileError(where, problems)
+    return VehiclePlace(
+        address=robot.vehicle_address,
+        system=options.system or robot.vehicle_system,
+        station=robot.vehicle_station,
+        key_file=str(options.key or robot.signing_key),
+        name=robot.name,
+        port=robot.port,
+    )
+
+
+def hub_with_autopilot(place: VehiclePlace) -> str:
+    """The endpoint of a hub that runs at the robot's port and has an autopilot; empty: none."""
+    if not place.port:
+        return ""
+    endpoint = f"tcp://127.0.0.1:{place.port}"
+    try:
+        client = connect(endpoint, "vehicle", None)
+    except HubError:
+        return ""
+    kinds: list[str] = []
+    try:
+        client.subscribe(ROBOT_DESCRIPTION, lambda body, _how: kinds.append(body.kind))
+        until = time.monotonic() + _ANSWER_S
+        while not kinds and time.monotonic() < until:
+            client.listen(0.05)
+    finally:
+        client.close()
+    return "" if kinds and kinds[-1] != "mavlink" else endpoint
+
+
+def open_session(address: str, key_file: str, station: int) -> VehicleSession:
     """A link to a vehicle.
 
     Args:
         address: As `vehicle_address` reads it.
         key_file: File of the signing key; empty: unsigned.
+        station: Number of this ground station.
 
     Raises:
         VehicleAddressError: The address is none.
         KeyFileError: The key cannot be used.
     """
-    return VehicleSession(address, signer_of(key_file))
+    return VehicleSession(address, signer_of(key_file), station)
 
 
 def signer_of(key_file: str) -> Signer | None:

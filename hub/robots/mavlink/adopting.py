@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from hub.errors import CameraError
+from hub.gcm.autopilot import UnsafeParameter
 from hub.plain_text import plain
 from hub.robots.left_alone import LeftAlone
 from hub.robots.mavlink.asking.findings import (
@@ -17,7 +18,8 @@ from hub.robots.mavlink.asking.findings import (
     VehicleFinder,
 )
 from hub.robots.mavlink.kinds import AUTOPILOTS, KINDS, firmware_name, kind_name
-from hub.robots.mavlink.profiles.profile import Setpoint, WantedParameter
+from hub.robots.mavlink.profiles.profile import STATION, Setpoint
+from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
 from hub.robots.video_source import SourceKind, video_source
 from hub.values import dataclass
 
@@ -89,14 +91,11 @@ def limits(finder: VehicleFinder) -> Setpoint:
     )
 
 
-def unsafe(finder: VehicleFinder) -> list[tuple[WantedParameter, float]]:
-    """The unsafe parameters of a vehicle, and their values."""
-    values = finder.parameters
-    return [
-        (each, values[each.name])
-        for each in (finder.profile.wanted if finder.profile is not None else ())
-        if each.name in values and not each.safe(values[each.name])
-    ]
+def unsafe(finder: VehicleFinder, station: int) -> list[UnsafeParameter]:
+    """The unsafe parameters of a vehicle, for a ground station of this number."""
+    if finder.profile is None:
+        return []
+    return [*unsafe_parameters(finder.profile, finder.parameters, station)]
 
 
 def title(finder: VehicleFinder) -> str:
@@ -113,11 +112,12 @@ def usual_name(finder: VehicleFinder) -> str:
     return finder.profile.name if finder.profile is not None else "vehicle"
 
 
-def remarks(finder: VehicleFinder, *, signs: bool) -> Iterator[str]:
+def remarks(finder: VehicleFinder, *, station: int, signs: bool) -> Iterator[str]:
     """What the owner has to know of a vehicle, a sentence each.
 
     Args:
         finder: It has asked the vehicle.
+        station: Number of the hub as a ground station.
         signs: Whether a key was given.
     """
     vehicle = finder.vehicle
@@ -130,7 +130,7 @@ def remarks(finder: VehicleFinder, *, signs: bool) -> Iterator[str]:
     yield from _rules(finder)
     if vehicle.armed:
         yield "it is armed now: its motors may move"
-    yield from _parameters(finder)
+    yield from _parameters(finder, station)
     for each in finder.components.values():
         yield from _component(each, vehicle)
     for stream in finder.streams.values():
@@ -146,13 +146,17 @@ def _rules(finder: VehicleFinder) -> Iterator[str]:
         yield "its rules follow documents: they were not compared with recordings of such a vehicle"
 
 
-def _parameters(finder: VehicleFinder) -> Iterator[str]:
+def _parameters(finder: VehicleFinder, station: int) -> Iterator[str]:
     missing = [name for name in finder.wanted if name not in finder.parameters]
     if missing and finder.answers:
         yield f"it has no parameters of these names: {', '.join(missing)}"
-    for parameter, value in unsafe(finder):
-        wanted = f"{parameter.allowed[0]:g}"
-        yield f"unsafe: {parameter.name} is {value:g} in place of {wanted}: {parameter.why}"
+    for each in unsafe(finder, station):
+        yield f"unsafe: {unsafe_words(each)}"
+
+
+def unsafe_words(each: UnsafeParameter) -> str:
+    """An unsafe parameter with the reason, in words."""
+    return f"{each.name} is {each.value:.6g} in place of {each.wanted:g}: {each.why}"
 
 
 def _component(each: FoundComponent, vehicle: FoundComponent) -> Iterator[str]:
@@ -167,7 +171,13 @@ def _component(each: FoundComponent, vehicle: FoundComponent) -> Iterator[str]:
 
 
 def robot_file(
-    finder: VehicleFinder, address: str, *, name: str = "", key_file: str = "", today: str = ""
+    finder: VehicleFinder,
+    address: str,
+    *,
+    name: str = "",
+    key_file: str = "",
+    station: int = STATION,
+    today: str = "",
 ) -> str:
     """The text of a robot file for the vehicle that was asked.
 
@@ -176,6 +186,7 @@ def robot_file(
         address: Where the vehicle is.
         name: The robot's name; empty: the name of its kind.
         key_file: File of the signing key; empty: none.
+        station: Number of the hub as a ground station.
         today: The date, for the first line; empty: none.
     """
     system = finder.vehicle.system if finder.vehicle is not None else 0
@@ -191,6 +202,7 @@ def robot_file(
         f"address = {_text(address)}",
         f"system = {system}",
     ]
+    lines += [f"station = {station}"] if station != STATION else []
     lines += [f"key_file = {_text(key_file)}"] if key_file else []
     lines += ["", "[limits]", *_limit_lines(most)]
     lines += [

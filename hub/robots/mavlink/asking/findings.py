@@ -2,7 +2,7 @@
 
 | state | event | next state |
 | --- | --- | --- |
-| LISTENING | 1.5 s since the first heartbeat of an autopilot | ASKING |
+| LISTENING | 1.2 s since the first heartbeat of an autopilot | ASKING |
 | ASKING | all was answered, or 4 s have passed | DONE |
 | ASKING | there are several vehicles, and none was named | DONE |
 
@@ -38,7 +38,7 @@ _CAMERAS: Final = range(100, 106)
 """MAV_COMP_ID_CAMERA and those after it."""
 _REQUEST: Final = 512
 """MAV_CMD_REQUEST_MESSAGE."""
-_LISTENING_S: Final = 1.5
+_LISTENING_S: Final = 1.2
 _ASKING_S: Final = 4.0
 _AGAIN_S: Final = 0.5
 """Time between two requests of the same [s]."""

@@ -52,6 +52,7 @@ class VehicleSession:
         self,
         address: str,
         signer: Signer | None = None,
+        station: int = STATION,
         *,
         pause: Callable[[float], None] = time.sleep,
         clock: Callable[[], float] = time.monotonic,
@@ -61,6 +62,7 @@ class VehicleSession:
         Args:
             address: As `vehicle_address` reads it.
             signer: Signs what is sent; None: it has no signatures.
+            station: Number of this ground station.
             pause: Waits between two looks at the link [s].
             clock: The monotonic clock [s].
 
@@ -70,7 +72,7 @@ class VehicleSession:
         self.address: VehicleAddress = vehicle_address(address)
         self._link: ByteLink = link_to(self.address)
         self._parser = FrameParser(signer)
-        self._packer = FramePacker(STATION, STATION_COMPONENT, signer)
+        self._packer = FramePacker(station, STATION_COMPONENT, signer)
         self._pause, self._clock = pause, clock
         self.frames = 0
 

@@ -63,7 +63,7 @@ def adopted(folder: Path, finder: VehicleFinder) -> RobotDescription:
 
 
 def remarks(finder: VehicleFinder) -> list[str]:
-    return [*adopting.remarks(finder, signs=False)]
+    return [*adopting.remarks(finder, station=255, signs=False)]
 
 
 def test_nothing_that_counts_as_life_of_a_station_is_sent() -> None:
