@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import errno
 import gc
 import io
 import logging
@@ -64,8 +65,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(error, (CentralUnreachableError, QueryError, VehicleSilentError)):
             return ExitCode.NO_HUB
         return ExitCode.USAGE
-    except OSError as error:
-        sys.stderr.write(f"rune-hub: the output cannot be written: {error.strerror}\n")
+    except Exception as error:
+        why = f"the output cannot be written: {getattr(error, 'strerror', '')}"
+        if getattr(error, "errno", 0) in (errno.EMFILE, errno.ENFILE):  # ZeroMQ's have it too
+            why = "the system lets this program open no more files; `ulimit -n 1024` allows more"
+        elif not isinstance(error, OSError):
+            raise
+        sys.stderr.write(f"rune-hub: {why}\n")
         return ExitCode.FAULT
 
 

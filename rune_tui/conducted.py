@@ -115,6 +115,7 @@ class ConductedConsole(Console, inherit_bindings=True):
                 self._withdraw()
             case "return":
                 self._away.close()
+                self.inputs.forget_use()
                 self._report("returned")
             case "withhold":
                 self._quiet = float(order["quiet"])

@@ -24,6 +24,9 @@ from rune_study.session.journal import participants_of
 DERIVED = "derived"
 """Folder of the tables within that of the study."""
 
+_SHOWN = 3
+"""Partial trials that are named in a sentence."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StudyData:
@@ -45,13 +48,18 @@ class StudyData:
 
     @property
     def partial(self) -> list[str]:
-        """Trials that count and whose recordings lack something, a sentence each."""
-        return [
-            f"the metrics of participant {each.participant}, trial {each.trial} are partial: "
-            f"{each.partial}"
-            for each in self.trials
-            if each.partial and not each.excluded
-        ]
+        """A sentence on the trials that count and whose recordings lack something, or none."""
+        found = [each for each in self.trials if each.partial and not each.excluded]
+        if not found:
+            return []
+        shown = "; ".join(
+            f"participant {each.participant}, trial {each.trial}: {each.partial}"
+            for each in found[:_SHOWN]
+        )
+        more = len(found) - _SHOWN
+        rest = f"; and {more} more, which the column 'partial' of trials.csv names"
+        trials = "1 trial" if len(found) == 1 else f"{len(found)} trials"
+        return [f"the metrics of {trials} are partial: {shown}{rest if more > 0 else ''}"]
 
 
 def compute(study: StudySpec, progress: Callable[[float], None]) -> StudyData:

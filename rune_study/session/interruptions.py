@@ -28,6 +28,7 @@ class Interruptions:
         self._freezes = Freezes(study, step, attempt, journal, stage)
         self._task = SecondaryTask(study, step, journal)
         self._withheld_at: float | None = None
+        self._will_withhold = False
         if self._task.keys:
             stage.console.order("listen", keys=list(self._task.keys))
 
@@ -40,10 +41,16 @@ class Interruptions:
         if due.what == FREEZE:
             self._freeze(due, schedule)
         elif due.what == WITHHOLD:
-            self._stage.console.order("withhold", quiet=self._study.metrics.gap_s)
+            self._will_withhold = True
+            self._withhold_soon()
             self._note("withhold", due)
         elif due.what == QUESTION:
             self._stage.console.order("say", text=self._task.ask(due, time.monotonic()))
+
+    @property
+    def withholds(self) -> bool:
+        """Whether control is withheld."""
+        return self._withheld_at is not None
 
     def look(self, now: float) -> None:
         """End what is over."""
@@ -54,14 +61,12 @@ class Interruptions:
             waited = now - self._withheld_at
             dropped = min(low, waited) >= spec.still_s
             if dropped or waited >= spec.longest_s:
-                self._withheld_at = None
-                self._stage.console.order("allow")
+                self._allow("drop" if dropped else "time", waited=waited, low=low)
                 self._stage.console.order("say", text="CONTROL IS YOURS AGAIN")
-                why = "drop" if dropped else "time"
-                self._note("allowed", None, why=why, waited=round(waited, 3), low=round(low, 3))
 
     def withheld(self) -> None:
         """Take the console's report that it withholds control now."""
+        self._will_withhold = False
         self._withheld_at = time.monotonic()
         self._stage.console.order("say", text="CONTROL IS WITHHELD")
         self._note("withheld", None)
@@ -75,13 +80,22 @@ class Interruptions:
         self._task.end(None, time.monotonic(), counts=False)
 
     def pause(self, schedule: Schedule) -> None:
-        """Stop clock, simulation and view; an open question of the secondary task is withdrawn."""
+        """Stop clock, simulation and view; an open question of the secondary task is withdrawn.
+
+        Withheld control ends, and tells nothing of the robot's work: robots stand in a pause. One
+        that waits for a quiet moment waits for the first after the pause in which inputs were used.
+        """
         schedule.pause(time.monotonic())
+        if self._withheld_at is not None:
+            self._allow("pause", waited=time.monotonic() - self._withheld_at)
+        elif self._will_withhold:
+            self._stage.console.order("allow")
         self._task.end(None, time.monotonic(), counts=False)
         for robot in self._stage.robots:
             robot.pause(on=True)
         self._stage.console.order("withdraw")
         self._stage.console.wait_for("withdrawn")
+        list(self._stage.console.reports())  # of before the pause
 
     def go_on(self, schedule: Schedule) -> None:
         """Go on after a pause."""
@@ -90,6 +104,18 @@ class Interruptions:
         for robot in self._stage.robots:
             robot.pause(on=False)
         schedule.go_on(time.monotonic())
+        if self._will_withhold:
+            self._withhold_soon()
+
+    def _withhold_soon(self) -> None:
+        self._stage.console.order("withhold", quiet=self._study.metrics.gap_s)
+
+    def _allow(self, why: str, **seconds: float) -> None:
+        """End withheld control."""
+        self._withheld_at = None
+        self._stage.console.order("allow")
+        rounded = {name: round(value, 3) for name, value in seconds.items()}
+        self._note("allowed", None, why=why, **rounded)
 
     def _freeze(self, due: Due, schedule: Schedule) -> None:
         time_left = self._step.seconds - schedule.elapsed(time.monotonic())

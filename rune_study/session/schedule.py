@@ -64,13 +64,20 @@ class Schedule:
                 moment += last - first
         return moment
 
-    def due(self, now: float) -> list[Due]:
-        """What begins now; each comes once, and none during a pause."""
-        found = []
-        while self._waiting and self._waiting[0].at <= self.elapsed(now):
-            if self._paused_at is not None:
-                break
-            found.append(self._waiting.popleft())
+    def due(self, now: float, *, withheld: bool = False) -> list[Due]:
+        """What begins now; each comes once, and none during a pause.
+
+        Args:
+            now: The time now [s].
+            withheld: Whether control is withheld; a freeze waits for its end, as it would end the
+                work that is measured.
+        """
+        if self._paused_at is not None:
+            return []
+        over = [each for each in self._waiting if each.at <= self.elapsed(now)]
+        found = [each for each in over if not (withheld and each.what == FREEZE)]
+        for each in found:
+            self._waiting.remove(each)
         return found
 
     def pause(self, now: float) -> None:

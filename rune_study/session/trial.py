@@ -153,7 +153,7 @@ class Trial:
             if ending is not None:
                 return ending
             now = time.monotonic()
-            for due in schedule.due(now):
+            for due in schedule.due(now, withheld=self._interruptions.withholds):
                 self._mark(f"{due.what} {due.number}")
                 self._interruptions.begin(due, schedule)
             self._interruptions.look(now)

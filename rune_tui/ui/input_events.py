@@ -236,8 +236,15 @@ class InputEvents:
         return now
 
     def unused_for(self, now: float) -> float:
-        """How long no input has been held or used [s]; withheld ones do not count."""
+        """How long no input has been held or used [s]; withheld ones do not count.
+
+        Negative: none was used since the console was away.
+        """
         return 0.0 if self._down else now - self._used
+
+    def forget_use(self) -> None:
+        """Count the time without inputs from the next input on: the console was away."""
+        self._used = math.inf
 
     def release_all(self) -> None:
         """Release all inputs."""

@@ -316,6 +316,19 @@ def test_a_taken_name_and_a_missing_recorder_are_said(start_hub: Start, tmp_path
         assert (done.returncode, text in done.stderr) == (code, True), done.stderr
 
 
+def test_too_few_open_files_are_said_in_a_sentence(start_hub: Start, tmp_path: Path) -> None:
+    hub = start_hub(modules=("driver",))
+    command = [sys.executable, "-m", "hub", "record", "--hub", hub.endpoint]
+    done = subprocess.run(
+        ["sh", "-c", 'ulimit -n 15; exec "$@"', "sh", *command, "-o", str(tmp_path / "a.mcap")],
+        capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == [
+        "rune-hub: the system lets this program open no more files; `ulimit -n 1024` allows more"
+    ]
+
+
 def test_a_hub_records_from_its_start(start_hub: Start, look: Look, tmp_path: Path) -> None:
     file = tmp_path / "trial.mcap"
     hub = start_hub(modules=("driver",), options=("--record", str(file)))

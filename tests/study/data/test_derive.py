@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 from pathlib import Path
 
 import pytest
@@ -136,10 +137,24 @@ def test_what_recordings_lack_is_said_of_their_trial(study: StudySpec) -> None:
     assert "the console's recording is missing" in whole
     assert "cut" not in whole
     assert "t2-a1.mcap: " in part
-    assert data.partial[1].startswith("the metrics of participant 1, trial 2 are partial: the con")
+    (note,) = data.partial
+    assert note.startswith("the metrics of 2 trials are partial: participant 1, trial 1: the con")
+    assert "; participant 1, trial 2: the con" in note
     # Without a console's recording the operator did not do nothing: it is not known.
     rows = [row for row in data.metrics if row.metric in ("episodes", "ie_mean", "command_rate")]
     assert {row.why for row in rows} == {"the operator's inputs were not recorded"}
+
+
+def test_many_partial_trials_are_counted_in_one_sentence(study: StudySpec) -> None:
+    play(study)
+    data = compute(study, nothing)
+    (row, *_) = (each for each in data.trials if each.partial)
+    many = dataclasses.replace(data, trials=(row,) * 64)
+    (note,) = many.partial
+    assert note.startswith("the metrics of 64 trials are partial: participant 1, trial 1: ")
+    assert note.count("participant") == 3
+    assert note.endswith("; and 61 more, which the column 'partial' of trials.csv names")
+    assert dataclasses.replace(data, trials=()).partial == []
 
 
 def test_a_recording_that_ends_early_is_said(study: StudySpec) -> None:
