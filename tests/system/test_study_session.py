@@ -165,6 +165,7 @@ def test_freezes_withheld_control_and_the_secondary_task_interrupt_a_trial(folde
         session.type("\x1b[B\r")
         session.wait(lambda: seen(folder, "unfrozen"), 20.0)
         session.wait_for_picture()
+        session.hold("w", 0.5)  # after a freeze, control is withheld after the next use
         session.wait(lambda: seen(folder, "withheld"), 20.0)
         session.wait(lambda: seen(folder, "allowed"), 20.0)
         session.wait(lambda: seen(folder, "trial-end"), 40.0)
