@@ -88,6 +88,10 @@ class ScriptedAutopilot:
         """Let the vehicle hear a message of any sender."""
         packed = FramePacker(system, component).pack(name, **fields)
         (frame,) = FrameParser().feed(packed)
+        self.hear(frame)
+
+    def hear(self, frame):
+        """Let the vehicle hear a frame."""
         self.vehicle.received(frame, self.now)
 
     def heartbeat(self, **fields):
@@ -100,6 +104,10 @@ class ScriptedAutopilot:
             "system_status": self.status,
         }
         self.tell("HEARTBEAT", **(own | fields))
+
+    def on_sent(self, frame):
+        """Keep a frame that the vehicle sent."""
+        self.sent.append((self.now, frame))
 
     def boot(self):
         """Start anew: disarmed, without streams."""
@@ -141,7 +149,8 @@ class ScriptedAutopilot:
 
     def _take(self, data):
         frames = self._parser.feed(data)
-        self.sent += [(self.now, frame) for frame in frames]
+        for frame in frames:
+            self.on_sent(frame)
         if not self.deaf:
             self._inbox += frames
 

@@ -10,6 +10,8 @@ from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
 
 _PREARM_S: Final = 40.0
 """Age up to which a text on arming still holds; vehicles repeat them every 30 s [s]."""
+_LONGEST: Final = 900
+"""Most letters of a reason."""
 _WATCHED: Final = "Rune does not drive vehicles of this type: it only watches"
 _GROUND: Final = "it is on the ground, and Rune does not take off: a pilot brings it into the air"
 
@@ -21,21 +23,8 @@ def why(vehicle: MavlinkVehicle, now: float) -> str:
         vehicle: The vehicle.
         now: Monotonic time [s].
     """
-    match vehicle.phase:
-        case AutopilotPhase.LINKING:
-            return f"no heartbeat came yet{_others(vehicle)}"
-        case AutopilotPhase.GONE:
-            return vehicle.liveness.gone(now) or "it is asked again"
-        case AutopilotPhase.LEARNING:
-            return vehicle.learns_because or "its streams and parameters are asked for"
-        case AutopilotPhase.ARMING:
-            return "it was asked to arm"
-        case AutopilotPhase.DISARMED:
-            return vehicle.orders.refusal() or _disarmed(vehicle, now)
-        case AutopilotPhase.ELSEWHERE:
-            return _elsewhere(vehicle, now)
-        case _:
-            return _driving(vehicle)
+    reason = _reason(vehicle, now)
+    return reason if len(reason) <= _LONGEST else reason[: _LONGEST - 3] + "..."
 
 
 def warnings(vehicle: MavlinkVehicle) -> Iterator[str]:
@@ -52,6 +41,24 @@ def warnings(vehicle: MavlinkVehicle) -> Iterator[str]:
     missing = [name for name in profile.scales if name in vehicle.parameters.missing]
     if missing:
         yield f"it does not tell {', '.join(missing)}: it does not move where these are needed"
+
+
+def _reason(vehicle: MavlinkVehicle, now: float) -> str:
+    match vehicle.phase:
+        case AutopilotPhase.LINKING:
+            return f"no heartbeat came yet{_others(vehicle)}"
+        case AutopilotPhase.GONE:
+            return vehicle.liveness.gone(now) or "it is asked again"
+        case AutopilotPhase.LEARNING:
+            return vehicle.learns_because or "its streams and parameters are asked for"
+        case AutopilotPhase.ARMING:
+            return "it was asked to arm"
+        case AutopilotPhase.DISARMED:
+            return vehicle.orders.refusal() or _disarmed(vehicle, now)
+        case AutopilotPhase.ELSEWHERE:
+            return _elsewhere(vehicle, now)
+        case _:
+            return _driving(vehicle)
 
 
 def _others(vehicle: MavlinkVehicle) -> str:

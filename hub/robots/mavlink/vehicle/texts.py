@@ -24,6 +24,7 @@ _KEPT: Final = 50
 _MOST_PARTS: Final = 8
 """Most parts of one text; each has 50 letters."""
 _PART: Final = 50
+_LONGEST: Final = _MOST_PARTS * _PART
 _MOST_OPEN: Final = 4
 """Most texts whose parts are waited for."""
 _JOINED_S: Final = 1.0
@@ -134,7 +135,7 @@ class VehicleTexts:
         self._keep(ended.severity, words, now)
 
     def _keep(self, severity: int, words: str, now: float) -> None:
-        words = plain(words).strip()
+        words = plain(words).strip()[:_LONGEST]
         if not words or words.startswith(_REPEATED):
             return
         if any(each.text == words for each in self.since(now - _EACH_S)) or not self._rate.take(

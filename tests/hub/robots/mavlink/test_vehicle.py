@@ -148,6 +148,18 @@ def test_a_mode_that_was_accepted_and_forgotten_is_asked_for_again():
     assert len(bench.commands(ARM)) == 1
 
 
+def test_the_reasons_against_arming_are_bounded():
+    bench = in_phase(ScriptedAutopilot(), AutopilotPhase.DISARMED)
+    bench.bare = True  # nothing says that it can be armed
+    bench.tell("SYS_STATUS")
+    assert reason(bench) == "it is disarmed, and not ready to be armed"
+    for number in range(40):
+        bench.tell("STATUSTEXT", severity=2, text=f"PreArm: {number} " + "\x1b" * 40)
+        bench.run(0.1)
+    assert "PreArm: 3 \\x1b" in reason(bench)
+    assert len(reason(bench)) == 900
+
+
 # Driving.
 
 
