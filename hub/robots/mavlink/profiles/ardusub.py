@@ -49,6 +49,12 @@ _MODES: Final = {
 }
 
 
+def _dead(parameters: Parameters, name: str, usual: float) -> float:
+    """The dead zone of a stick [us]; one that is none, or as wide as the stick, counts as usual."""
+    value = parameters.get(name, usual)
+    return value if 0.0 <= value < _STICK_US else usual
+
+
 def _axis(speed: float, most: float, gain: float, dead: float) -> int:
     """The stick for a speed: its gain and dead zone undone.
 
@@ -66,7 +72,7 @@ def _climb(speed: float, parameters: Parameters, gain: float) -> int:
     if not speed or math.isnan(rise):
         return 500
     sink = parameters.get("PILOT_SPEED_DN", 0.0) / 100.0 or rise
-    dead = parameters.get("THR_DZ", 100.0) * gain
+    dead = _dead(parameters, "THR_DZ", 100.0) * gain
     share = min(1.0, abs(speed) / max(0.01, rise if speed > 0.0 else sink))
     travel = dead + (500.0 - dead) * share
     scale = gain * max(0.1, parameters.get("JS_THR_GAIN", 1.0))
@@ -78,7 +84,7 @@ def _turn(rate: float, parameters: Parameters, gain: float) -> int:
     if not rate or "ACRO_YAW_P" not in parameters:
         return 0
     full = _ACRO_TURN * max(0.1, parameters["ACRO_YAW_P"])
-    dead = parameters.get("RC4_DZ", 40.0) * gain
+    dead = _dead(parameters, "RC4_DZ", 40.0) * gain
     travel = dead + (_STICK_US - dead) * min(1.0, abs(rate) / full)
     return stick(math.copysign(travel / _STICK_US / gain, -rate))
 
@@ -87,7 +93,7 @@ def _setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Me
     known = gain if math.isfinite(gain) else parameters.get("JS_GAIN_DEFAULT", 1.0)
     gain = min(1.0, max(0.05, known))
     most = parameters.get("PILOT_SPEED", math.nan) / 100.0
-    dead = parameters.get("THR_DZ", 100.0)
+    dead = _dead(parameters, "THR_DZ", 100.0)
     return (
         (
             "MANUAL_CONTROL",

@@ -204,7 +204,7 @@ SPEEDS = st.floats(-3.0, 3.0)
 
 @pytest.mark.parametrize("profile", [each for _, each in PROFILES], ids=lambda each: each.name)
 @given(st.data(), SPEEDS, SPEEDS, SPEEDS, SPEEDS, st.floats(0.0, 1.0) | st.just(math.nan))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_a_setpoint_of_any_parameters_can_be_packed(profile, data, ahead, left, up, turn, gain):
     bench = ScriptedAutopilot()
     parameters = {
@@ -213,6 +213,11 @@ def test_a_setpoint_of_any_parameters_can_be_packed(profile, data, ahead, left, 
     wanted = Setpoint(ahead=ahead, left=left, up=up, turn=turn)
     for name, fields in profile.setpoint(wanted, parameters, gain):
         bench.tell(name, **fields)
+        if name == "MANUAL_CONTROL" and profile.name == "sub":
+            assert fields["x"] * ahead >= 0
+            assert fields["y"] * left <= 0
+            assert (fields["z"] - 500) * up >= 0
+            assert fields["r"] * turn <= 0
     zero, cut = profile.stops(parameters, abs(ahead), receiver=bool(up > 0))
     assert zero >= 0.0 or math.isnan(zero)
     assert cut != -math.inf
