@@ -5,8 +5,6 @@ After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest tests/hous
 
 from __future__ import annotations
 
-import itertools
-import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -29,6 +27,7 @@ from hub.shaper.profile import (
 from hub.sim import arena_specs, spec_values
 from hub.sim.ground import specs as ground_specs
 from hub.toml_reader import REQUIRED, Key, Within, keys_of, tables_of
+from tests.support.page_tables import check_page, put_table
 
 _DOCS = Path(__file__).parents[2] / "docs"
 _COLOURS = {colour: f"`{name}`" for name, colour in spec_values.COLOURS.items()}
@@ -101,15 +100,15 @@ def test_tables_of_keys_are_those_of_the_code(page: str) -> None:
     for where, heading, keys in _pages():
         if where != page:
             continue
-        _put_table(lines, heading, [_row(name, key) for name, key in keys.items()])
-    _check(path, lines)
+        put_table(lines, heading, [_row(name, key) for name, key in keys.items()])
+    check_page(path, lines)
 
 
 def test_table_of_link_profiles_is_that_of_their_files() -> None:
     path = _DOCS / "links.md"
     lines = path.read_text().splitlines()
-    _put_table(lines, "The profiles:", [_profile_row(load_profile(n)) for n in shipped_profiles()])
-    _check(path, lines)
+    put_table(lines, "The profiles:", [_profile_row(load_profile(n)) for n in shipped_profiles()])
+    check_page(path, lines)
 
 
 def _profile_row(profile: LinkProfile) -> str:
@@ -124,19 +123,3 @@ def _profile_row(profile: LinkProfile) -> str:
         f"{way.rate / 1e3:,g}",
     )
     return "| " + " | ".join(cells) + " |"
-
-
-def _put_table(lines: list[str], heading: str, rows: list[str]) -> None:
-    """Put rows in place of those of the table behind a line that begins so."""
-    starts = [place for place, line in enumerate(lines) if line.startswith(heading)]
-    assert starts, f"no line begins with {heading}"
-    first = next(n for n in itertools.count(starts[-1]) if lines[n].startswith("|")) + 2
-    last = next(n for n in itertools.count(first) if not lines[n].startswith("|"))
-    lines[first:last] = rows
-
-
-def _check(path: Path, lines: list[str]) -> None:
-    wanted = "\n".join(lines) + "\n"
-    if os.environ.get("RUNE_WRITE_SNAPSHOTS"):
-        path.write_text(wanted)
-    assert path.read_text() == wanted, "write the tables anew, as this file's docstring says"

@@ -19,6 +19,7 @@ ROOT = Path(__file__).parents[2]
 NAMES = (
     "README",
     "CONTRIBUTING",
+    "docs/autopilots",
     "docs/safety",
     "docs/operator-guide",
     "docs/layouts",

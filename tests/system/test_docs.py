@@ -31,6 +31,7 @@ from tests.support import warm_start
 from tests.support.command_line import rune, rune_hub
 from tests.support.recorded_drive import write_drive
 from tests.support.waiting import until
+from tests.system.autopilot_site import SimulatedVehicle
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.ssh_server import SshServer, missing
 
@@ -66,6 +67,8 @@ RECORDING = [
 """These are about one recorder, and come in the order of the page."""
 STUDY = [command for command in EVERY if command.startswith("rune study ")]
 """These are about one study, and come in the order of the page."""
+AUTOPILOT = [*commands(ROOT / "docs" / "autopilots.md")]
+"""These are about one vehicle, and come in the order of the page."""
 ALONE = ("run", "keys", "check", "doctor", "service", "arena", "completion")
 """Commands of `rune-hub` that ask no hub."""
 
@@ -82,9 +85,9 @@ def named(found: Iterable[str]) -> list[Any]:
     return [pytest.param(command, id=f"{EVERY[command]}: {command}") for command in found]
 
 
-_IN_ORDER = [*CHANGING, *MISSION, *RECORDING, *LOG, *STUDY]
+_IN_ORDER = [*CHANGING, *MISSION, *RECORDING, *LOG, *STUDY, *AUTOPILOT]
 ON_A_HUB = [each for each in EVERY if each not in _IN_ORDER and asks_a_hub(each)]
-BY_ITSELF = [each for each in EVERY if not (each in STUDY or asks_a_hub(each))]
+BY_ITSELF = [each for each in EVERY if not (each in (*STUDY, *AUTOPILOT) or asks_a_hub(each))]
 
 
 def test_there_are_commands() -> None:
@@ -149,6 +152,34 @@ def test_commands_of_studies_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
             assert done.returncode == 0, f"{command}: {done.stderr}"
             continue
         _takes_a_session(words)
+
+
+def test_commands_of_autopilots_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stack: contextlib.ExitStack
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    address = ""
+    for command in AUTOPILOT:
+        words = shlex.split(command.replace("tcp://127.0.0.1:5760", address))
+        if words[:2] == ["rune-hub", "sim-autopilot"]:
+            assert words[3:] == ["--fast-boot"], "as below"
+            vehicle = stack.enter_context(closing(SimulatedVehicle(words[2])))
+            address = f"tcp://127.0.0.1:{vehicle.port}"
+        elif words[:2] == ["rune", "drive"]:
+            _drives(words)
+        elif words[:2] == ["rune-hub", "run"]:
+            _starts_and_ends([*words[:2], str(tmp_path / words[2])], tmp_path)
+        elif words[0] != "pip":
+            done = rune_hub(*words[1:])
+            assert done.returncode == 0, f"{command}: {done.stderr}"
+
+
+def _drives(words: list[str]) -> None:
+    with closing(ConsoleProcess(words[1:], columns=120, rows=40)) as console:
+        console.wait(lambda: "Enter opens the console" in console.text, 30.0)
+        console.type("\r")
+        console.wait(lambda: "DISARMED" in console.text, 20.0)
+        assert console.quit() == 0
 
 
 @pytest.mark.parametrize("command", named(BY_ITSELF))

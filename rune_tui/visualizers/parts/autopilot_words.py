@@ -15,7 +15,7 @@ from rune_tui.visualizers.parts.staleness import age_text
 
 ARMED: Final = frozenset({AutopilotPhase.DRIVING, AutopilotPhase.ELSEWHERE})
 """The phases of an armed vehicle."""
-_PHASES: Final = {
+PHASES: Final = {
     AutopilotPhase.LINKING: "NO AUTOPILOT YET",
     AutopilotPhase.LEARNING: "asks it for all",
     AutopilotPhase.DISARMED: "",
@@ -24,6 +24,7 @@ _PHASES: Final = {
     AutopilotPhase.ELSEWHERE: "does not follow",
     AutopilotPhase.GONE: "GONE",
 }
+"""What can be done with a vehicle now; a disarmed one says so itself."""
 _SILENT_S: Final = 1.5
 """Age of a heartbeat that is a caution: they come every second [s]."""
 _NO_SATELLITES: Final = 255
@@ -37,7 +38,7 @@ def head_of(robot: RobotState, autopilot: AutopilotState) -> Part:
         and vehicle is not None
         and vehicle.arming is Arming.ARMED
     )
-    words = [_PHASES[autopilot.phase]]
+    words = [PHASES[autopilot.phase]]
     severity = Severity.WARNING if armed else Severity.GOOD
     if autopilot.phase is AutopilotPhase.GONE:
         words.append("it was armed" if armed else "it was disarmed")
@@ -59,10 +60,11 @@ def autopilot_parts(robot: RobotState, autopilot: AutopilotState) -> Iterator[Pa
     if autopilot.phase is AutopilotPhase.LINKING:
         return
     yield _link(autopilot)
-    yield _place(autopilot)
-    yield from _battery(robot)
-    if math.isfinite(autopilot.gain):
-        yield Part(f"sticks have {autopilot.gain:.0%} of their effect", 2)
+    if autopilot.phase is not AutopilotPhase.GONE:  # else it was so, and may be no longer
+        yield _place(autopilot)
+        yield from _battery(robot)
+        if math.isfinite(autopilot.gain):
+            yield Part(f"sticks have {autopilot.gain:.0%} of their effect", 2)
     if autopilot.unsafe:
         yield Part(f"{unsafe_words(autopilot)}: the help lists them", 6, Severity.WARNING)
     kind = autopilot.vehicle or "a vehicle of no known kind"
@@ -121,7 +123,7 @@ def _link(autopilot: AutopilotState) -> Part:
     heard = autopilot.heard_s
     words = ["not heard" if math.isnan(heard) else f"heard {age_text(heard)} ago"]
     if math.isfinite(autopilot.round_trip_s):
-        words.append(f"echo {1000.0 * autopilot.round_trip_s:.0f} ms")
+        words.append(f"echo {max(1.0, 1000.0 * autopilot.round_trip_s):.0f} ms")
     silent = not heard <= _SILENT_S
     return Part(", ".join(words), 4, Severity.WARNING if silent else Severity.PLAIN)
 

@@ -89,6 +89,15 @@ def test_nothing_is_invented_about_a_vehicle_that_was_never_heard(draw: Draw) ->
     assert rows(draw, piloted(None)) == ["no state of the autopilot"]
 
 
+def test_what_a_silent_vehicle_said_of_itself_is_no_longer_said(draw: Draw) -> None:
+    gone = rover(phase=AutopilotPhase.GONE, why="no heartbeat for 4 s", heard_s=4.2, gain=0.5)
+    text = "\n".join(rows(draw, piloted(gone)))
+    assert "GONE" in text.splitlines()[0]
+    assert "heard 4.2 s ago" in text
+    for words_ in ("place", "battery", "sticks"):
+        assert words_ not in text
+
+
 def test_without_room_the_reason_stays_and_the_rest_is_counted(draw: Draw) -> None:
     texts = [(f"text {number}", Level.OK) for number in range(9)]
     wrong = rover(why="it is in hold", unsafe=(UNSAFE,))
