@@ -32,7 +32,7 @@ class Episode:
     Attributes:
         begin: When he chose the robot, or his first input [s].
         end: His last input [s].
-        inputs: Number of inputs.
+        inputs: Number of inputs; a key that was down before is none.
     """
 
     begin: float
@@ -62,7 +62,8 @@ def episodes(
         selections: When the robot was chosen [s]. An episode begins at the latest one that is at
             most `gap` before its first input, and after the episode before.
         held: Begin and end of each time in which a key was down or a stick out of neutral (k, 2)
-            [s]; both ends are inputs.
+            [s]. The hands work at both ends, also where the trial or a pause cuts it and no input
+            is there.
         gap: A pause longer than this ends an episode [s].
         least: Shortest time from the first input to the end [s].
         until: End of the trial [s]; no episode lasts longer.
@@ -73,11 +74,12 @@ def episodes(
     Raises:
         DataError: A time is not finite.
     """
-    times = np.sort(_finite(inputs, "inputs"))
+    counted = np.sort(_finite(inputs, "inputs"))
     chosen = np.sort(_finite(selections, "selections"))
+    spans = _finite(np.ravel(held), "held").reshape(-1, 2)
+    times = np.sort(np.concatenate((counted, spans.ravel())))
     if not times.size:
         return ()
-    spans = _finite(np.ravel(held), "held").reshape(-1, 2)
     apart = np.diff(times) > gap + _EQUAL
     if split_at_selections:
         apart |= np.diff(np.searchsorted(chosen, times, side="right")) > 0
@@ -94,7 +96,8 @@ def episodes(
         if made:
             begin = max(begin, made[-1].end)
         end = min(max(float(part[-1]), first + least), max(until, begin))
-        made.append(Episode(begin=begin, end=end, inputs=len(part)))
+        within = np.searchsorted(counted, part[-1], "right") - np.searchsorted(counted, first)
+        made.append(Episode(begin=begin, end=end, inputs=int(within)))
     return tuple(made)
 
 

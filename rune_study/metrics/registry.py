@@ -49,7 +49,7 @@ _ROWS = (
          "Share of robots that reached their goal."),
     _row("episodes", "", "", of.episode_count,
          "Episodes of interaction: inputs of one robot, split at pauses longer than 2 s; "
-         "while a key is held there is none."),
+         "while a key is held there is none. A key that is down when the trial begins counts."),
     _row("ie_mean", "s", "lower", lambda it: it.effort,
          "Interaction effort IE: mean length of an episode. It begins when the robot is "
          "chosen, at most 2 s before the first input, and lasts at least 0.5 s. If the robot is "

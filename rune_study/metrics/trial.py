@@ -91,7 +91,7 @@ class RobotData:
             as `driving.stick_moves` finds them.
         selections: When the operator chose it [s].
         held: Begin and end of each time in which a key was down or a stick out of neutral [s],
-            shape (k, 2); both ends are inputs.
+            shape (k, 2).
         progress: Progress of its task so far, in the unit that the study chose.
         travel: Where it drove.
         motion: How it moved, and where its camera looked.

@@ -167,7 +167,8 @@ def _photons(log: TrialLog, role: str, track: Track, inputs: OperatorInputs) -> 
         [
             time
             for time, record in inputs.inputs
-            if record.robot == role
+            if time >= 0.0
+            and record.robot == role
             and record.pressed
             and not record.repeat
             and record.outcome is InputOutcome.SENT

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from hub.gcm.vision import IMAGE
 from hub.values import dataclass
 from rune_study.trial_data.trial_log import TrialLog
+from rune_tui.model.held_inputs import HeldInputs
 from rune_tui.model.own_records import (
     RUNE_FRAME,
     RUNE_INPUT,
@@ -18,6 +19,7 @@ from rune_tui.model.own_records import (
     InputOutcome,
     InputRecord,
     Selection,
+    SelectRecord,
 )
 
 _TURNS = {"a": 1, "left": 1, "d": -1, "right": -1}
@@ -33,7 +35,8 @@ class OperatorInputs:
         by_robot: When an input commanded a robot [s of the trial] (n,), by the robot's name.
         held: Begin and end of each time with a key down or a stick moved [s of the trial] (k, 2).
         selections: When a robot was chosen [s of the trial] (n,), by its name.
-        inputs: All inputs with their times [s of the trial], in their order.
+        inputs: All inputs with their times [s of the trial], in their order; those before the trial
+            have negative times, because their keys may still be down.
         refused: Number of inputs that were refused with a reason.
     """
 
@@ -66,33 +69,40 @@ def inputs_of(log: TrialLog) -> OperatorInputs:
 
     Inputs while control was withheld are left out: they are no interaction.
     """
-    inputs = tuple(
-        (time, record)
-        for time, record in log.own(RUNE_INPUT)
-        if record.outcome is not InputOutcome.WITHHELD
-    )
     by_robot: dict[str, list[float]] = {}
-    for time, record in inputs:
-        if record.robot and record.handlers and not (record.repeat and record.value == 1):
+    selections: dict[str, list[float]] = {}
+    inputs: list[tuple[float, InputRecord]] = []
+    down = HeldInputs()
+    records: list[tuple[float, InputRecord | SelectRecord]] = [
+        *log.own(RUNE_INPUT, before=True),
+        *log.own(RUNE_SELECT, before=True),
+    ]
+    for time, record in sorted(records, key=lambda each: each[0]):
+        if isinstance(record, SelectRecord):
+            if record.what is Selection.CHOSEN and record.robot and time >= 0.0:
+                selections.setdefault(record.robot, []).append(time)
+            elif record.what is Selection.FOCUS and not record.on:
+                down.focus_lost(time)
+            continue
+        withheld = down.withheld(record.input) and not record.pressed
+        down.take(time, record)
+        if withheld or record.outcome is InputOutcome.WITHHELD:
+            continue
+        inputs.append((time, record))
+        repeats = record.repeat and record.value == 1
+        if time >= 0.0 and record.robot and record.handlers and not repeats:
             by_robot.setdefault(record.robot, []).append(time)
     held: dict[str, list[tuple[float, float]]] = {}
-    down: dict[str, float] = {}
-    for time, record in inputs:
-        if record.pressed:
-            # A release can be lost, with the focus for example: a new press begins again.
-            down[record.input] = down.get(record.input, time) if record.repeat else time
-        elif (since := down.pop(record.input, None)) is not None and record.robot:
-            held.setdefault(record.robot, []).append((since, time))
-    selections: dict[str, list[float]] = {}
-    for time, selected in log.own(RUNE_SELECT):
-        if selected.what is Selection.CHOSEN and selected.robot:
-            selections.setdefault(selected.robot, []).append(time)
+    for span in down.until(min(log.seconds, log.last_of_console)):
+        held.setdefault(span.robot, []).append((span.begin, span.end))
     return OperatorInputs(
         by_robot={robot: np.array(times) for robot, times in by_robot.items()},
-        held={robot: np.array(spans) for robot, spans in held.items()},
+        held={robot: np.array(sorted(spans)) for robot, spans in held.items()},
         selections={robot: np.array(times) for robot, times in selections.items()},
-        inputs=inputs,
-        refused=sum(record.outcome is InputOutcome.REFUSED for _, record in inputs),
+        inputs=tuple(inputs),
+        refused=sum(
+            record.outcome is InputOutcome.REFUSED and time >= 0.0 for time, record in inputs
+        ),
     )
 
 

@@ -58,13 +58,30 @@ class TrialLog:
             )
         )
 
-    def values(self, robot: str, definition: MessageDefinition[T]) -> Iterator[tuple[float, T]]:
+    @property
+    def last_of_console(self) -> float:
+        """When the console recorded something for the last time, also after it [s of the trial]."""
+        own = {
+            number for number, topic in self._recordings.channels.items() if topic.robot == CONSOLE
+        }
+        newest = self._recordings.newest(self._recordings.end, own) if own else {}
+        stamps = (message.stamp for message in newest.values())
+        return (max(stamps, default=self.begin) - self.begin) / _SECOND
+
+    def values(
+        self, robot: str, definition: MessageDefinition[T], *, before: bool = False
+    ) -> Iterator[tuple[float, T]]:
         """A robot's messages of one kind, and when each was measured [s of the trial].
 
         Hub and console both may have recorded them; the fuller recording counts. Messages that
         cannot be read are counted in `damaged`.
+
+        Args:
+            robot: Its name.
+            definition: The kind.
+            before: Whether messages from before the trial are wanted too; their times are negative.
         """
-        for message in self._messages(robot, definition):
+        for message in self._messages(robot, definition, before=before):
             try:
                 value = definition.decode(message.payload)
             except CodecError:
@@ -72,9 +89,11 @@ class TrialLog:
                 continue
             yield (message.published - self.begin) / _SECOND, value
 
-    def own(self, definition: MessageDefinition[T]) -> Iterator[tuple[float, T]]:
+    def own(
+        self, definition: MessageDefinition[T], *, before: bool = False
+    ) -> Iterator[tuple[float, T]]:
         """A console's records of itself of one kind, as `values`."""
-        return self.values(CONSOLE, definition)
+        return self.values(CONSOLE, definition, before=before)
 
     def numbers(self, robot: str, definition: MessageDefinition[T]) -> dict[int, float]:
         """When each message was measured [s of the trial], by its received number."""
@@ -93,7 +112,12 @@ class TrialLog:
         return None
 
     def _messages(
-        self, robot: str, definition: MessageDefinition[T], *, reverse: bool = False
+        self,
+        robot: str,
+        definition: MessageDefinition[T],
+        *,
+        reverse: bool = False,
+        before: bool = False,
     ) -> Iterator[LoggedMessage]:
         channels = [
             number
@@ -103,5 +127,5 @@ class TrialLog:
         if channels:
             counts = self._recordings.counts
             channel = max(channels, key=lambda number: (counts.get(number, 0), -number))
-            begin, end = self.begin, self.end
+            begin, end = None if before else self.begin, self.end
             yield from self._recordings.messages(begin, end, {channel}, reverse=reverse)

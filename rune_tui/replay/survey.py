@@ -10,7 +10,15 @@ from hub.gcm.navigation import ROBOT_STATE, RobotState
 from hub.gcm.recording import RECORD_MARK, RecordMark
 from hub.recording.anchor import TimeAnchor
 from hub.recording.recording_set import RecordingSet
-from rune_tui.model.own_records import RUNE_INPUT, InputOutcome, InputRecord
+from rune_tui.model.held_inputs import HeldInputs
+from rune_tui.model.own_records import (
+    RUNE_INPUT,
+    RUNE_SELECT,
+    InputOutcome,
+    InputRecord,
+    Selection,
+    SelectRecord,
+)
 from rune_tui.model.study_records import (
     RUNE_PROBE,
     RUNE_SECONDARY,
@@ -36,6 +44,7 @@ _READ = tuple(
     each.name
     for each in (
         RUNE_INPUT,
+        RUNE_SELECT,
         RUNE_TEAM,
         INTEREST_POINTS,
         ROBOT_STATE,
@@ -75,7 +84,7 @@ def survey(recording: RecordingSet) -> Overview:
         if topic.message in _READ:
             found.take(message.stamp, topic.robot, decoder.value(message))
     events = sorted(found.events, key=lambda event: event.stamp)
-    return Overview(events=events, episodes=tuple(found.episodes()), gaps=gaps)
+    return Overview(events=events, episodes=tuple(found.episodes(before)), gaps=gaps)
 
 
 class _Survey:
@@ -83,7 +92,8 @@ class _Survey:
 
     def __init__(self) -> None:
         self.events: list[ReplayEvent] = []
-        self._inputs: dict[str, list[int]] = {}
+        self._inputs: dict[str, list[Span]] = {}
+        self._held = HeldInputs()
         self._points: dict[str, set[int]] = {}
         self._pressed: dict[str, int] = {}
         self._bumped: dict[str, int] = {}
@@ -91,8 +101,8 @@ class _Survey:
 
     def take(self, stamp: int, robot: str, value: Any) -> None:  # noqa: ANN401 - any message
         match value:
-            case InputRecord() if value.robot and value.outcome is not InputOutcome.NONE:
-                self._inputs.setdefault(value.robot, []).append(stamp)
+            case InputRecord() | SelectRecord():
+                self._input(stamp, value)
             case TeamEvent(kind=TeamEventKind.RAISED, cause="state") if self._begins(value.robot):
                 pass  # the console waits for the first state
             case TeamEvent(kind=TeamEventKind.RAISED):
@@ -112,16 +122,31 @@ class _Survey:
             case RobotState():
                 self._bump(stamp, robot, value.bumpers)
 
-    def episodes(self) -> Iterator[Span]:
-        """When the operator interacted with each robot."""
-        for robot, stamps in self._inputs.items():
-            begin = last = stamps[0]
-            for stamp in stamps[1:]:
-                if stamp - last > PAUSE_NS:
+    def episodes(self, end: int) -> Iterator[Span]:
+        """When the operator interacted with each robot; inputs may be down up to `end` [ns]."""
+        for held in self._held.until(end):
+            self._worked(Span(start=int(held.begin), end=int(held.end), robot=held.robot))
+        for robot, parts in self._inputs.items():
+            first, *others = sorted(parts, key=lambda part: part.start)
+            begin, last = first.start, first.end
+            for part in others:
+                if part.start - last > PAUSE_NS:
                     yield Span(start=begin, end=max(last, begin + LEAST_NS), robot=robot)
-                    begin = stamp
-                last = stamp
+                    begin = part.start
+                last = max(last, part.end)
             yield Span(start=begin, end=max(last, begin + LEAST_NS), robot=robot)
+
+    def _input(self, stamp: int, record: InputRecord | SelectRecord) -> None:
+        if isinstance(record, SelectRecord):
+            if record.what is Selection.FOCUS and not record.on:
+                self._held.focus_lost(stamp)
+            return
+        self._held.take(stamp, record)
+        if record.robot and record.outcome is not InputOutcome.NONE:
+            self._worked(Span(start=stamp, end=stamp, robot=record.robot))
+
+    def _worked(self, part: Span) -> None:
+        self._inputs.setdefault(part.robot, []).append(part)
 
     def _study(self, stamp: int, record: StudyRecord) -> None:
         kind = _STUDY_EVENTS.get(record.what)

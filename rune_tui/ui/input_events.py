@@ -95,7 +95,8 @@ class InputEvents:
         self._pauses = OwnPauses(PAUSE_S, stale_s=STALE_S)
         self.recorder: Recorder | None = None
         self.withheld = False
-        self._down: set[str] = set()
+        self._down: dict[str, ControlEvent] = {}
+        self._recorded = ""
         self._used = -math.inf
         self._heard = 0.0
         self._focused = -math.inf
@@ -217,6 +218,7 @@ class InputEvents:
         dispatch = self._current.dispatch
         self.keyboard.answers = self._painter.answers_itself
         expired, state = tuple(self.keyboard.expire(now)), self._state()
+        self._record_held(state, now)
         effects = dispatch.handle_all(expired, state)
         for each in expired:
             self._note(each, effects, state, now)
@@ -296,9 +298,22 @@ class InputEvents:
         """Note that an input was used; record it, and what became of it."""
         self._used = time.monotonic()
         if event.pressed and event.name not in _MOMENTARY:
-            self._down.add(event.name)
+            self._down[event.name] = event
         else:
-            self._down.discard(event.name)
+            self._down.pop(event.name, None)
+        self._record(event, effects, state, read)
+
+    def _record(
+        self, event: ControlEvent, effects: Collection[Effect], state: ConsoleState, read: float
+    ) -> None:
         if self.recorder is not None and self.recorder.path:
             bound = self._current.dispatch.listeners.of(event)
             self.recorder.note_input(input_record(event, bound, effects, state, read))
+
+    def _record_held(self, state: ConsoleState, now: float) -> None:
+        """Let a recording that begins have the inputs that are down."""
+        path = self.recorder.path if self.recorder is not None else ""
+        if path != self._recorded:
+            self._recorded = path
+            for event in self._down.values():
+                self._record(dataclasses.replace(event, repeat=True), (), state, now)

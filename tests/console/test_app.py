@@ -12,9 +12,11 @@ from textual import events
 
 from hub.gcm.navigation import STOP, TURN_COMMAND, Stop, TurnCommand
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityReports
+from hub.recording.recording_set import RecordingSet
 from rune_tui.controls.events import PAUSE_S
 from rune_tui.layout.loader import load_layout
 from rune_tui.model.effects import Notify, SendEffect
+from rune_tui.model.own_records import RUNE_INPUT
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.driver_reports import KeyMoved, ReleasesReported
 from tests.console.app_desk import Desk, Script
@@ -243,6 +245,34 @@ def test_a_step_that_fails_ends_no_console_and_leaves_the_others(
             await desk.until(lambda: any("could not be done" in text for text in desk.notices))
             await desk.drive()
         assert len([text for text in desk.notices if "could not be done" in text]) == 1
+
+    play(script)
+
+
+def test_a_recording_that_begins_has_the_keys_that_are_down(
+    play: Callable[[Script], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DOCUMENTS_DIR", str(tmp_path))
+
+    async def script(desk: Desk) -> None:
+        desk.console.post_message(KeyMoved("w", "w", KeyMove.PRESS))
+        await desk.until(lambda: "w" in desk.console.state.held)
+        await desk.press("r")
+        await desk.until(lambda: desk.console.state.recording)
+        path = desk.console.state.recording
+        desk.console.post_message(KeyMoved("w", "w", KeyMove.RELEASE))
+        await desk.until(lambda: "w" not in desk.console.state.held)
+        desk.console.effects.end_recording()
+        with RecordingSet.open([Path(path)]) as recorded:
+            channels = {
+                number
+                for number, topic in recorded.channels.items()
+                if topic.message == RUNE_INPUT.name
+            }
+            messages = [*recorded.messages(channels=channels)]
+        moves = [RUNE_INPUT.decode(each.payload) for each in messages]
+        found = [(each.pressed, each.repeat) for each in moves if each.input == "w"]
+        assert (found[0], found[-1]) == ((True, True), (False, False))
 
     play(script)
 

@@ -123,3 +123,20 @@ def test_what_happened_is_found(tmp_path: Path) -> None:
     (gap,) = found.gaps
     assert round((gap.start - start) / SECOND, 1) == 10.0
     assert round((gap.end - start) / SECOND, 1) == 15.0
+
+
+def test_a_held_key_is_an_episode_of_its_whole_length(tmp_path: Path) -> None:
+    """A terminal that reports releases repeats only the key that went down last."""
+    path, now = tmp_path / "a.mcap", 100.0
+    recording = ConsoleRecording(path, {}, clock=lambda: now)
+    released = dataclasses.replace(KEY, pressed=False, outcome=InputOutcome.SENT)
+    turning = dataclasses.replace(KEY, input="a")
+    for now, key in ((100.0, KEY), (121.0, released), (140.0, turning)):
+        recording.add("console", RUNE_INPUT, key, now)
+    now = 150.0
+    recording.add("blimp", ROBOT_STATE, robot_state(), now)
+    recording.close()
+    with RecordingSet.open([path]) as opened:
+        found, start = survey(opened), opened.start
+    ends = [((span.start - start) / SECOND, (span.end - start) / SECOND) for span in found.episodes]
+    assert [(round(one), round(two)) for one, two in ends] == [(0, 21), (40, 50)]

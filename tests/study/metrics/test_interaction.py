@@ -103,6 +103,13 @@ def test_a_held_key_is_no_pause() -> None:
     assert [(each.begin, each.end) for each in made] == [(1, 4), (9, 12)]
 
 
+def test_a_key_that_is_held_all_the_time_is_one_episode_without_an_input() -> None:
+    (whole,) = episodes([], held=[(0.0, 20.0)], until=20.0)
+    assert (whole.begin, whole.end, whole.inputs) == (0.0, 20.0, 0)
+    (whole,) = episodes([21.0, 21.02, 24.2], held=[(0.0, 21.0), (21.02, 24.2)], until=50.0)
+    assert (whole.begin, whole.end, whole.inputs) == (0.0, 24.2, 3)
+
+
 def test_times_are_finite() -> None:
     with pytest.raises(DataError, match="inputs: a time is not finite"):
         episodes([1, math.nan])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,7 @@ from rune_tui.model.own_records import (
 ANCHOR = TimeAnchor(1_700_000_000_000_000_000, 100.0)
 BEGIN = ANCHOR.stamp(100.0)
 NO_PICTURE = np.zeros(0, np.uint8)
-Entry = tuple[float, str, MessageDefinition[Any], object]
+Entry = tuple[float, str, MessageDefinition[Any], Any]
 
 
 def opened(folder: Path, *entries: Entry) -> RecordingSet:
@@ -164,6 +165,58 @@ def test_a_key_is_held_up_to_its_release_and_a_press_after_a_lost_one_begins_ane
         pytest.approx([1.0, 9.0]),
         pytest.approx([20.0, 21.0]),
     ]
+
+
+def test_a_key_that_is_down_when_the_trial_begins_or_ends_is_held(tmp_path: Path) -> None:
+    """The console records on after the trial, and keys went down before it began."""
+    entries: list[Entry] = [
+        pressed(-0.4, "w", "rover"),
+        pressed(-0.3, "q", "rover"),
+        pressed(-0.2, "q", "rover", down=False),
+        pressed(20.0, "w", "rover", down=False),
+        pressed(20.1, "w", "rover"),
+        pressed(23.0, "w", "rover", down=False),
+        pressed(28.0, "a", "rover"),
+        pressed(35.0, "a", "rover", down=False),
+    ]
+    with opened(tmp_path, *entries) as recordings:
+        inputs = inputs_of(TrialLog(recordings, BEGIN, ANCHOR.stamp(130.0)))
+    assert inputs.by_robot["rover"] == pytest.approx([20.0, 20.1, 23.0, 28.0])
+    ends = [[-0.4, 20.0], [-0.3, -0.2], [20.1, 23.0], [28.0, 30.0]]
+    assert inputs.held["rover"].tolist() == [pytest.approx(each) for each in ends]
+    times, values = inputs.steering("rover")
+    assert (times.tolist(), values.tolist()) == (pytest.approx([28.0]), [1.0])
+
+
+def test_a_key_whose_release_is_missing_is_held_as_long_as_the_console_lives(
+    tmp_path: Path,
+) -> None:
+    """A killed console, a lost focus, and a press that the console did not take."""
+    focus = SelectRecord(what=Selection.FOCUS, on=False)
+    deaf = pressed(40.0, "d", "rover", repeat=True)
+    deaf = (*deaf[:3], dataclasses.replace(deaf[3], outcome=InputOutcome.DEAF))
+    entries: list[Entry] = [
+        pressed(1.0, "w", "rover"),
+        (5.0, "console", RUNE_SELECT, focus),
+        deaf,
+        pressed(50.0, "a", "rover"),
+        (58.0, "console", RUNE_SELECT, SelectRecord(what=Selection.HELP)),
+        (90.0, "rover", ROBOT_STATE, state(1.0)),
+    ]
+    with opened(tmp_path, *entries) as recordings:
+        held = inputs_of(TrialLog(recordings, BEGIN, ANCHOR.stamp(180.0))).held["rover"]
+    assert held.tolist() == [pytest.approx([1.0, 5.0]), pytest.approx([50.0, 58.5])]
+
+
+def test_a_release_of_what_was_pressed_while_control_was_withheld_is_no_interaction(
+    tmp_path: Path,
+) -> None:
+    press = pressed(1.0, "w", "rover")
+    withheld = dataclasses.replace(press[3], outcome=InputOutcome.WITHHELD)
+    entries: list[Entry] = [(*press[:3], withheld), pressed(4.0, "w", "rover", down=False)]
+    with opened(tmp_path, *entries) as recordings:
+        inputs = inputs_of(TrialLog(recordings, BEGIN))
+    assert (inputs.by_robot, inputs.held) == ({}, {})
 
 
 def test_removed_marks_do_not_count_and_moved_ones_keep_their_first_time(tmp_path: Path) -> None:
