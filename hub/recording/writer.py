@@ -359,9 +359,16 @@ class RecordingWriter:
 def clock_facts(anchor: TimeAnchor) -> dict[str, str]:
     """What the metadata of a recording says of the clock of this machine."""
     facts = {"wall_ns": str(anchor.wall_ns), "monotonic": repr(anchor.monotonic)}
-    with contextlib.suppress(OSError):
-        facts[BOOT] = BOOT_FILE.read_text().strip()
+    if run := boot():
+        facts[BOOT] = run
     return facts
+
+
+def boot() -> str:
+    """Which run of the machine this is; empty where the system does not say it."""
+    with contextlib.suppress(OSError):
+        return BOOT_FILE.read_text().strip()
+    return ""
 
 
 def _free(path: Path) -> int:

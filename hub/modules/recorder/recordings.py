@@ -60,7 +60,7 @@ class Recordings:
         self._bus: BusRecorder | None = None
         self._ring: RecordingSeries | None = None
         self._running: _RunningRecording | None = None
-        self._snapshots = left_snapshots(self._folder.snapshots)
+        self._snapshots = left_snapshots(self._folder.snapshots, self._source)
         self._fault = ""
         self._lost: Counter[str] = Counter()
         self._rate = _GrowthRate()
@@ -127,7 +127,7 @@ class Recordings:
         Raises:
             RecordingError: Nothing is recorded, or too many snapshots are under way.
         """
-        series = self._ring or (self._running.series if self._running is not None else None)
+        series = self._source()
         if series is None:
             text = (
                 "there is no snapshot: nothing is recorded; set 'always' and 'keep' in "
@@ -145,7 +145,9 @@ class Recordings:
         snapshot = Snapshot(series, target, now - before, now + after)
         snapshot.note(series.state.path.parent)
         self._snapshots.append(snapshot)
-        return f"the time from {before:g} s before to {after:g} s after now comes to {target}"
+        text = f"the time from {before:g} s before to {after:g} s after now comes to {target}"
+        reaches = series.state.reaches
+        return f"{text}; only {reaches:.1f} s before are recorded" if reaches < before else text
 
     def look(self) -> None:
         """Do what is due; call it some times a second."""
@@ -207,6 +209,10 @@ class Recordings:
             bus.close()
         for each in self._all():
             each.close()
+
+    def _source(self) -> RecordingSeries | None:
+        """Where snapshots are taken from; None: nothing is recorded."""
+        return self._ring or (self._running.series if self._running is not None else None)
 
     def _all(self) -> list[RecordingSeries]:
         """The series that are written: the ring first."""

@@ -163,6 +163,7 @@ class RecordingSeries:
         self._lost: Counter[str] = Counter()
         self._fault = ""
         self._retry_at = 0.0
+        self._closed = False
         self._room = _LEAST_ROOM
         self._latched, self._attached = latched, tuple(attached)
         self._kept: deque[KeptFile] = deque()
@@ -181,7 +182,8 @@ class RecordingSeries:
         for each in states:
             lost.update(each.lost)
         now = self._clock()
-        first = self._kept[0].begun if self._kept else self._split_at
+        older = self._kept or self._closing
+        first = older[0].begun if older else self._split_at
         return SeriesState(
             path=self._path,
             files=self._files,
@@ -257,7 +259,9 @@ class RecordingSeries:
             self.split()
 
     def split(self) -> None:
-        """Go on in the next file."""
+        """Go on in the next file; not after `close`."""
+        if self._closed:
+            return
         now = self._clock()
         self._end_file(now)
         self._retry(now)
@@ -274,6 +278,7 @@ class RecordingSeries:
 
     def close(self) -> SeriesState:
         """Complete the last file; returns the final state."""
+        self._closed = True
         if self._writer is not None:
             self._end_file(self._clock())
         for ending in self._closing:

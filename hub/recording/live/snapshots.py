@@ -7,7 +7,8 @@
 | a program writes them into one file | the second names are removed |
 
 The folder of the second names has a note of the span from the begin on: a recorder that ends before
-leaves it, and the next one writes the snapshot from the files that there are.
+leaves it. The next one waits for the rest of the span, and writes the snapshot from the files of
+both. It says how much is missing between them.
 """
 
 from __future__ import annotations
@@ -15,22 +16,26 @@ from __future__ import annotations
 import contextlib
 import json
 import logging
+import math
 import shutil
 import subprocess
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol, Self
 
 from hub import files
 from hub.recording.live.places import SUFFIX
 from hub.recording.new_recording import PARTIAL
+from hub.recording.writer import boot
 
 _logger = logging.getLogger(__name__)
 
 MOST = 20
 """Most snapshots under way at once."""
+_SHORT_S = 0.5
+"""Time that a snapshot may lack without a word: a killed recorder loses as much [s]."""
 _PARTS = ".parts"
 _NOTE = "span.json"
 
@@ -49,13 +54,17 @@ class SnapshotSource(Protocol):
         """The complete files with anything from `begin` to `end` [s], in order."""
 
 
+Following = Callable[[], SnapshotSource | None]
+"""Finds what is recorded now; None: nothing."""
+
+
 class Snapshot:
     """One snapshot under way.
 
     Attributes:
         target: Its file.
         done: Whether nothing is left to do.
-        fault: Why there is no file; empty: there is one, or there will be.
+        fault: Why there is no file, or what it lacks; empty: it is whole, or will be.
     """
 
     def __init__(self, source: SnapshotSource, target: Path, begin: float, end: float) -> None:
@@ -84,20 +93,17 @@ class Snapshot:
 
     def note(self, folder: Path) -> None:
         """Note what a later recorder needs to write it; `folder` has the files of its source."""
-        note = {
-            "begin": self._begin,
-            "end": self._end,
-            "since": time.time() + self._begin - time.monotonic(),
-            "folder": str(folder),
-        }
+        since = time.time() + self._begin - time.monotonic()
+        note = _Note(self._begin, self._end, since, folder, boot())
         try:
             self._links.mkdir(parents=True, exist_ok=True)
-            files.replace(self._links / _NOTE, json.dumps(note).encode())
+            note.write(self._links)
         except OSError as error:
             _logger.warning("a crash would end snapshot %s: %s", self.target, error)
 
     def _wait_for_end(self, now: float) -> None:
-        if now >= self._end or isinstance(self._source, _LeftFiles):
+        left = isinstance(self._source, _LeftFiles) and not self._source.goes_on(now)
+        if now >= self._end or left:
             self._source.split()
             self._step = self._wait_for_files
 
@@ -133,9 +139,14 @@ class Snapshot:
             last = said.strip().splitlines()[-1:] or [f"exit code {process.returncode}"]
             self._end_with(f"{last[0]}; its parts are in {self._links}")
             return
-        self.done = True
+        missing = self._source.missing if isinstance(self._source, _LeftFiles) else 0.0
         with contextlib.suppress(OSError):
             shutil.rmtree(self._links)
+        if missing > _SHORT_S:
+            length = self._end - self._begin
+            self._end_with(f"it lacks {missing:.1f} of {length:.1f} s: no recorder ran then")
+            return
+        self.done = True
         _logger.info("snapshot %s is written", self.target)
 
     def _end_with(self, fault: str) -> None:
@@ -144,38 +155,118 @@ class Snapshot:
 
 
 class _LeftFiles:
-    """The files of an earlier recorder, for a snapshot that it did not finish.
+    """The files of an earlier recorder and of this one, for a snapshot that was not finished."""
 
-    Attributes:
-        settled: Nothing is written into them any more.
-    """
+    def __init__(self, left: Path, note: _Note, following: Following) -> None:
+        """Find them: those that have second names, and those with anything after a date.
 
-    settled = True
-
-    def __init__(self, left: Path, folder: Path, since: float) -> None:
-        """Find them: those that have second names, and those with anything after a date [s]."""
+        The others get second names as well, which keep them from a ring.
+        """
         found = {each.stat().st_ino: each for each in left.glob(f"*{SUFFIX}")}
-        for each in folder.glob(f"*{SUFFIX}"):
+        for each in note.folder.glob(f"*{SUFFIX}"):
             status = each.stat()
-            if status.st_mtime >= since:
-                found[status.st_ino] = each
+            if status.st_mtime >= note.since and status.st_ino not in found:
+                second = left / each.name
+                try:
+                    second.hardlink_to(each)
+                except OSError:  # on another disk
+                    second = each
+                found[status.st_ino] = second
         self._files = sorted(found.values(), key=lambda each: each.stat().st_mtime)
+        self._left, self._note, self._find = left, note, following
+        self._following: SnapshotSource | None = None
+
+    def goes_on(self, now: float) -> bool:
+        """Whether messages of the span come at `now` [s], or may come yet."""
+        if self._note.boot == "" or self._note.boot != boot():  # the clock is another one
+            return False
+        if self._following is None:
+            self._following = self._find()
+            if self._following is not None:
+                self._note = self._note._replace(missing=self._missing_until(now))
+                with contextlib.suppress(OSError):
+                    self._note.write(self._left)
+        return True
+
+    @property
+    def missing(self) -> float:
+        """How long no recorder ran within the span [s]."""
+        return self._missing_until(math.inf) if self._following is None else self._note.missing
+
+    def _missing_until(self, moment: float) -> float:
+        note = self._note
+        last = max((each.stat().st_mtime for each in self._files), default=note.since)
+        left_off = note.begin + last - note.since
+        return note.missing + max(0.0, min(note.end, moment) - max(note.begin, left_off))
+
+    @property
+    def settled(self) -> bool:
+        """Whether the files are complete."""
+        return self._following is None or self._following.settled
 
     def split(self) -> None:
-        """There is nothing to split."""
+        """Complete the present file."""
+        if self._following is not None:
+            self._following.split()
 
-    def files(self, _begin: float, _end: float) -> list[Path]:
+    def files(self, begin: float, end: float) -> list[Path]:
         """All of them; what is not in the span is left out when they are read."""
-        return self._files
+        if self._following is None:
+            return self._files
+        left = {each.stat().st_ino for each in self._files}
+        later = self._following.files(begin, end)
+        return [*self._files, *(each for each in later if each.stat().st_ino not in left)]
 
 
-def left_snapshots(folder: Path) -> list[Snapshot]:
+class _Note(NamedTuple):
+    """What a recorder noted of a snapshot.
+
+    Attributes:
+        begin: First moment of the span, on the monotonic clock [s].
+        end: Last moment.
+        since: Date of the first moment [s since 1970].
+        folder: The folder of the files.
+        boot: The run of the machine that the clock belongs to; empty: unknown.
+        missing: How long no recorder ran within it so far [s].
+    """
+
+    begin: float
+    end: float
+    since: float
+    folder: Path
+    boot: str
+    missing: float = 0.0
+
+    def write(self, links: Path) -> None:
+        """Write it into the folder of second names.
+
+        Raises:
+            OSError: It cannot be written.
+        """
+        content = {**self._asdict(), "folder": str(self.folder)}
+        files.replace(links / _NOTE, json.dumps(content).encode())
+
+    @classmethod
+    def read(cls, links: Path) -> Self:
+        """Read it from there.
+
+        Raises:
+            OSError, ValueError, KeyError, TypeError: It cannot be read, or is damaged.
+        """
+        note = json.loads((links / _NOTE).read_text())
+        begin, end, since = (float(note[name]) for name in ("begin", "end", "since"))
+        missing = float(note.get("missing", 0.0))
+        return cls(begin, end, since, Path(note["folder"]), str(note.get("boot", "")), missing)
+
+
+def left_snapshots(folder: Path, following: Following) -> list[Snapshot]:
     """The snapshots that an earlier recorder did not finish.
 
     Call it before this recorder has files.
 
     Args:
         folder: The folder of snapshots.
+        following: Finds what this recorder writes, which has the rest of their spans.
     """
     for partial in folder.glob(f".*{PARTIAL}"):
         if not Path("/proc", partial.name.split(".")[-2]).exists():
@@ -187,11 +278,11 @@ def left_snapshots(folder: Path) -> list[Snapshot]:
             if target.exists():
                 shutil.rmtree(left)
                 continue
-            note = json.loads((left / _NOTE).read_text())
-            source = _LeftFiles(left, Path(note["folder"]), float(note["since"]))
-            found.append(Snapshot(source, target, float(note["begin"]), float(note["end"])))
+            note = _Note.read(left)
+            source = _LeftFiles(left, note, following)
+            found.append(Snapshot(source, target, note.begin, note.end))
         except (OSError, ValueError, KeyError, TypeError) as error:
             _logger.warning("snapshot %s cannot be finished: %s; see %s", target, error, left)
         else:
-            _logger.warning("snapshot %s was not finished and is written now", target)
+            _logger.warning("snapshot %s was not finished; this recorder goes on with it", target)
     return found
