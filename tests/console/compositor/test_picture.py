@@ -52,6 +52,25 @@ def test_the_picture_shows_characters_in_ink_on_the_mean(cells: Cells) -> None:
     assert (cell[..., 1] > 200).any()
 
 
+def _cell_with(character: str) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+    pixels, ink = np.zeros((2, 1, 4), np.uint8), np.full((1, 1, 4), 255, np.uint8)
+    glyphs = np.array([[ord(character)]], np.uint32)
+    return np.asarray(image(Cells(pixels=pixels, glyphs=glyphs, ink=ink), scale=16))
+
+
+def test_no_symbol_of_the_console_is_the_box_of_a_missing_character() -> None:
+    blocks = (chr(each) for each in range(0x2580, 0x25A0) if not 0x2591 <= each <= 0x2593)
+    signs = {*blocks, *"─│┌┐└┘├┤┬┴┼╵╷━┃╋╱╲╳", *"▲▼◀▶←↑→↓↖↗↘↙☼☾·£§²–°±×…"}
+    box = _cell_with("\ue123")
+    assert [each for each in signs if np.array_equal(_cell_with(each), box)] == []
+
+
+def test_a_block_of_a_quarter_fills_the_lowest_quarter_of_its_cell() -> None:
+    shares = _cell_with("▂")[..., 0].mean(axis=1) / 255
+    assert (shares[:23] == 0).all()
+    assert (shares[24:] == 1).all()
+
+
 def test_plain_text_shows_characters_and_brightness(cells: Cells) -> None:
     assert plain_text(cells) == ":@\n  R\n"
 
