@@ -243,7 +243,7 @@ def _shot(options: argparse.Namespace) -> int:
     from rune_tui.compositor.picture import PictureFile
 
     if (options.robot or options.arena) and not options.demo:
-        text = "--robot and --arena choose what --demo starts; add --demo"
+        text = "--robot, --autopilot and --arena choose what --demo starts; add --demo"
         raise _UsageError(text)
     arena = _arena(options.arena)
     path: Path = options.output

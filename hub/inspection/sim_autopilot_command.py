@@ -8,12 +8,20 @@ import json
 import math
 import signal
 import time
+from typing import TYPE_CHECKING
 
 from hub.command_line import CommandParser, Commands, ExitCode, number_type
+
+if TYPE_CHECKING:
+    from hub.robots.simulated_autopilot.motion import VehicleMotion
 
 _KINDS = ("rover", "sub", "blimp")
 _LARGEST_PORT = 65_535
 _DEFAULT_PORT = 5760
+_MOST_SEED = 0xFFFF_FFFF
+_BODIES = {"rover": "magellan", "sub": "rov", "blimp": "blimp"}
+"""The shipped robot that moves as each of them, in an arena."""
+_seed = number_type(int, 0, _MOST_SEED, f"whole number from 0 to {_MOST_SEED}")
 _port = number_type(int, 0, _LARGEST_PORT, f"port from 0 to {_LARGEST_PORT}")
 
 
@@ -56,6 +64,15 @@ def add_sim_autopilot(commands: Commands) -> None:
         metavar="NAME=VALUE",
         help="values of parameters; SIM_RC_FAIL=1: it has no radio receiver",
     )
+    command.add_argument(
+        "--arena",
+        default="",
+        metavar="ARENA",
+        help="move as a simulated robot in this arena; without: on a free plane, as recorded ones",
+    )
+    command.add_argument(
+        "--seed", type=_seed, default=1, help="of the noise in an arena (%(default)s)"
+    )
     command.add_argument("--fast-boot", action="store_true", help="know the place after a second")
     command.add_argument("--json", action="store_true", help="print the addresses as JSON")
     command.add_argument("--stop-with-stdin", action="store_true", help="end when stdin ends")
@@ -66,10 +83,11 @@ def run_sim_autopilot(options: argparse.Namespace) -> int:
 
     Raises:
         AutopilotSettingError: A port is not free, or there is no such parameter.
+        ArenaError: There is no such arena, or the vehicle cannot be in it.
     """
     from hub.inspection.output import put, stdin_ended
     from hub.robots.simulated_autopilot.autopilot import SimulatedAutopilot
-    from hub.robots.simulated_autopilot.kinds import AUTOPILOT_KINDS
+    from hub.robots.simulated_autopilot.kinds import AUTOPILOT_KINDS, robot_file
     from hub.robots.simulated_autopilot.motion import FittedMotion
     from hub.robots.simulated_autopilot.parameters import ParameterStore
     from hub.robots.simulated_autopilot.server import AutopilotServer
@@ -77,7 +95,7 @@ def run_sim_autopilot(options: argparse.Namespace) -> int:
     name = options.vehicle
     autopilot = SimulatedAutopilot(
         AUTOPILOT_KINDS[name],
-        FittedMotion(name),
+        _arena_motion(options) if options.arena else FittedMotion(name),
         ParameterStore(name, dict(options.parameters)),
         time.monotonic(),
         fast_start=options.fast_boot,
@@ -91,7 +109,8 @@ def run_sim_autopilot(options: argparse.Namespace) -> int:
         if options.pty:
             server.open_terminal()
         if options.json:
-            put(json.dumps({"vehicle": name, "addresses": server.addresses}))
+            said = {"vehicle": name, "addresses": server.addresses, "robot": str(robot_file(name))}
+            put(json.dumps({"event": "listening", **said}))
         else:
             for address in server.addresses:
                 put(address)
@@ -100,6 +119,24 @@ def run_sim_autopilot(options: argparse.Namespace) -> int:
         while not ended and not (options.stop_with_stdin and stdin_ended()):
             server.serve_once()
     return ExitCode.OK
+
+
+def _arena_motion(options: argparse.Namespace) -> VehicleMotion:
+    """The motion of a simulated robot in an arena.
+
+    Raises:
+        ArenaError: There is no such arena, or the vehicle cannot be in it.
+    """
+    from hub.robots.registry import kind_of
+    from hub.robots.robot_file import find_robot_file, read_description
+    from hub.robots.simulated_autopilot.arena_motion import ArenaMotion
+    from hub.sim.arena import load_arena
+
+    settings = [f"simulation.arena={options.arena}", f"simulation.seed={options.seed}"]
+    robot, _ = read_description(find_robot_file(_BODIES[options.vehicle]), settings)
+    water = load_arena(robot.arena).water
+    surface = water.surface if water is not None and options.vehicle == "sub" else 0.0
+    return ArenaMotion(kind_of(robot).open_body(robot), surface)
 
 
 def _station(text: str) -> tuple[str, int]:

@@ -41,6 +41,8 @@ LONGEST_EXPLORING_S = 600.0
 
 AUTOPILOT_KIND = "mavlink"
 """The kind of vehicles with an autopilot."""
+SIMULATED_AUTOPILOT_KIND = "simulated-autopilot"
+"""The kind of vehicles with a simulated autopilot in an arena."""
 
 
 class Base(enum.Enum):
@@ -369,7 +371,7 @@ class RobotDescription:
     @property
     def has_autopilot(self) -> bool:
         """Whether it is driven over MAVLink."""
-        return self.kind == AUTOPILOT_KIND
+        return self.kind in (AUTOPILOT_KIND, SIMULATED_AUTOPILOT_KIND)
 
 
 def settings(module: str) -> str:

@@ -16,7 +16,7 @@ from hub.gcm.imu import IMU
 from hub.ipc.definition import MessageDefinition
 from hub.nearest import did_you_mean
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
-from hub.robots.description import AUTOPILOT_KIND, Base, RobotDescription
+from hub.robots.description import AUTOPILOT_KIND, SIMULATED_AUTOPILOT_KIND, Base, RobotDescription
 from hub.robots.interfaces import Body, Camera
 from hub.robots.messages_of import described
 from hub.robots.robot_file import shipped_bodies
@@ -102,6 +102,12 @@ def _autopilot_body(robot: RobotDescription) -> Body:
     return MavlinkBody(robot)
 
 
+def _simulated_autopilot_body(robot: RobotDescription) -> Body:
+    from hub.robots.simulated_autopilot.body import SimulatedAutopilotBody
+
+    return SimulatedAutopilotBody(robot)
+
+
 def _autopilot_measures(robot: RobotDescription) -> tuple[MessageDefinition[Any], ...]:
     return BATTERY, IMU, *((ALTITUDE, FLUID_PRESSURE) if robot.heave_limit else ())
 
@@ -112,6 +118,13 @@ _AUTOPILOT = RobotKind(
     modes=True,
     imports=("hub.robots.mavlink.body",),
 )
+_SIMULATED_AUTOPILOT = RobotKind(
+    open_body=_simulated_autopilot_body,
+    open_camera=_simulated_camera,
+    measures=lambda robot: (*_autopilot_measures(robot), GROUND_TRUTH),
+    modes=True,
+    imports=("hub.robots.simulated_autopilot.body", "hub.robots.simulated_camera", "numpy.random"),
+)
 _SIMULATED = RobotKind(
     open_body=_simulated_body,
     open_camera=_simulated_camera,
@@ -121,6 +134,7 @@ _SIMULATED = RobotKind(
 KINDS = {
     "simulated-wheels": _SIMULATED,
     AUTOPILOT_KIND: _AUTOPILOT,
+    SIMULATED_AUTOPILOT_KIND: _SIMULATED_AUTOPILOT,
     **dict.fromkeys(shipped_bodies(), _SIMULATED),
 }
 """Each kind that Rune ships; a kind with a file of its own in `bodies/` has that body."""

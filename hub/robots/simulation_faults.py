@@ -56,7 +56,8 @@ def simulation_faults(robot: RobotDescription, arena: Arena) -> Iterator[tuple[s
         yield toml.repeated("light", 1), "name", _NONE
     if len(robot.joints) > _JOINTS.get(base, 0):
         yield toml.repeated("joint", _JOINTS.get(base, 0) + 1), "name", _NONE
-    if robot.arming is not Arming.NONE and base not in _HOLDS:
+    arms = base in _HOLDS or robot.has_autopilot
+    if robot.arming is not Arming.NONE and not arms:
         yield "[body]", "arming", "a simulated body of this kind cannot be disarmed"
 
 

@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hub.command_line import CommandParser, Commands, ShowVersion, add_completion, number_type
-from rune_tui.commands.demo import ARENAS, AUTO, DEMO_LAYOUT, ROBOTS
+from rune_tui.commands.demo import (
+    ARENAS,
+    AUTO,
+    AUTOPILOT_PREFIX,
+    AUTOPILOTS,
+    DEMO_LAYOUT,
+    ROBOTS,
+)
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 
@@ -237,8 +244,24 @@ def _add_robot_and_arena(*commands: CommandParser) -> None:
     robot_help = "the simulated robot; default: the one that suits the arena"
     arena_help = "a shipped arena, or the path of one that you wrote"
     for command in commands:
-        command.add_argument("--robot", choices=ROBOTS, help=robot_help)
+        robot = command.add_mutually_exclusive_group()
+        robot.add_argument("--robot", choices=ROBOTS, help=robot_help)
+        robot.add_argument(
+            "--autopilot",
+            dest="robot",
+            type=_autopilot,
+            metavar="|".join(AUTOPILOTS),
+            help="a simulated vehicle with an autopilot, driven over MAVLink",
+        )
         command.add_argument("--arena", metavar="ARENA", help=arena_help)
+
+
+def _autopilot(text: str) -> str:
+    """The name of a robot of the demo."""
+    if text in AUTOPILOTS:
+        return AUTOPILOT_PREFIX + text
+    message = f"{text!r} is none of {', '.join(AUTOPILOTS)}"
+    raise argparse.ArgumentTypeError(message)
 
 
 def _add_joytest(commands: Commands) -> CommandParser:

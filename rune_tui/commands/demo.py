@@ -8,7 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from rune_tui.commands.own_hub import OwnHub
+from rune_tui.commands.own_hub import OwnAutopilot, OwnHub
 
 DEMO_LAYOUT = "demo"
 AUTO = "auto"
@@ -20,6 +20,10 @@ ARENAS = ("empty", "hall", "orange", "pool", "red", "yellow")
 _OF_ARENA = {"pool": "rov"}
 """The robot of an arena where it is not the first of `ROBOTS`."""
 _OF_ROLE = {name: name for name in ROBOTS} | {"submarine": "rov"}
+AUTOPILOTS = {"rover": "yellow", "sub": "pool", "blimp": "yellow"}
+"""The simulated autopilots, and the arena of each."""
+AUTOPILOT_PREFIX = "autopilot-"
+"""Begins the name of a robot of the demo that is a simulated autopilot."""
 _ALL_ELEMENTS = "hall"
 """The arena of a demo with several kinds of robots: land, water and air."""
 
@@ -62,6 +66,7 @@ class DemoHubs:
         """
         self._log = log
         self._hubs: list[OwnHub] = []
+        self._autopilots: list[OwnAutopilot] = []
 
     def __enter__(self) -> Self:
         return self
@@ -72,26 +77,37 @@ class DemoHubs:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        for hub in self._hubs:
-            hub.begin_end()
+        programs = [*self._hubs, *self._autopilots]
+        for program in programs:
+            program.begin_end()
         with ExitStack() as stack:
-            for hub in self._hubs:
-                stack.callback(hub.close)
+            for program in programs:
+                stack.callback(program.close)
 
     def start(self, robots: Sequence[str], arena: str, settings: Sequence[str] = ()) -> None:
         """Start the hubs of more robots.
 
         Args:
-            robots: Names of shipped robots.
+            robots: Names of shipped robots, or of simulated autopilots.
             arena: Name or path of the arena; empty: that of each robot.
             settings: More values that replace those of robot files.
 
         Raises:
-            OwnHubError: A process cannot be started.
+            OwnHubError: A process cannot be started, or an autopilot does not listen.
         """
         settings = [*([f"simulation.arena={arena}"] if arena else []), *settings]
         for robot in robots:
-            self._hubs.append(OwnHub(robot, self._log, settings))
+            name, address = self._vehicle(robot, arena)
+            self._hubs.append(OwnHub(name, self._log, [*settings, *address]))
+
+    def _vehicle(self, robot: str, arena: str) -> tuple[str, list[str]]:
+        """The robot file, and the settings that its vehicle needs; starts an autopilot."""
+        kind = robot.removeprefix(AUTOPILOT_PREFIX)
+        if kind == robot:
+            return robot, []
+        autopilot = OwnAutopilot(kind, arena or AUTOPILOTS[kind], self._log)
+        self._autopilots.append(autopilot)
+        return autopilot.robot()
 
     def __len__(self) -> int:
         return len(self._hubs)

@@ -53,6 +53,7 @@ def test_roles_choose_robots(
         ("", "blimp", "auto"),
         ("pool", None, "auto"),
         ("pool", "magellan", "demo"),
+        ("", "autopilot-rover", "auto"),
     ],
 )
 def test_a_robot_with_more_than_wheels_has_a_layout_made_for_it(

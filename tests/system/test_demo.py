@@ -14,6 +14,10 @@ from rune_tui.ui.ending import LEAVE_S
 from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, family, gone, in_soak
 
+F8 = "\x1b[19~"
+RELEASED_S = 0.8
+"""Time after which the console counts a key as released [s]."""
+
 
 @pytest.fixture
 def demo(stack: ExitStack) -> ConsoleProcess:
@@ -26,6 +30,22 @@ def test_shows_a_picture_drives_and_leaves_nothing_behind(demo: ConsoleProcess) 
     demo.wait(lambda: len(family(demo.process.pid)) == 9, 10.0)
     processes = family(demo.process.pid)
     demo.wait(lambda: "STANDING" in demo.text, 10.0)
+    demo.hold_until("w", lambda: "MOVING" in demo.text)
+    assert demo.quit() == 0
+    until(lambda: gone(processes), 10.0, "processes are left")
+
+
+def test_drives_a_vehicle_with_a_simulated_autopilot(stack: ExitStack) -> None:
+    command = ["demo", "--autopilot", "rover"]
+    demo = stack.enter_context(closing(ConsoleProcess(command, columns=140, rows=45)))
+    demo.wait_for_picture()
+    demo.wait(lambda: "it is disarmed: arm it" in demo.text, 15.0)
+    processes = family(demo.process.pid)
+    for key in ("t", F8, F8):
+        demo.type(key)
+        released = time.monotonic() + RELEASED_S  # the console gets no release
+        demo.wait(lambda released=released: time.monotonic() > released, 10.0)
+    demo.wait(lambda: "ARMED · guided" in demo.text, 10.0)
     demo.hold_until("w", lambda: "MOVING" in demo.text)
     assert demo.quit() == 0
     until(lambda: gone(processes), 10.0, "processes are left")

@@ -6,6 +6,7 @@ Measured on ArduPilot 4.7.0-dev. The names of the modes stand in the profiles of
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Final
 
 from hub.robots.mavlink.profiles.ardublimp import BLIMP
@@ -144,3 +145,8 @@ SIMULATED_BLIMP: Final = AutopilotKind(
 AUTOPILOT_KINDS: Final[Mapping[str, AutopilotKind]] = {
     each.name: each for each in (SIMULATED_ROVER, SIMULATED_SUB, SIMULATED_BLIMP)
 }
+
+
+def robot_file(name: str) -> Path:
+    """The robot file for a hub that drives this vehicle in an arena."""
+    return Path(__file__).parent / f"{name}.toml"
