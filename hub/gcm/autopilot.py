@@ -20,6 +20,26 @@ MOST_MODES: Final = 64
 """Most modes of a vehicle."""
 MOST_PARAMETERS: Final = 64
 """Most parameters that are reported as unsafe."""
+OPERATED_MODES: Final = frozenset(
+    {
+        "acro",
+        "altitude",
+        "altitude hold",
+        "brake",
+        "depth hold",
+        "guided",
+        "hold",
+        "loiter",
+        "manual",
+        "position",
+        "position hold",
+        "stabilize",
+        "stabilized",
+        "steering",
+        "velocity",
+    }
+)
+"""Names of modes in which a vehicle follows sticks or velocities, or stays where it is."""
 
 StopTime: TypeAlias = Annotated[float, Range(0.0, 1e6, unit="s", nan=True, infinite=True)]
 """Time until a vehicle stands [s]; infinite: it never stops by itself; NaN: not known."""

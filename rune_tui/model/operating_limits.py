@@ -4,11 +4,12 @@
 
 | level of autonomy | what it refuses |
 | --- | --- |
-| teleoperation | goals, turns, targets of holds, all behaviours |
+| teleoperation | goals, turns, targets of holds, all behaviours, an autopilot's other modes |
 | goals | the behaviours explore and wander |
 | exploration | nothing |
 
-What ends a robot's own task always passes: a stop, a goal without points, the behaviour hold.
+What ends a robot's own task always passes: a stop, a goal without points, the behaviour hold, a
+mode that follows the operator or stays where it is.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import math
 from typing import Any, Self
 
 from hub.gcm.autonomy import AUTONOMY_COMMAND, AutonomyCommand, Behaviour
+from hub.gcm.autopilot import OPERATED_MODES
 from hub.gcm.navigation import (
     ASSISTANCE_COMMAND,
     GOAL_COMMAND,
@@ -130,6 +132,12 @@ def needed_for(message: str, value: object) -> AutonomyLevel:
         behaviour = value.behaviour if isinstance(value, AutonomyCommand) else None
         return _BEHAVIOURS.get(behaviour, AutonomyLevel.EXPLORATION)  # type: ignore[arg-type]
     if message == VEHICLE_COMMAND.name and isinstance(value, VehicleCommand):
-        goes = value.order is VehicleOrder.HOLD and not math.isnan(value.value)
-        return AutonomyLevel.GOALS if goes else AutonomyLevel.TELEOPERATION
+        return AutonomyLevel.GOALS if _goes(value) else AutonomyLevel.TELEOPERATION
     return AutonomyLevel.TELEOPERATION
+
+
+def _goes(command: VehicleCommand) -> bool:
+    """Whether a vehicle goes somewhere by itself then."""
+    if command.order is VehicleOrder.MODE:
+        return command.name not in OPERATED_MODES
+    return command.order is VehicleOrder.HOLD and not math.isnan(command.value)

@@ -29,6 +29,8 @@ from hub.gcm.navigation import (
 )
 from hub.gcm.vehicle import VEHICLE_COMMAND, VehicleCommand, VehicleOrder
 from hub.ipc.definition import MessageDefinition
+from hub.robots.mavlink.profiles.profile import VehicleProfile
+from hub.robots.mavlink.profiles.table import PROFILES
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.actions import actions_of
 from rune_tui.model.console_state import ConsoleState
@@ -61,12 +63,17 @@ def hold(value: float) -> tuple[MessageDefinition[Any], VehicleCommand]:
     return VEHICLE_COMMAND, order
 
 
+def mode(name: str) -> tuple[MessageDefinition[Any], VehicleCommand]:
+    return VEHICLE_COMMAND, VehicleCommand(order=VehicleOrder.MODE, name=name)
+
+
 ENDS = [
     (STOP, Stop(reason="now")),
     (VELOCITY_COMMAND, TwistStamped.of(Twist(linear=Vector3(x=1.0)))),
     (GOAL_COMMAND, GoalCommand()),
     behave(Behaviour.HOLD),
     hold(math.nan),
+    *(mode(name) for name in ("guided", "hold", "position hold", "depth hold", "manual")),
 ]
 NEED_GOALS = [
     (GOAL_COMMAND, GoalCommand(points=(POINT,))),
@@ -75,6 +82,7 @@ NEED_GOALS = [
     behave(Behaviour.FOLLOW),
     behave(Behaviour.RETURN),
     hold(-2.0),
+    *(mode(name) for name in ("auto", "rtl", "circle", "surface", "", "Guided", "mode 99")),
 ]
 NEED_EXPLORATION = [behave(Behaviour.EXPLORE), behave(Behaviour.WANDER)]
 
@@ -97,6 +105,27 @@ def test_each_level_refuses_what_is_above_it() -> None:
         if isinstance(value, AutonomyCommand)
     }
     assert tried == known
+
+
+@pytest.mark.parametrize("profile", [each for _, each in PROFILES], ids=lambda each: each.name)
+def test_an_autopilot_in_teleoperation_follows_or_holds_only(profile: VehicleProfile) -> None:
+    kept = {*profile.drives} | ({profile.holds} - {None})
+    for number in kept:
+        assert not TELEOPERATION.refusal(*mode(profile.modes[number]))
+    others = {name for name in profile.modes.values() if TELEOPERATION.refusal(*mode(name))}
+    alone = {
+        "auto",
+        "rtl",
+        "smart rtl",
+        "circle",
+        "dock",
+        "follow",
+        "surface",
+        "land",
+        "mission",
+        "return",
+    }
+    assert alone & {*profile.modes.values()} <= others
 
 
 def test_a_strange_value_of_a_message_that_drives_is_refused() -> None:
