@@ -83,6 +83,7 @@ class Station:
         frames: All that came.
         repeated: Messages that it repeats at 20 Hz, by name.
         alive: Whether it sends heartbeats.
+        repeated_at: When it last did so [s].
     """
 
     def __init__(self, world: World, system: int, number: int) -> None:
@@ -91,7 +92,7 @@ class Station:
         self.frames: list[MavlinkFrame] = []
         self.repeated: dict[str, dict] = {}
         self.alive = True
-        self._beat = self._repeat = 0.0
+        self._beat = self.repeated_at = 0.0
         self.link = world.autopilot.connect(self._take, number)
 
     def _take(self, data: bytes) -> None:
@@ -108,7 +109,7 @@ class Station:
     def stream(self, *messages: tuple[str, dict]) -> None:
         """Repeat these messages from now on, and no others."""
         self.repeated = dict(messages)
-        self._repeat = 0.0
+        self.repeated_at = 0.0
 
     def repeat(self) -> None:
         """Send what is due."""
@@ -116,8 +117,8 @@ class Station:
         if self.alive and now - self._beat >= 1.0:
             self._beat = now
             self.send("HEARTBEAT", {"type": 6, "autopilot": 8})
-        if now - self._repeat >= 0.05 - 1e-9:
-            self._repeat = now
+        if now - self.repeated_at >= 0.05 - 1e-9:
+            self.repeated_at = now
             for name, fields in self.repeated.items():
                 self.send(name, fields)
 

@@ -22,8 +22,6 @@ from hub.values import dataclass
 
 _PREARM: Final = 0x10000000
 """MAV_SYS_STATUS_PREARM_CHECK."""
-_RECEIVER: Final = 0x10000
-"""MAV_SYS_STATUS_SENSOR_RC_RECEIVER."""
 _IN_AIR: Final = 2
 """MAV_LANDED_STATE_IN_AIR."""
 _POSITION: Final = 16
@@ -159,11 +157,6 @@ def _status(to: Telemetry, values: Mapping[str, Any]) -> None:
     to.voltage = voltage / 1e3 if voltage != _NO_VOLTAGE else math.nan
     to.charge = left / 100.0 if 0 <= left <= 100 else math.nan
     to.armable = bool(values["onboard_control_sensors_health"] & _PREARM)
-    to.receiver = bool(
-        values["onboard_control_sensors_present"]
-        & values["onboard_control_sensors_health"]
-        & _RECEIVER
-    )
 
 
 def _estimator(to: Telemetry, values: Mapping[str, Any]) -> None:
@@ -172,6 +165,11 @@ def _estimator(to: Telemetry, values: Mapping[str, Any]) -> None:
 
 def _satellites(to: Telemetry, values: Mapping[str, Any]) -> None:
     to.satellites = values["satellites_visible"]
+
+
+def _channels(to: Telemetry, values: Mapping[str, Any]) -> None:
+    # SYS_STATUS has a sound receiver also where sticks come over MAVLink alone.
+    to.receiver = values["chancount"] > 0
 
 
 def _hud(to: Telemetry, values: Mapping[str, Any]) -> None:
@@ -243,6 +241,7 @@ _READERS: Final[Mapping[str, Callable[[Telemetry, Mapping[str, Any]], None]]] = 
     "GIMBAL_DEVICE_ATTITUDE_STATUS": _gimbal,
     "OBSTACLE_DISTANCE": _obstacles,
     "GPS_RAW_INT": _satellites,
+    "RC_CHANNELS": _channels,
     "VFR_HUD": _hud,
     "SCALED_PRESSURE2": _pressure,
     "NAMED_VALUE_FLOAT": _named,
