@@ -20,6 +20,8 @@ from hub.recording.tools.copies import Copied, CopyOptions, copy, recover
 from hub.recording.tools.facts import RecordingFacts, as_json, facts_of_recording
 from hub.recording.tools.selection import Selection, date
 from hub.recording.tools.tables import write_tables
+from hub.robots.mavlink import tlog
+from hub.toml_reader import RefusedError, plain_name
 
 _ENDINGS = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
 _MOST_LISTED = 10_000
@@ -218,8 +220,30 @@ def _copied(options: argparse.Namespace, progress: ProgressLine) -> Copied:
         newest=options.newest,
         ros_names=options.ros_names,
     )
+    if options.task == "convert" and options.files[0].suffix == tlog.ENDING:
+        return _from_tlog(options, how, progress)
     with RecordingSet.open(options.files) as recording:
-        return copy(recording, options.output, _selection(options), how, progress)
+        selection = _selection(options)
+        if options.task == "convert" and options.output.suffix == tlog.ENDING:
+            return tlog.to_tlog(recording, options.output, selection, how, progress)
+        return copy(recording, options.output, selection, how, progress)
+
+
+def _from_tlog(options: argparse.Namespace, how: CopyOptions, progress: ProgressLine) -> Copied:
+    """Make a recording of the log of a ground station.
+
+    Raises:
+        RecordingError: A part of it is asked for, or it cannot be done.
+    """
+    part = (*options.topics, *options.exclude, options.start, options.end, options.around)
+    if any(part) or options.ros_names or len(options.robot) > 1:
+        text = "a log of a ground station is converted as a whole; cut the recording afterwards"
+        raise RecordingError(text)
+    try:
+        robot = plain_name(32)(options.robot[0]) if options.robot else "vehicle"
+    except RefusedError as error:
+        raise RecordingError(str(error)) from error
+    return tlog.from_tlog(options.files[0], options.output, how, progress, robot=robot)
 
 
 def _selection(options: argparse.Namespace) -> Selection:

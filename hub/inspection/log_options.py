@@ -35,7 +35,12 @@ def add_log(commands: Commands) -> None:
         _copy(tasks, "cut", "a span of time, as a new file", "FILE"),
         _copy(tasks, "merge", "several recordings as one file, on one time line", "FILE..."),
         _copy(tasks, "filter", "some topics or robots, as a new file", "FILE"),
-        _copy(tasks, "convert", "the same packed otherwise, or as ROS 2 names it", "FILE"),
+        _copy(
+            tasks,
+            "convert",
+            "the same packed otherwise, as ROS 2 names it, to or from .tlog",
+            "FILE",
+        ),
         _table(tasks),
         _recovery(tasks),
     ]
