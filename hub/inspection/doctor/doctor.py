@@ -7,7 +7,13 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 
 from hub.errors import RobotFileError
-from hub.inspection.doctor import library_checks, machine_checks, port_checks, robot_checks
+from hub.inspection.doctor import (
+    autopilot_checks,
+    library_checks,
+    machine_checks,
+    port_checks,
+    robot_checks,
+)
 from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
 from hub.inspection.output import put
 from hub.plain_text import plain
@@ -39,6 +45,7 @@ ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
     "space": machine_checks.space,
     "devices": robot_checks.devices,
     "extras": library_checks.extras,
+    "autopilot": autopilot_checks.autopilot,
 }
 
 

@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
         return 1
     key_file = str(options.key.absolute()) if options.key is not None else ""
     with contextlib.closing(open_session(options.address, key_file, options.station)) as session:
-        finder = find_vehicle(session, options.system, options.seconds, adopting.EXTRA)
+        finder = find_vehicle(session, options.system, options.seconds, extra=adopting.EXTRA)
     today = time.strftime("%Y-%m-%d")
     address = options.address.strip()
     text = adopting.robot_file(

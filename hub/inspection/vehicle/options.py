@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hub.command_line import CommandParser, Commands, number_type
 from hub.inspection.record_options import reader
+from hub.ipc.endpoints import endpoint_of
 from hub.robots.mavlink.profiles.profile import STATION
 from hub.toml_reader import plain_name
 
@@ -88,7 +89,7 @@ def add_vehicle(commands: Commands) -> None:
     """Add `vehicle`."""
     vehicle = commands.add_parser(
         "vehicle",
-        help="a vehicle with an autopilot: its parameters",
+        help="a vehicle with an autopilot: its parameters, mission, frames, key",
         description="Ask a vehicle with an autopilot, or change it when you say so. It is named by "
         "its robot file or by its address. Exit codes: 0 done, 1 it was refused or a part of it "
         "failed, 2 wrong usage, 3 there is no vehicle.",
@@ -97,6 +98,46 @@ def add_vehicle(commands: Commands) -> None:
     which = CommandParser(add_help=False, parents=[vehicle_options()])
     which.add_argument("vehicle", help="a robot file (TOML), or an address such as udp://:14550")
     _add_parameters(tasks, which)
+    mission = tasks.add_parser(
+        "mission", parents=[which], help="show its mission items, geofence and rally points"
+    )
+    mission.add_argument("--json", action="store_true", help="JSON, one line an item")
+    _add_forward(tasks, which)
+    key = tasks.add_parser(
+        "key",
+        parents=[vehicle_options()],
+        help="make a signing key, and give it to the vehicle",
+        description="Make the file of a signing key, for the robot file's key mavlink.key_file. "
+        "With --setup the vehicle gets it, while it is disarmed: from then on it takes only signed "
+        "frames, except at its first serial port (USB). Give it by a cable: whoever reads the link "
+        "then can read the key.",
+    )
+    key.add_argument("file", type=Path, help="a new file; with --setup also one that is there")
+    key.add_argument(
+        "--phrase",
+        action="store_true",
+        help="make it of a phrase, as other stations do; it is asked for, or read from stdin",
+    )
+    key.add_argument(
+        "--setup", metavar="ROBOT.toml|ADDRESS", help="give it to this vehicle; --key: its old one"
+    )
+
+
+def _add_forward(tasks: Commands, which: CommandParser) -> None:
+    task = tasks.add_parser(
+        "forward",
+        parents=[which],
+        help="let another ground station see it, beside its running hub",
+        description="Send the frames of the vehicle to QGroundControl, MAVProxy or another program "
+        "by UDP. Its hub runs and keeps the link. What the program sends back is counted and "
+        "dropped: it sees the vehicle, and cannot change it.",
+    )
+    task.add_argument(
+        "--to", required=True, metavar="udp://HOST:PORT", help="such as udp://127.0.0.1:14550"
+    )
+    task.add_argument("--hub", type=endpoint_of, help="HOST, HOST:PORT; without: the file's port")
+    task.add_argument("--json", action="store_true", help="say what happens as JSON lines")
+    task.add_argument("--stop-with-stdin", action="store_true", help="end when stdin ends")
 
 
 def _add_parameters(tasks: Commands, which: CommandParser) -> None:
@@ -123,6 +164,18 @@ def _add_parameters(tasks: Commands, which: CommandParser) -> None:
 
 def run_vehicle(options: argparse.Namespace) -> int:
     """Carry out `vehicle`; returns the exit code."""
+    if options.task == "forward":
+        from hub.inspection.vehicle import forward_command
+
+        return forward_command.run(options)
+    if options.task == "mission":
+        from hub.inspection.vehicle import mission_command
+
+        return mission_command.run(options)
+    if options.task == "key":
+        from hub.inspection.vehicle import key_command
+
+        return key_command.run(options)
     from hub.inspection.vehicle import parameters_command
 
     return parameters_command.run(options)

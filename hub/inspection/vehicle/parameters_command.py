@@ -9,11 +9,11 @@ import math
 from collections.abc import Mapping
 
 from hub.command_line import ExitCode
-from hub.errors import VehicleSilentError
 from hub.gcm.autopilot import UnsafeParameter
 from hub.inspection.output import print_error, put, table
 from hub.inspection.vehicle.vehicle_link import (
     VehiclePlace,
+    find_at,
     hub_with_autopilot,
     open_session,
     place_of,
@@ -32,7 +32,6 @@ from hub.robots.mavlink.asking.parameters import (
     changes_of,
     shown,
 )
-from hub.robots.mavlink.asking.search import find_vehicle
 from hub.robots.mavlink.asking.session import VehicleSession
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters, wanted_parameters
 
@@ -54,18 +53,11 @@ def run(options: argparse.Namespace) -> int:
         return ExitCode.USAGE
     place = place_of(options)
     writes = bool(changes or options.write_safe)
-    hub = hub_with_autopilot(place)
-    if writes and hub:
+    if writes and (hub := hub_with_autopilot(place)):
         print_error(f"its hub runs at {hub}: end it first; nothing was changed")
         return ExitCode.FAULT
     with contextlib.closing(open_session(place.address, place.key_file, place.station)) as session:
-        try:
-            finder = find_vehicle(session, place.system, options.seconds)
-        except VehicleSilentError as fault:
-            if not hub:
-                raise
-            text = f"{fault}; its hub runs at {hub} and has the link"
-            raise VehicleSilentError(text) from fault
+        finder = find_at(session, place, options.seconds)
         if writes:
             return _write(session, finder, place, changes, safe=options.write_safe)
         return _show(session, finder, place, options)

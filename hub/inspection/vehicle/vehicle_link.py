@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import time
 from pathlib import Path
 
-from hub.errors import HubError, RobotFileError
+from hub.errors import HubError, RobotFileError, VehicleSilentError
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.inspection.message_commands import connect
+from hub.robots.description import RobotDescription
+from hub.robots.mavlink.asking.findings import VehicleFinder
+from hub.robots.mavlink.asking.search import find_vehicle
 from hub.robots.mavlink.asking.session import VehicleSession
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from hub.robots.mavlink.wire.signing_key import read_signing_key
@@ -59,11 +63,18 @@ def place_of(options: argparse.Namespace) -> VehiclePlace:
         problems.append(f"kind {robot.kind!r} has no autopilot; give a robot file of kind mavlink")
     if problems:
         raise RobotFileError(where, problems)
+    place = place_in(robot)
+    system, key_file = options.system or place.system, str(options.key or place.key_file)
+    return dataclasses.replace(place, system=system, key_file=key_file)
+
+
+def place_in(robot: RobotDescription) -> VehiclePlace:
+    """The vehicle in a robot file."""
     return VehiclePlace(
         address=robot.vehicle_address,
-        system=options.system or robot.vehicle_system,
+        system=robot.vehicle_system,
         station=robot.vehicle_station,
-        key_file=str(options.key or robot.signing_key),
+        key_file=robot.signing_key,
         name=robot.name,
         port=robot.port,
     )
@@ -87,6 +98,23 @@ def hub_with_autopilot(place: VehiclePlace) -> str:
     finally:
         client.close()
     return "" if kinds and kinds[-1] != "mavlink" else endpoint
+
+
+def find_at(session: VehicleSession, place: VehiclePlace, seconds: float) -> VehicleFinder:
+    """The vehicle at a place.
+
+    Raises:
+        VehicleSilentError: There is none, or there are several; where its hub has the link, it
+            says so.
+    """
+    try:
+        return find_vehicle(session, place.system, seconds, reads=False)
+    except VehicleSilentError as fault:
+        hub = hub_with_autopilot(place)
+        if not hub:
+            raise
+        text = f"{fault}; its hub runs at {hub} and has the link"
+        raise VehicleSilentError(text) from fault
 
 
 def open_session(address: str, key_file: str, station: int) -> VehicleSession:

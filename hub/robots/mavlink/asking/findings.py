@@ -106,14 +106,15 @@ class VehicleFinder:
         answers: Whether it answers.
     """
 
-    def __init__(self, system: int = 0, *, extra: tuple[str, ...] = ()) -> None:
+    def __init__(self, system: int = 0, *, reads: bool = True, extra: tuple[str, ...] = ()) -> None:
         """Take what to look for.
 
         Args:
             system: Number of the vehicle; 0: the only one.
+            reads: Whether to read its parameters and streams.
             extra: Parameters to read besides those of its kind.
         """
-        self._system, self._extra = system, extra
+        self._system, self._reads_more, self._extra = system, reads, extra
         self.components: dict[tuple[int, int], FoundComponent] = {}
         self.vehicle: FoundComponent | None = None
         self.firmware = 0
@@ -229,6 +230,8 @@ class VehicleFinder:
         """Whether nothing that was asked may still come."""
         if self._reads.reading:
             self._read_at = now
+        if not self._reads_more:
+            return bool(self.firmware) or self._requests >= _REQUESTS
         all_came = bool(self.firmware) and not self._cameras
         late = now - max(self._read_at, self._asked_at) > _AGAIN_S
         all_asked = self._requests >= _REQUESTS and late

@@ -14,7 +14,12 @@ _ANSWERING_S: Final = 6.0
 
 
 def find_vehicle(
-    session: VehicleSession, system: int = 0, seconds: float = 5.0, extra: tuple[str, ...] = ()
+    session: VehicleSession,
+    system: int = 0,
+    seconds: float = 5.0,
+    *,
+    reads: bool = True,
+    extra: tuple[str, ...] = (),
 ) -> VehicleFinder:
     """Find a vehicle, and what it is.
 
@@ -22,12 +27,13 @@ def find_vehicle(
         session: A link.
         system: Number of the vehicle; 0: the only one.
         seconds: How long to listen for a first heartbeat [s].
+        reads: Whether to read its parameters and streams.
         extra: Parameters to read besides those of its kind.
 
     Raises:
         VehicleSilentError: There is none, or there are several.
     """
-    finder = VehicleFinder(system, extra=extra)
+    finder = VehicleFinder(system, reads=reads, extra=extra)
     if not session.ask(finder, seconds) and finder.begun:
         session.ask(finder, _ANSWERING_S)
     if finder.vehicle is not None:

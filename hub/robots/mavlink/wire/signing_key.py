@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
 from pathlib import Path
 from typing import Final
 
@@ -34,3 +36,22 @@ def read_signing_key(path: Path) -> bytes:
     if len(key) != _LENGTH:
         raise KeyFileError(path, f"it has {len(key)} bytes in place of {_LENGTH}")
     return key
+
+
+def key_of_phrase(phrase: str) -> bytes:
+    """The key of a phrase, as ground stations make it: its SHA-256."""
+    return hashlib.sha256(phrase.encode()).digest()
+
+
+def write_signing_key(path: Path, key: bytes) -> None:
+    """Write a key to a new file for its owner only.
+
+    Raises:
+        KeyFileError: It is there, or cannot be written.
+    """
+    try:
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        with os.fdopen(handle, "w", encoding="ascii") as file:
+            file.write(f"{key.hex()}\n")
+    except OSError as fault:
+        raise KeyFileError(path, fault.strerror or str(fault)) from fault

@@ -1,0 +1,96 @@
+"""`rune-hub vehicle forward`: another ground station sees what a hub's vehicle sends."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import socket
+import time
+from typing import Any, Final
+
+from hub.command_line import ExitCode
+from hub.errors import VehicleAddressError
+from hub.gcm.autopilot import MAVLINK_FRAMES, MavlinkFrames
+from hub.inspection.message_commands import connect
+from hub.inspection.output import print_error, put, stdin_ended
+from hub.inspection.vehicle.vehicle_link import place_of
+from hub.robots.mavlink.forwarding import FrameForwarder
+from hub.robots.mavlink.link.address import VehicleLinkKind, vehicle_address
+
+_LOOK_S: Final = 0.05
+_REPORT_S: Final = 10.0
+"""Time between two reports on a terminal [s]."""
+_LONGEST: Final = 65536
+
+
+def run(options: argparse.Namespace) -> int:
+    """Carry out the command; returns the exit code.
+
+    Raises:
+        HubError: The robot file or the address cannot be used, or no hub answers.
+    """
+    place = place_of(options)
+    if not place.port and not options.hub:
+        print_error("name a robot file whose hub runs: the hub has the link, and passes frames on")
+        return ExitCode.USAGE
+    target = vehicle_address(options.to)
+    if target.kind is not VehicleLinkKind.UDP:
+        raise VehicleAddressError(options.to, "frames are passed on to udp://HOST:PORT")
+    with contextlib.ExitStack() as stack:
+        family, address = _found(options.to, target.host, target.port)
+        link = stack.enter_context(socket.socket(family, socket.SOCK_DGRAM))
+        link.settimeout(0.0)
+        client = connect(options.hub or f"tcp://127.0.0.1:{place.port}", "forward", None)
+        stack.callback(client.close)
+        forwarder = FrameForwarder()
+
+        def take(frames: MavlinkFrames, _how: object) -> None:
+            for datagram in () if frames.sent else forwarder.datagrams(frames.data.tobytes()):
+                with contextlib.suppress(OSError):  # the station is not there yet, or late
+                    link.sendto(datagram, address)
+
+        client.subscribe(MAVLINK_FRAMES, take)
+        _say(options, "forwards", forwarder)
+        report = time.monotonic() + _REPORT_S
+        while not (options.stop_with_stdin and stdin_ended()):
+            client.listen(_LOOK_S)
+            _count_back(link, forwarder)
+            if time.monotonic() >= report:
+                report += _REPORT_S
+                _say(options, "forwarded", forwarder)
+        _say(options, "ended", forwarder)
+    return ExitCode.OK
+
+
+def _found(text: str, host: str, port: int) -> tuple[int, Any]:
+    """Family and address of the station.
+
+    Raises:
+        VehicleAddressError: Its name is not known.
+    """
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+    except OSError as fault:
+        reason = f"the name {host!r} is not known: {fault.strerror or fault}"
+        raise VehicleAddressError(text, reason) from fault
+    return family, address
+
+
+def _count_back(link: socket.socket, forwarder: FrameForwarder) -> None:
+    """Take what the station sent."""
+    for _ in range(100):
+        try:
+            forwarder.came_back(link.recv(_LONGEST))
+        except OSError:
+            return
+
+
+def _say(options: argparse.Namespace, event: str, forwarder: FrameForwarder) -> None:
+    if options.json:
+        facts = {"event": event, "passed": forwarder.passed, "dropped": forwarder.returned}
+        put(json.dumps({**facts, "to": options.to}))
+    elif event == "forwards":
+        put(f"frames of the vehicle go to {options.to}; what comes back is dropped. Ctrl-C ends it")
+    else:
+        put(f"{forwarder.passed} frames went there, {forwarder.returned} came back")
