@@ -37,7 +37,8 @@ def _parameters(profiles: list[VehicleProfile]) -> Iterator[str]:
     for profile in profiles:
         for each in profile.wanted:
             safe = " or ".join(f"{value:g}" for value in each.allowed)
-            rows.setdefault((each.name, safe, each.why), []).append(profile.name)
+            kind = profile.name if profile.autopilot == "ArduPilot" else f"PX4 {profile.name}"
+            rows.setdefault((each.name, safe, each.why), []).append(kind)
     for (name, safe, why), kinds in rows.items():
         yield f"| {', '.join(kinds)} | `{name}` | {safe} | {why} |"
 

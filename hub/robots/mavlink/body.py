@@ -168,7 +168,7 @@ class MavlinkBody:
         parameters = vehicle.parameters.values
         stops = (math.nan, math.nan)
         if profile is not None and parameters:
-            stops = profile.stops(parameters, self._speed, vehicle.telemetry.receiver)
+            stops = profile.stops(parameters, self._speed, receiver=vehicle.telemetry.receiver)
         heard = now - vehicle.liveness.heard
         return AutopilotState(
             stamp=stamp,

@@ -50,12 +50,12 @@ def _setpoint(wanted: Setpoint, parameters: Parameters, _gain: float) -> tuple[M
     return (("RC_CHANNELS_OVERRIDE", fields),)
 
 
-def _stops(parameters: Parameters, speed: float, receiver: bool) -> tuple[float, float]:  # noqa: FBT001
+def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[float, float]:
     """With a receiver, its sticks come back; without one, a failsafe disarms, and it drifts."""
     braking = _BRAKING.time(speed)
     expires = parameters.get("RC_OVERRIDE_TIME", math.nan)
     if receiver:
-        return braking, expires + braking
+        return braking, expires + braking - _BRAKING.delay
     cuts = [NEVER]
     if parameters.get("FS_THR_ENABLE", math.nan):
         cuts.append(min(expires, _RADIO_LOST_S) + _DRIFTING_S)

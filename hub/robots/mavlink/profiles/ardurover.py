@@ -76,7 +76,7 @@ def _setpoint(wanted: Setpoint, _parameters: Parameters, _gain: float) -> tuple[
     )
 
 
-def _stops(parameters: Parameters, speed: float, receiver: bool) -> tuple[float, float]:  # noqa: FBT001
+def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[float, float]:
     """After the link is cut, its firmware brakes, or a failsafe holds earlier."""
     later = parameters.get("FS_TIMEOUT", math.nan)
     holds = [math.inf]

@@ -107,7 +107,7 @@ def _setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Me
     )
 
 
-def _stops(parameters: Parameters, speed: float, receiver: bool) -> tuple[float, float]:  # noqa: FBT001
+def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[float, float]:
     """After the link is cut, sticks end by FS_PILOT_INPUT, or the station's failsafe disarms.
 
     Other actions of the station's failsafe go on with the last sticks. With a receiver, its own

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Protocol, TypeAlias
 
 from hub.robots.left_alone import LeftAlone
 from hub.values import dataclass
@@ -90,6 +90,21 @@ class Braking:
         return self.delay + max(self.least, self.per_speed * speed)
 
 
+class StopModel(Protocol):
+    """The times to stand of one kind of vehicle."""
+
+    def __call__(
+        self, parameters: Parameters, speed: float, /, *, receiver: bool
+    ) -> tuple[float, float]:
+        """Times from a speed: after a zero, and after all is silent [s]; NaN: not known.
+
+        Args:
+            parameters: The vehicle's parameters.
+            speed: [m/s].
+            receiver: Whether it has a radio receiver.
+        """
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class VehicleProfile:
     """The rules of one kind of vehicle.
@@ -116,8 +131,7 @@ class VehicleProfile:
         main_modes: Whether a mode's number is made of a main and a sub mode, as PX4 does.
         frees: The degrees of freedom: "ahead", "left", "up", "turn".
         setpoint: The messages of a velocity.
-        stops: Times to stand from a speed: after a zero, and after all is silent [s]. Arguments
-            are parameters, the speed [m/s], and whether it has a radio receiver.
+        stops: Its times to stand.
     """
 
     name: str
@@ -139,7 +153,7 @@ class VehicleProfile:
     main_modes: bool = False
     frees: tuple[str, ...]
     setpoint: Callable[[Setpoint, Parameters, float], tuple[Message, ...]]
-    stops: Callable[[Parameters, float, bool], tuple[float, float]]
+    stops: StopModel
 
     @property
     def parameters(self) -> tuple[str, ...]:

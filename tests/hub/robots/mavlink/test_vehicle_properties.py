@@ -202,7 +202,9 @@ NUMBERS = st.floats(allow_nan=False, width=32, min_value=-1e9, max_value=1e9)
 SPEEDS = st.floats(-3.0, 3.0)
 
 
-@pytest.mark.parametrize("profile", [each for _, each in PROFILES], ids=lambda each: each.name)
+@pytest.mark.parametrize(
+    "profile", [each for _, each in PROFILES], ids=lambda each: f"{each.autopilot} {each.name}"
+)
 @given(st.data(), SPEEDS, SPEEDS, SPEEDS, SPEEDS, st.floats(0.0, 1.0) | st.just(math.nan))
 @settings(max_examples=100, deadline=None)
 def test_a_setpoint_of_any_parameters_can_be_packed(profile, data, ahead, left, up, turn, gain):
