@@ -122,9 +122,9 @@ class MavlinkVehicle:
 
     def disarm(self, now: float) -> None:
         """Switch its motors off."""
-        self._gate.close()
         self._alone = None
         self.orders.disarm(now)
+        self._stop_driving(now)
 
     def drive(self, now: float) -> None:
         """Ask for the mode that follows velocities; they begin with a neutral one."""
@@ -310,8 +310,15 @@ class MavlinkVehicle:
 
     def _change_mode(self, order: ModeOrder, now: float) -> None:
         """Ask for a mode; the velocities begin with a neutral one."""
-        self._gate.close()
         self.orders.change(order, now, _WAKING_S if order.drives and self.armed else 0.0)
+        self._stop_driving(now)
+
+    def _stop_driving(self, now: float) -> None:
+        """End the motion at once; where the order to drive is not valid, the phase too."""
+        if self.phase is AutopilotPhase.DRIVING and not self.orders.follows:
+            self.phase = AutopilotPhase.ELSEWHERE
+        self._gate.close()
+        self._send_velocity(now)
 
     def _do_alone(self, now: float) -> None:
         """Ask for the mode of a vehicle without an operator, as soon as it can be asked."""

@@ -275,6 +275,20 @@ def test_a_refused_mode_keeps_the_sticks_of_the_mode_before_and_says_why():
     assert "ask it to drive" in reason(bench)
 
 
+@pytest.mark.parametrize("order", ["hold", "disarm"])
+def test_an_order_ends_the_motion_at_once(order):
+    bench = ScriptedAutopilot().driving()
+    bench.velocity(ahead=0.5)
+    if order == "disarm":
+        bench.vehicle.disarm(bench.now)
+    else:
+        bench.vehicle.set_mode(order, bench.now)
+    assert not moves(bench.sent[-1][1])
+    bench.velocity()
+    bench.velocity(ahead=0.5)
+    assert not moves(bench.sent[-1][1])
+
+
 def test_a_mode_that_is_not_offered_is_not_asked_for():
     bench = ScriptedAutopilot().driving()
     since = bench.now

@@ -93,7 +93,7 @@ class AnyOrder(RuleBasedStateMachine):
 
     @rule()
     def drive(self):
-        if self.bench.armed:
+        if self.bench.vehicle.armed:
             self.bench.ask(drives=True)
         self.bench.vehicle.drive(self.bench.now)
 
