@@ -6,8 +6,10 @@ metrics. What describes people, such as demographics, is private and stays out.
 
 from __future__ import annotations
 
+import dataclasses
 import datetime
 import json
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.metadata import version
@@ -90,7 +92,9 @@ def _files(study: StudySpec, data: StudyData, *, named: bool) -> Iterator[tuple[
     yield "participants.tsv", tsv(list(_PARTICIPANTS), _participants(study, data.trials))
     yield "participants.json", _json(_columns(_PARTICIPANTS))
     yield "scans.json", _json(_columns({**_SCANS, **dict.fromkeys(factors, "a factor")}))
-    yield f"task-{task}_events.json", _json(described(EventRow, _EVENT_COLUMNS))
+    events_words = described(EventRow, _EVENT_COLUMNS)
+    events_words["onset"]["Description"] = "begin since the begin of the trial"
+    yield f"task-{task}_events.json", _json(events_words)
     metrics = described(MetricRow, _METRIC_COLUMNS)
     metrics["metric"]["Levels"] = {
         name: f"{each.words}{f' [{each.unit}]' if each.unit else ''}"
@@ -157,16 +161,18 @@ def _same(row: MetricRow, trial: TrialRow) -> bool:
 
 
 def _events(events: Iterable[EventRow], trial: TrialRow) -> list[EventRow]:
-    """Events from the begin to the end of a trial's attempt."""
+    """Events from the begin to the end of a trial's attempt; onsets count from its begin."""
     found: list[EventRow] = []
-    within = False
+    origin = math.nan
     for each in events:
         if each.trial == trial.trial and each.attempt == trial.attempt:
-            within |= each.trial_type == _BEGIN
-            if within:
-                found.append(each)
-            within &= each.trial_type != _END
-    return sorted(found, key=lambda each: each.onset)
+            if each.trial_type == _BEGIN:
+                origin = each.onset
+            if not math.isnan(origin):
+                found.append(dataclasses.replace(each, onset=round(each.onset - origin, 3)))
+            if each.trial_type == _END:
+                break
+    return found
 
 
 def _cells(rows: Iterable[object], columns: Sequence[str]) -> Iterator[list[object]]:

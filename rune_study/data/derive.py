@@ -30,7 +30,7 @@ from rune_study.plan.study_spec import StudySpec
 from rune_study.questionnaires.answers import GivenAnswer, read_answers
 from rune_study.questionnaires.questionnaire import find
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
-from rune_study.session.freezing import ANSWERS
+from rune_study.session.freezing import ANSWERS, PROBE
 from rune_study.session.journal import (
     BEGIN,
     DONE,
@@ -41,13 +41,17 @@ from rune_study.session.journal import (
     pauses_of,
     read_journal,
 )
+from rune_study.session.secondary import ANSWERED
 from rune_study.session.study_log import CONSOLE_FILE, STUDY_FILE
 from rune_study.trial_data.measured import Surroundings, trial_data
 from rune_study.trial_data.recorded import recorded_robots
 from rune_study.trial_data.truth import truth_of
 
 _OPEN = "it was not completed"
-_NO_WORDS = {"n", "attempt", "moment_s", "trial"}
+_NO_WORDS = {"n", "attempt", "moment_s", "trial", "asked", "answered"}
+_TRIAL_BEGIN = "trial-begin"
+_CLOCKS_S = 1.0
+"""Larger differences of two clocks between steps show that the machine began anew [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,7 +154,7 @@ def _measured(
     asked: _Asked,
 ) -> tuple[TrialRow, list[MetricRow], list[TrialOverlay]]:
     step, done = attempt.step, attempt.first(DONE)
-    begin, result = attempt.first("trial-begin"), done.data["result"] if done is not None else {}
+    begin, result = attempt.first(_TRIAL_BEGIN), done.data["result"] if done is not None else {}
     own: dict[str, Any] = {"participant": participant, "trial": step.trial, "code": step.code}
     own["attempt"] = attempt.number
     row = {
@@ -182,7 +186,7 @@ def _measured(
 def _probes(
     participant: int, attempt: _Attempt, answers: Sequence[GivenAnswer]
 ) -> Iterator[ProbeRow]:
-    step, begin = attempt.step, attempt.first("trial-begin")
+    step, begin = attempt.step, attempt.first(_TRIAL_BEGIN)
     if begin is not None:
         own = {"participant": participant, "trial": step.trial, "code": step.code}
         found = probes_of(attempt.records, step.name, attempt.number, answers)
@@ -226,7 +230,7 @@ def _trial_data(
 
 def _time(attempt: _Attempt) -> TrialTime:
     """Begin, end and pauses on the monotonic clock of the machine [s]."""
-    begin, end = attempt.first("trial-begin"), attempt.first("trial-end")
+    begin, end = attempt.first(_TRIAL_BEGIN), attempt.first("trial-end")
     if begin is None or end is None:
         text = "the journal lacks its begin or end"
         raise DataError(text)
@@ -261,22 +265,53 @@ def _marks(given: Mapping[str, Any], items: Sequence[str]) -> Iterator[int | Non
     return (int(given[item]) if item in given else None for item in items)
 
 
-def _events(records: Sequence[Record], steps: Mapping[int, Step]) -> Iterator[EventRow]:
-    """The journal as events; onsets count from the begin of the trial, or of the session."""
-    origin = records[0].moment if records else 0.0
+def _events(records: Sequence[Record], steps: Mapping[int, Step]) -> list[EventRow]:
+    """The journal as events by their onset, which counts from the begin of the session."""
+    rows = []
     attempt = 0
-    for each in records:
+    for each, written in zip(records, _since_begin(records), strict=True):
         attempt = int(each.data.get("attempt", attempt)) if each.what == BEGIN else attempt
         step = steps.get(int(each.data["n"])) if "n" in each.data else None
-        if each.what == "trial-begin":
-            origin = float(each.data["moment_s"])
         words = {name: value for name, value in each.data.items() if name not in _NO_WORDS}
-        seconds = each.data.get("seconds")
-        yield EventRow(
-            onset=round(each.moment - origin, 3),
-            duration=float(seconds) if isinstance(seconds, int | float) else 0.0,
-            trial_type=each.what,
-            trial=step.trial if step is not None else 0,
-            attempt=attempt if step is not None else 0,
-            value=json.dumps(words, ensure_ascii=False) if words else "",
+        before, length = _span(each)
+        rows.append(
+            EventRow(
+                onset=round(written - before, 3),
+                duration=round(length, 4),
+                trial_type=each.what,
+                trial=step.trial if step is not None else 0,
+                attempt=attempt if step is not None else 0,
+                value=json.dumps(words, ensure_ascii=False) if words else "",
+            )
         )
+    return sorted(rows, key=lambda row: row.onset)
+
+
+def _since_begin(records: Sequence[Record]) -> Iterator[float]:
+    """When each record was written, since the first one [s].
+
+    The monotonic clock tells within a step. A session may go on after the machine began anew, with
+    another such clock: then the date tells how long it rested.
+    """
+    time = 0.0
+    for before, each in itertools.pairwise([*records[:1], *records]):
+        passed, dated = each.moment - before.moment, each.at - before.at
+        within = each.what != BEGIN and "n" in each.data and each.data["n"] == before.data.get("n")
+        if passed < 0.0 or not (within or abs(passed - dated) <= _CLOCKS_S):
+            passed = max(0.0, dated)
+        time += passed
+        yield time
+
+
+def _span(record: Record) -> tuple[float, float]:
+    """How long before its record something began, and how long it lasted [s].
+
+    A question is written when it is over; all others are moments.
+    """
+    asked, seconds = record.data.get("asked"), record.data.get("seconds")
+    if record.what == _TRIAL_BEGIN:
+        return record.moment - float(record.data.get("moment_s", record.moment)), 0.0
+    if record.what not in (PROBE, ANSWERED) or not isinstance(asked, int | float):
+        return 0.0, 0.0
+    before = record.moment - asked
+    return before, float(seconds) if isinstance(seconds, int | float) else before

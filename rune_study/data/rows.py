@@ -59,10 +59,13 @@ class MetricRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EventRow:
-    """An event of a session; `events.tsv`, with the columns that BIDS asks for."""
+    """An event of a session; `events.tsv`, with the columns that BIDS asks for.
 
-    onset: float = column("begin since the begin of the trial", "s")
-    duration: float = column("length", "s", 0.0)
+    In a dataset of BIDS each trial has a file of its own, whose onsets count from its begin.
+    """
+
+    onset: float = column("begin since the begin of the session", "s")
+    duration: float = column("length; 0: a moment", "s", 0.0)
     trial_type: str = column("what happened")
     trial: int = column("number of the trial in the session, from 1; 0: outside", default=0)
     attempt: int = column("which attempt at this step, from 1; 0: outside", default=0)

@@ -13,6 +13,7 @@ from hub.recording.anchor import TimeAnchor
 from hub.recording.recording_set import RecordingSet
 from hub.recording.topics import topic_of
 from hub.recording.writer import RecordingWriter, WriterLimits
+from rune_study.data.derive import derive
 from rune_study.data.lacking import lacking_time
 from rune_study.data.rows import MetricRow
 from rune_study.data.store import StudyData, compute, recordings_of
@@ -26,8 +27,9 @@ from rune_study.questionnaires.answers import Answers
 from rune_study.questionnaires.questionnaire import find
 from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.report.making import make_page
-from rune_study.session.freezing import ANSWERS
+from rune_study.session.freezing import ANSWERS, PROBE
 from rune_study.session.journal import BEGIN, DONE, Journal
+from rune_study.session.secondary import ANSWERED
 from tests.study.trial_data.test_trial_data import truth
 
 STUDY = """
@@ -104,6 +106,38 @@ def test_metrics_follow_from_the_files_and_are_written(study: StudySpec) -> None
     assert repr(tuple(written)) == repr(data.metrics) == repr(compute(study, nothing).metrics)
     events = (participant_folder(study.folder, 1) / "events.tsv").read_text()
     assert "trial-begin" in events
+
+
+def test_events_begin_at_their_onset_on_one_axis_for_all_trials(study: StudySpec) -> None:
+    """Questions are written when they are over; the machine begins anew after the first trial."""
+    with contextlib.closing(Journal.of(study, 1)) as journal:
+        first, second = (each for each in plan(study, 1) if each.kind == TRIAL)
+        journal.put(BEGIN, n=first.number, attempt=1, step=first.name, trial=1)
+        begin = journal.records[-1].moment
+        journal.put("trial-begin", n=first.number, moment_s=begin)
+        for what, given in ((ANSWERED, {"key": "f6"}), (PROBE, {"id": "where"})):
+            asked = {"asked": begin - 7.0, "seconds": 0.65, **given}
+            journal.put(what, n=first.number, number=1, **asked)
+        journal.put(ANSWERED, n=first.number, number=2, asked=begin - 9.0, seconds=None)
+        journal.put("trial-end", n=first.number, why="time", seconds=10.0)
+        clocks = {"at": journal.records[-1].at + 300.0, "moment": begin + 1e6}
+        journal.put(BEGIN, n=second.number, attempt=1, step=second.name, trial=2, **clocks)
+        later = {name: value + 5.0 for name, value in clocks.items()}
+        journal.put("trial-begin", n=second.number, moment_s=later["moment"], **later)
+    rows = derive(study, 1).events
+    assert [row.onset for row in rows] == sorted(row.onset for row in rows)
+    found = {(row.trial_type, row.trial): row for row in rows}
+    start = found["trial-begin", 1].onset
+    missed, answered = (row for row in rows if row.trial_type == ANSWERED)
+    assert (answered.onset - start, answered.duration) == (pytest.approx(-7.0, abs=1e-2), 0.65)
+    assert (missed.onset - start, missed.duration) == (
+        pytest.approx(-9.0, abs=1e-2),
+        pytest.approx(9.0, abs=1.0),
+    )
+    assert found[PROBE, 1].duration == 0.65
+    assert "asked" not in found[PROBE, 1].value
+    assert found["trial-end", 1].duration == 0.0
+    assert found["trial-begin", 2].onset == pytest.approx(305.0, abs=2.0)
 
 
 def test_a_questionnaire_at_the_end_has_a_score_of_the_session(study: StudySpec) -> None:

@@ -87,6 +87,7 @@ def test_runs_have_their_own_events_and_metrics(study: StudySpec, tmp_path: Path
         events = rows_of(sub / scan["filename"].replace("_beh", "_events"))
         assert [row["trial_type"] for row in events] == ["trial-begin", "trial-end"]
         assert json.loads(events[1]["value"])["why"] == "time"
+        assert events[0]["onset"] == "0.0"
 
 
 def test_a_blind_dataset_names_codes_only(study: StudySpec, tmp_path: Path) -> None:
