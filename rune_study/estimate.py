@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 from hub.values import dataclass
@@ -51,3 +52,21 @@ def unknown(why: str, n: int = 0) -> Estimate:
         n: Observations there are.
     """
     return Estimate(value=math.nan, n=n, why=why)
+
+
+def within(estimate: Estimate, least: float, most: float) -> Estimate:
+    """An estimate whose interval ends where the number does; a note says so.
+
+    Args:
+        estimate: The number, with its interval.
+        least: Smallest number that it can be.
+        most: Largest number that it can be.
+    """
+    low, high = max(estimate.low, least), min(estimate.high, most)
+    if not estimate.has_interval or (low, high) == (estimate.low, estimate.high):
+        return estimate
+    ends = [f"{least:g}"] if estimate.low < least else []
+    ends += [f"{most:g}"] if estimate.high > most else []
+    note = f"its interval is cut at {' and '.join(ends)}, the limit of what it can be"
+    notes = "; ".join(filter(None, (estimate.note, note)))
+    return dataclasses.replace(estimate, low=low, high=high, note=notes)

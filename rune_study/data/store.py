@@ -6,6 +6,7 @@ import csv
 import dataclasses
 import hashlib
 import io
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -115,8 +116,13 @@ def write_tables(folder: Path, data: StudyData) -> list[Path]:
     ]
     if data.probes:
         paths.append(write(folder, "probes.csv", data.probes))
-    about = {
+    about: dict[str, dict[str, str | float]] = {
         name: {"Description": each.words, "Units": each.unit, "Better": each.better}
+        | {
+            word: end
+            for word, end in (("Minimum", each.least), ("Maximum", each.most))
+            if math.isfinite(end)
+        }
         for name, each in METRICS.items()
     }
     try:

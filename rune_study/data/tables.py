@@ -97,7 +97,7 @@ def read(path: Path, kind: type[T]) -> list[T]:
     return rows
 
 
-def dictionary(metrics: Mapping[str, Mapping[str, str]]) -> str:
+def dictionary(metrics: Mapping[str, Mapping[str, str | float]]) -> str:
     """The data dictionary as JSON: tables with their columns, and metrics.
 
     Args:

@@ -5,12 +5,13 @@ The data dictionary of a study and docs/study-metrics.md come from it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from types import MappingProxyType
 
 from hub.values import dataclass
 from rune_study.errors import DataError
-from rune_study.estimate import Estimate, unknown
+from rune_study.estimate import Estimate, unknown, within
 from rune_study.metrics import trial_metrics as of
 from rune_study.metrics.analysis import TrialAnalysis
 from rune_study.metrics.trial import MeasureSpec, Questionnaires, TrialData
@@ -26,6 +27,8 @@ class Metric:
         words: What it is, with its edge cases.
         better: "higher", "lower", or empty if neither is.
         function: Computes it.
+        least: Smallest number that it can be; intervals end there.
+        most: Largest one; the same.
     """
 
     name: str
@@ -33,18 +36,44 @@ class Metric:
     words: str
     better: str
     function: Callable[[TrialAnalysis], Estimate]
+    least: float
+    most: float
+
+    def bounded(self, estimate: Estimate) -> Estimate:
+        """A mean of values of it, with an interval that ends where the metric does."""
+        return within(estimate, self.least, self.most)
+
+    def bounded_difference(self, estimate: Estimate) -> Estimate:
+        """The same of a difference of two such means."""
+        return within(estimate, self.least - self.most, self.most - self.least)
 
 
 def _row(
-    name: str, unit: str, better: str, function: Callable[[TrialAnalysis], Estimate], words: str
+    name: str,
+    unit: str,
+    better: str,
+    function: Callable[[TrialAnalysis], Estimate],
+    words: str,
+    *,
+    least: float = 0.0,
+    most: float | None = None,
 ) -> Metric:
-    return Metric(name=name, unit=unit, words=words, better=better, function=function)
+    return Metric(
+        name=name,
+        unit=unit,
+        words=words,
+        better=better,
+        function=function,
+        least=least,
+        most=most if most is not None else 1.0 if unit == "share" else math.inf,
+    )
 
 
 _ROWS = (
     _row("te_mean", "progress/s", "higher", of.mean_effectiveness,
          "Task effectiveness: progress of all robots over the trial, per second. The study "
-         "chooses what progress is: m of path to the goal, m^2 seen, or m driven."),
+         "chooses what progress is: m of path to the goal, m^2 seen, or m driven.",
+         least=-math.inf),
     _row("completion", "share", "higher", of.completion,
          "Share of robots that reached their goal."),
     _row("episodes", "", "", of.episode_count,
@@ -73,13 +102,13 @@ _ROWS = (
          "Free time FT = 1 - RAD."),
     _row("fo", "robots", "higher", lambda it: it.fan_out,
          "Fan-out FO = 1 / RAD, with the restricted mean of NT. Infinite if no attention is "
-         "needed."),
+         "needed.", least=1.0),
     _row("fo_measured", "robots", "higher", lambda it: it.active,
          "Fan-out as measured: mean number of robots that are served or work. It reaches FO "
          "only with more robots than that."),
     _row("ft_secondary", "share", "higher", of.secondary_free_time,
          "Free time by the secondary task: correct answers per second, over those without a "
-         "robot in the steps `secondary` of the session. May exceed 1."),
+         "robot in the steps `secondary` of the session. May exceed 1.", most=math.inf),
     _row("secondary_right", "share", "higher", of.secondary_right,
          "Correct answers to the secondary task beside the robot, of all its questions. Those "
          "that a freeze, a pause or the end of the trial took away do not count."),
@@ -147,15 +176,16 @@ _ROWS = (
         for level in (1, 2, 3)
     ),
     _row("sagat_unanswered", "queries", "lower", of.unanswered, "Queries without an answer."),
-    _row("tlx_raw", "", "lower", of.raw_tlx, "NASA-TLX, 0 to 100: mean of the six ratings."),
+    _row("tlx_raw", "", "lower", of.raw_tlx, "NASA-TLX, 0 to 100: mean of the six ratings.",
+         most=100.0),
     _row("tlx_weighted", "", "lower", of.weighted_tlx,
-         "NASA-TLX, 0 to 100: ratings by how often their scale was chosen."),
+         "NASA-TLX, 0 to 100: ratings by how often their scale was chosen.", most=100.0),
     _row("sus", "", "higher", of.sus,
          "System Usability Scale, 0 to 100. A missing answer counts as 3; unknown if more "
-         "than 3 miss."),
+         "than 3 miss.", most=100.0),
     _row("sart", "", "higher", of.sart,
          "Situation Awareness Rating Technique: understanding - (demand - supply), -14 to "
-         "46."),
+         "46.", least=-14.0, most=46.0),
 )  # fmt: skip
 
 LONGEST_S = 1e6
@@ -200,6 +230,6 @@ def scores(answers: Questionnaires) -> dict[str, Estimate]:
 
 def _computed(metric: Metric, analysis: TrialAnalysis) -> Estimate:
     try:
-        return metric.function(analysis)
+        return metric.bounded(metric.function(analysis))
     except DataError as error:
         return unknown(f"its data cannot be used: {error}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,6 +14,7 @@ import numpy.typing as npt
 from hub.values import dataclass
 from rune_study.data.rows import MetricRow
 from rune_study.estimate import Estimate, unknown
+from rune_study.metrics.registry import METRICS
 from rune_study.statistics.holm import holm
 from rune_study.statistics.log_rank import LogRankTest, log_rank
 from rune_study.statistics.means import mean
@@ -162,7 +164,7 @@ def asked_once(rows: Iterable[MetricRow]) -> dict[str, Estimate]:
     for row in rows:
         if not row.trial:
             values.setdefault(row.metric, []).append(row.value)
-    return {name: mean(each) for name, each in values.items()}
+    return {name: _bounded(name, mean(each)) for name, each in values.items()}
 
 
 def corrected(results: Sequence[MetricResult], primary: Sequence[str]) -> dict[str, float]:
@@ -211,12 +213,14 @@ def _result(
         metric=name,
         participants=tuple(people),
         values=values,
-        means=tuple(mean(values[:, number]) for number in range(len(conditions.codes))),
-        contrasts=tuple(_contrasts(values, conditions)),
+        means=tuple(
+            _bounded(name, mean(values[:, number])) for number in range(len(conditions.codes))
+        ),
+        contrasts=tuple(_contrasts(name, values, conditions)),
         tests=_tests(values, conditions),
         reasons=reasons,
         missing=missing,
-        by_place={place: mean(each) for place, each in places.items()},
+        by_place={place: _bounded(name, mean(each)) for place, each in places.items()},
     )
 
 
@@ -263,7 +267,26 @@ def _tests(values: npt.NDArray[np.float64], conditions: Conditions) -> WithinAna
     return rm_anova(conditions.crossed(values), tuple(conditions.factors))
 
 
-def _contrasts(values: npt.NDArray[np.float64], conditions: Conditions) -> list[Contrast]:
+def _bounded(metric: str, found: Estimate) -> Estimate:
+    """A mean, whose interval ends where the metric does."""
+    known = METRICS.get(metric)
+    return known.bounded(found) if known is not None else found
+
+
+def _bounded_effect(metric: str, found: PairedEffect) -> PairedEffect:
+    known = METRICS.get(metric)
+    if known is None:
+        return found
+    return dataclasses.replace(
+        found,
+        mean=known.bounded_difference(found.mean),
+        middle=known.bounded_difference(found.middle),
+    )
+
+
+def _contrasts(
+    metric: str, values: npt.NDArray[np.float64], conditions: Conditions
+) -> list[Contrast]:
     """Each pair of levels of each factor, over the means of all other factors."""
     crossed = conditions.crossed(values)
     found: list[tuple[str, str, str, PairedEffect]] = []
@@ -272,6 +295,7 @@ def _contrasts(values: npt.NDArray[np.float64], conditions: Conditions) -> list[
         by_level = crossed.mean(axis=others) if others else crossed
         for first, second in itertools.combinations(range(len(words)), 2):
             effect = paired_effect(by_level[:, first], by_level[:, second])
+            effect = _bounded_effect(metric, effect)
             found.append((factor, words[first], words[second], effect))
     adjusted = holm([effect.flips.p for *_, effect in found]).tolist()
     return [

@@ -71,7 +71,8 @@ class Results:
 
 _READING = (
     "Intervals of means are between people; compare conditions by the intervals of differences, "
-    "which are within people. All intervals are of 95 %, each for itself."
+    "which are within people. All intervals are of 95 %, each for itself. They are cut where a "
+    "metric ends: a share has no values below 0 or above 1."
 )
 
 

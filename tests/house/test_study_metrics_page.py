@@ -56,7 +56,7 @@ holds the functions, with the source of each formula; they also work alone, on p
 - Times count from the first moment of control to the end of the trial. Freezes and pauses are cut
   out.
 - A number comes with its 95 % interval and the count of what it stands on. Where it cannot be
-  known, the study says why instead.
+  known, the study says why instead. An interval ends where the metric does: a share at 0 and 1.
 - **Neglect tolerance is censored.** Most neglects end because the operator returns, and the robot
   would have worked on. Their mean would be far too low. The study takes the Kaplan-Meier curve
   of all neglects, and names the bound of each restricted mean.

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rune_study.data.rows import MetricRow
-from rune_study.report.comparison import Conditions, compare, corrected
+from rune_study.report.comparison import Conditions, asked_once, compare, corrected
 
 CROSSED = Conditions(
     codes=("A", "B", "C", "D"),
@@ -136,3 +136,23 @@ def test_times_that_are_lower_bounds_are_compared_by_their_curves() -> None:
     assert result.censored.test is not None
     assert result.censored.test.p < 0.2
     assert result.contrasts == ()
+
+
+def test_intervals_end_where_a_metric_does() -> None:
+    """A share is from 0 to 1, a time from 0 on, a difference of shares from -1 to 1."""
+    codes = ("A", "B")
+    plain = Conditions(codes=codes, levels=({}, {}))
+    values = [[0.0, 1.0], [0.9, 0.1], [0.1, 0.9]]
+    (found,) = compare(rows(values, codes, "nt_seen"), plain, ["nt_seen"])
+    assert [(each.low, each.high) for each in found.means] == [(0.0, 1.0)] * 2
+    assert "cut at 0 and 1" in found.means[0].note
+    (effect,) = (each.effect for each in found.contrasts)
+    assert (effect.mean.low, effect.mean.high) == (-1.0, 1.0)
+    (times,) = compare(rows([[0.1, 9.0], [30.0, 2.0]], codes, "ie_mean"), plain, ["ie_mean"])
+    assert times.means[0].low == 0.0
+    assert times.means[0].high > 100.0
+    once = [
+        MetricRow(participant=n, trial=0, code="", metric="sus", value=v)
+        for n, v in ((1, 99.0), (2, 80.0))
+    ]
+    assert asked_once(once)["sus"].high == 100.0
