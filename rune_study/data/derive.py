@@ -51,7 +51,7 @@ _OPEN = "it was not completed"
 _NO_WORDS = {"n", "attempt", "moment_s", "trial", "asked", "answered"}
 _TRIAL_BEGIN = "trial-begin"
 _CLOCKS_S = 1.0
-"""Larger differences of two clocks between steps show that the machine began anew [s]."""
+"""Larger differences of two clocks between steps show that the machine was started again [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -290,8 +290,8 @@ def _events(records: Sequence[Record], steps: Mapping[int, Step]) -> list[EventR
 def _since_begin(records: Sequence[Record]) -> Iterator[float]:
     """When each record was written, since the first one [s].
 
-    The monotonic clock tells within a step. A session may go on after the machine began anew, with
-    another such clock: then the date tells how long it rested.
+    The monotonic clock tells within a step. A session may go on after the machine was started
+    again, with another such clock: then the date tells how long it rested.
     """
     time = 0.0
     for before, each in itertools.pairwise([*records[:1], *records]):
