@@ -54,8 +54,8 @@ _HEARTBEAT_S = 0.2
 class SimulatedVehicle:
     """`rune-hub sim-autopilot`, from start to end."""
 
-    def __init__(self, kind: str, parameters: Sequence[str] = ()) -> None:
-        options = ["--tcp", "0", "--fast-boot", "--json", "--stop-with-stdin"]
+    def __init__(self, kind: str, parameters: Sequence[str] = (), *, booted: bool = True) -> None:
+        options = ["--tcp", "0", "--json", "--stop-with-stdin", *["--fast-boot"] * booted]
         settings = ["--parameters", *parameters] if parameters else []
         self.process = warm_start.start(
             [sys.executable, "-m", "hub", "sim-autopilot", kind, *options, *settings],

@@ -447,6 +447,17 @@ def _surroundings() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name not in own}
 
 
+RELEASED_S = 0.8
+"""After this time a key that was typed once counts as released [s]."""
+
+
+def press(console: ConsoleProcess, key: str) -> None:
+    """Press a key, and wait until the console counts it as released: it gets no release."""
+    console.type(key)
+    released = time.monotonic() + RELEASED_S
+    console.wait(lambda: time.monotonic() > released, 10.0)
+
+
 STILL = 1e-3
 """A robot that is slower stands [m/s]."""
 

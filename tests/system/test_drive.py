@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import tomllib
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -9,11 +10,13 @@ from pathlib import Path
 import pytest
 
 from hub.command_line import ExitCode
+from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from tests.support.command_line import rune
 from tests.support.fake_vehicle import FakeVehicle, served
 from tests.support.ports import free_port
 from tests.support.waiting import until
-from tests.system.harness import ConsoleProcess, family, gone
+from tests.system.autopilot_site import SimulatedVehicle
+from tests.system.harness import ConsoleProcess, family, gone, press
 
 
 def rover() -> FakeVehicle:
@@ -59,3 +62,64 @@ def test_without_a_terminal_it_does_not_begin() -> None:
     done = rune("drive", "mavlink:udp://:14550")
     assert done.returncode == ExitCode.USAGE
     assert "needs a terminal" in done.stderr
+
+
+KEYS = {"arm": "\x1b[19~", "disarm": "\x1b[20~", "next mode": "\x1bOQ", "set mode": "\x1bOR"}
+
+
+def driven(vehicle: SimulatedVehicle) -> ConsoleProcess:
+    command = ["drive", "--yes", f"mavlink:tcp://127.0.0.1:{vehicle.port}"]
+    return ConsoleProcess(command, columns=120, rows=40)
+
+
+def other_station(vehicle: SimulatedVehicle, mode: int) -> None:
+    """Another station sets a mode."""
+    order = FramePacker(254, 190).pack(
+        "COMMAND_LONG", target_system=1, target_component=1, command=176, param1=1.0, param2=mode
+    )
+    parser, answers = FrameParser(), []
+    with socket.create_connection(("127.0.0.1", vehicle.port), 5.0) as link:
+        link.sendall(order)
+        while "COMMAND_ACK" not in answers:
+            answers += [frame.name for frame in parser.feed(link.recv(4096))]
+
+
+def test_keys_arm_drive_hold_and_disarm_and_another_station_takes_the_vehicle(
+    stack: ExitStack,
+) -> None:
+    vehicle = stack.enter_context(closing(SimulatedVehicle("rover")))
+    console = stack.enter_context(closing(driven(vehicle)))
+
+    def shows(text: str, seconds: float = 15.0) -> None:
+        console.wait(lambda: text in " ".join(console.text.split()), seconds, f"no {text!r}")
+
+    shows("arm it", 40.0)
+    press(console, KEYS["arm"])
+    shows("press again to arm")
+    press(console, KEYS["arm"])
+    shows("ARMED · guided · follows you")
+    console.hold_until("w", lambda: "MOVING" in console.text)
+    press(console, "h")
+    shows("ARMED · hold · does not follow")
+    press(console, "f")
+    shows("ARMED · guided · follows you")
+    other_station(vehicle, 4)
+    shows("ARMED · hold · does not follow")
+    shows("not asked for here")
+    press(console, KEYS["next mode"])
+    shows("MODE guided?")
+    press(console, KEYS["set mode"])
+    shows("ARMED · guided · follows you")
+    press(console, KEYS["disarm"])
+    shows("DISARMED · guided")
+
+
+def test_a_vehicle_that_refuses_to_arm_says_why(stack: ExitStack) -> None:
+    vehicle = stack.enter_context(closing(SimulatedVehicle("rover", booted=False)))
+    console = stack.enter_context(closing(driven(vehicle)))
+    console.wait(lambda: "DOES NOT KNOW ITS PLACE" in console.text, 40.0)
+    press(console, KEYS["arm"])
+    console.wait(lambda: "press again to arm" in console.text, 5.0)
+    press(console, KEYS["arm"])
+    console.wait(lambda: "was refused" in " ".join(console.text.split()), 10.0)
+    assert "DISARMED ·" in console.text

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
@@ -26,11 +25,9 @@ from hub.gcm.vehicle import (
 from hub.gcm.vision import CAMERA_STATE
 from hub.ipc.definition import MessageDefinition
 from tests.support.bodies import hub_with
-from tests.system.harness import ConsoleProcess, HubProcess, Observer
+from tests.system.harness import ConsoleProcess, HubProcess, Observer, press
 
 F8, F9 = "\x1b[19~", "\x1b[20~"
-RELEASED_S = 0.8
-"""After this time a key that was typed once counts as released [s]."""
 HUB = hub_with("rov", kind="simulated-rov")
 
 
@@ -72,13 +69,6 @@ def order(observer: Observer, command: VehicleCommand) -> None:
     observer.client.define(VEHICLE_COMMAND)
     observer.client.wait_defined(5.0)
     observer.client.publish(VEHICLE_COMMAND, command)
-
-
-def press(console: ConsoleProcess, key: str) -> None:
-    """Press a key, and wait until the console counts it as released: it gets no release."""
-    console.type(key)
-    released = time.monotonic() + RELEASED_S
-    console.wait(lambda: time.monotonic() > released, 10.0)
 
 
 def test_the_robot_goes_to_the_target_of_a_hold(observer: Observer) -> None:

@@ -66,7 +66,7 @@ def autopilot_parts(robot: RobotState, autopilot: AutopilotState) -> Iterator[Pa
         if math.isfinite(autopilot.gain):
             yield Part(f"sticks have {autopilot.gain:.0%} of their effect", 2)
     if autopilot.unsafe:
-        yield Part(f"{unsafe_words(autopilot)}: the help lists them", 6, Severity.WARNING)
+        yield Part(f"{unsafe_words(autopilot)}: see the help", 6, Severity.WARNING)
     kind = autopilot.vehicle or "a vehicle of no known kind"
     named = ", ".join(filter(None, (kind, autopilot.firmware)))
     if autopilot.verified or not autopilot.vehicle:

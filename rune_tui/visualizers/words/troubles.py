@@ -10,6 +10,7 @@ from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.diagnostics import Severity as Level
 from hub.gcm.navigation import Assistance
 from rune_tui.model.attention import Problem
+from rune_tui.model.autopilot_watch import is_fault
 from rune_tui.model.body import pressed_bumpers
 from rune_tui.model.console_state import Banner, ConsoleState, Notice
 from rune_tui.model.mission import mission_of
@@ -26,6 +27,8 @@ START_S: Final = 10.0
 """Time after the start of a link in which a starting module is no alarm [s]."""
 REPORT_S: Final = 5.0
 """Time of a recent event on the banner [s]."""
+FAULT_S: Final = 25.0
+"""Time in which a fault that an autopilot reported holds: it repeats a leak every 20 s [s]."""
 
 _SIGNED: Final = frozenset({Severity.ALARM, Severity.WARNING})
 _REPORT_WEIGHT: Final = 8.5
@@ -101,16 +104,22 @@ def _diagnosed(robot: RobotState, now: float) -> Iterator[Part]:
         yield Part(text, 8 if error else 5, severity, cause=status.name)
 
 
-def _of_autopilot(robot: RobotState) -> Iterator[Part]:
-    """That nothing would stop it, and parameters that make it unsafe; the rest is diagnosed."""
+def _of_autopilot(robot: RobotState, now: float) -> Iterator[Part]:
+    """What is wrong with an autopilot besides what its driver diagnoses."""
     autopilot = autopilot_of(robot)
     if autopilot is None:
         return
+    said = [each for each in robot.texts if is_fault(each.value) and each.age(now) < FAULT_S]
+    for text in dict.fromkeys(each.value.text for each in said):
+        yield Part(f"THE AUTOPILOT SAYS: {text}", 8, Severity.ALARM, cause=f"says {text}")
+    if autopilot.phase in ARMED and not autopilot.position:
+        text = "the autopilot does not know its place"
+        yield Part(text, 5, Severity.WARNING, cause="no place")
     if never := never_words(autopilot):
         severity = Severity.ALARM if autopilot.phase in ARMED else Severity.WARNING
         yield Part(never, 8, severity, cause="never stops")
     if autopilot.unsafe:
-        text = f"{unsafe_words(autopilot)}: the help lists them"
+        text = f"{unsafe_words(autopilot)}: see the help"
         yield Part(text, 3, Severity.WARNING, cause="unsafe parameters")
 
 
@@ -133,7 +142,7 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         if navigation.assistance is Assistance.OFF:
             yield Part("ASSISTANCE OFF: it drives into walls", 5, Severity.WARNING)
     yield from _diagnosed(robot, state.now)
-    yield from _of_autopilot(robot)
+    yield from _of_autopilot(robot, state.now)
     mission = mission_of(robot)
     if mission is not None and mission.fault:
         yield Part(f"NOT KEPT: {mission.fault}", 8, Severity.ALARM, cause="mission")

@@ -12,7 +12,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import THEMES
 from rune_tui.visualizers.parts.severity import Severity
-from rune_tui.visualizers.words.troubles import troubles
+from rune_tui.visualizers.words.troubles import FAULT_S, troubles
 from tests.console.visualizers.conftest import NOW, Draw, words
 from tests.support.autopilot import UNSAFE, piloted, rover
 
@@ -75,7 +75,7 @@ def test_what_is_wrong_is_said(draw: Draw) -> None:
         "stops 0.9 s after zero",
         "DOES NOT KNOW ITS PLACE",
         "sticks have 50% of their effect",
-        "1 unsafe parameter: the help lists them",
+        "1 unsafe parameter: see the help",
         "NOT VERIFIED, its rules follow documents only",
         "Leak Detected",
     ):
@@ -119,9 +119,11 @@ def test_an_old_state_is_marked(draw: Draw) -> None:
     assert "STALE" in rows(draw, piloted(rover(), age=5.0))[0]
 
 
-def problems(autopilot: AutopilotState) -> dict[str, Severity]:
-    robot = piloted(autopilot)
-    found = troubles(robot, ConsoleState(now=NOW, robots={robot.name: robot}))
+def problems(
+    autopilot: AutopilotState, *texts: tuple[str, Level], now: float = NOW
+) -> dict[str, Severity]:
+    robot = piloted(autopilot, *texts)
+    found = troubles(robot, ConsoleState(now=now, robots={robot.name: robot}))
     return {part.cause: part.severity for part in found}
 
 
@@ -133,3 +135,18 @@ def test_that_nothing_stops_it_is_an_alarm_once_it_is_armed() -> None:
     assert "never stops" not in problems(rover(stops_after_cut_s=math.nan))
     assert problems(rover(unsafe=(UNSAFE,)))["unsafe parameters"] is Severity.WARNING
     assert "unsafe parameters" not in problems(rover())
+
+
+def test_faults_that_the_autopilot_reports_are_alarms_for_a_while() -> None:
+    texts = [("Leak Detected", Level.ERROR), ("GPS Glitch", Level.WARN)]
+    checked = ("PreArm: Gyros inconsistent", Level.ERROR)
+    leak = "says Leak Detected"
+    assert problems(rover(), *texts)[leak] is Severity.ALARM
+    assert [each for each in problems(rover(), *texts, checked) if "says" in each] == [leak]
+    assert leak not in problems(rover(), *texts, now=NOW + FAULT_S)
+
+
+def test_a_place_that_is_lost_is_a_warning_while_it_is_armed() -> None:
+    assert problems(rover(position=0))["no place"] is Severity.WARNING
+    assert "no place" not in problems(rover())
+    assert "no place" not in problems(rover(phase=AutopilotPhase.DISARMED, position=0))
