@@ -213,6 +213,7 @@ def _copied(options: argparse.Namespace, progress: ProgressLine) -> Copied:
             compression=options.compression,
             replace=options.force,
             progress=progress,
+            damaged=options.damaged,
         )
     how = CopyOptions(
         compression=options.compression,
@@ -279,6 +280,8 @@ def _report(copied: Copied, options: argparse.Namespace, progress: ProgressLine)
     if options.task == "recover":
         missing = "" if copied.missing < 0 else f", {copied.missing} messages of its index"
         put(f"lost: {copied.unreadable} bytes that cannot be read{missing}")
+        if copied.unreadable and not options.damaged:
+            put("`--damaged` keeps also messages that are found in damaged parts, as a replay does")
     return _code(copied)
 
 

@@ -85,8 +85,14 @@ def _recovery(tasks: Commands) -> CommandParser:
     task = tasks.add_parser(
         "recover", help="what is whole of a damaged or unfinished file, with an index"
     )
-    task.add_argument("files", nargs=1, type=Path, metavar="FILE", help="the file; it stays")
+    task.add_argument(
+        "files", nargs=1, type=Path, metavar="FILE", help="the file or folder; it stays"
+    )
     task.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="new file")
+    task.add_argument(
+        "--damaged", action="store_true",
+        help="keep also messages of damaged parts, as rune replay shows them; they may be wrong",
+    )  # fmt: skip
     _add_writing(task)
     return task
 

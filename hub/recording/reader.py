@@ -29,6 +29,7 @@ from hub.recording.chunks import (
     message_at,
     without,
 )
+from hub.recording.lengths import length_fault
 from hub.recording.open_recording import OpenRecording
 from hub.recording.order import ChannelChunks, WaitingMessages, by_channel
 from hub.recording.records import ATTACHMENT, RECORD
@@ -217,7 +218,7 @@ class Recording(OpenRecording):
             place = self._places[number]
             try:
                 raw = os.pread(self._handle, place.length + place.index_length, place.offset)
-                chunk = without(load(raw, place), self._known)
+                chunk = without(self._unpacked(number, raw), self._known)
             except (RecordingError, OSError, MemoryError) as error:
                 self.unreadable += place.length + place.index_length
                 self._note(number, str(error))
@@ -281,6 +282,8 @@ class Recording(OpenRecording):
             RecordingError: It is damaged.
         """
         place = self._places[number]
+        if place.packed and (fault := length_fault(raw, place)):
+            self._note(number, fault)
         try:
             return load(raw, place)
         except RecordingError as error:

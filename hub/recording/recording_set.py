@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import heapq
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from pathlib import Path
@@ -100,6 +101,12 @@ class RecordingSet(OpenRecording):
             for each in self.recordings
             for fault in each.faults
         ]
+
+    def check(self, seconds: float) -> None:
+        """Look for damage in parts of MCAP files for a time [s]; see `faults`."""
+        deadline = time.monotonic() + seconds
+        for recording in self.recordings:
+            recording.check(deadline)
 
     @property
     def anchor(self) -> TimeAnchor | None:

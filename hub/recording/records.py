@@ -17,6 +17,16 @@ RECORD = struct.Struct("<BQ")
 """Head of a record: its number, and the length of its content [bytes]."""
 
 
+def fault_of_begin(head: bytes) -> str:
+    """Why a file that begins so is no MCAP file, and what to do; empty: it is one."""
+    if head.startswith(b"#ROSBAG"):
+        return (
+            "it is a bag of ROS 1; `rosbags-convert --src FILE --dst FOLDER` (pip install rosbags) "
+            "makes a folder that can be read"
+        )
+    return "" if head.startswith(MAGIC) else "it is no MCAP file"
+
+
 def records_of(data: bytes, start: int = 0) -> Iterator[tuple[int, int, int]]:
     """Kind, begin and end of the content of each record.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import struct
@@ -12,6 +13,7 @@ from typing import Final, NamedTuple
 
 from hub.errors import RecordingError
 from hub.recording.chunks import MOST_CHUNK, ChunkPlace, unpack
+from hub.recording.lengths import wrong_lengths
 from hub.recording.records import (
     ATTACHMENT,
     ATTACHMENT_INDEX,
@@ -28,6 +30,7 @@ from hub.recording.records import (
     RECORD,
     SCHEMA,
     STATISTICS,
+    fault_of_begin,
     records_of,
 )
 from hub.recording.ros_quality import ROSBAG2
@@ -107,9 +110,8 @@ def summary_of(handle: int, *, partial: bool = False) -> Summary:
         RecordingError: It is no MCAP file.
     """
     size = os.fstat(handle).st_size
-    if os.pread(handle, len(MAGIC), 0) != MAGIC:
-        text = "it is no MCAP file"
-        raise RecordingError(text)
+    if fault := fault_of_begin(os.pread(handle, len(MAGIC), 0)):
+        raise RecordingError(fault)
     return _Indexed(handle, size).read() or _Scan(handle, size, partial=partial).read()
 
 
@@ -199,7 +201,12 @@ class _Indexed:
                 self._take(kind, data, begin, end)
         except (RecordingError, struct.error, OverflowError):
             return None
-        return self._summary if self._is_complete() else None
+        if not self._is_complete():
+            return None
+        faults = self._summary.faults
+        wrong = wrong_lengths(self._handle, self._summary.chunks)
+        faults += itertools.islice(wrong, MOST_FAULTS - len(faults))
+        return self._summary
 
     def _is_complete(self) -> bool:
         """Whether it names all channels, and the chunks of a file that has messages."""

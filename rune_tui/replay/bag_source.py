@@ -135,6 +135,10 @@ class BagSource:
         later = next(self._bag.messages(due), None)
         return self._after(later.stamp) if later is not None else None
 
+    def check(self, seconds: float) -> None:
+        """Look for damage for a time [s]; `faults` has it."""
+        self._bag.check(seconds)
+
     def overview(self) -> Overview:
         """What happened; reads the whole recording."""
         return bag_survey(self._bag)

@@ -20,6 +20,8 @@ from rune_tui.terminal.traits import Traits
 
 _RECENT_S = 5.0
 """A file without an end that changed later than this ago is still written [s]."""
+_CHECK_S = 0.03
+"""Longest time to look for damage before the first picture [s]."""
 _END = b"\x89MCAP0\r\n"
 """The last bytes of a complete MCAP file."""
 
@@ -66,10 +68,12 @@ def show(
         closing(ClipWriter(opened, first)) as clips,
     ):
         growing = still_written(options.files, time.time())
+        player.source.check(_CHECK_S)
+        damage = next(iter(player.source.faults), "")
         traits, answers, took = ask_terminal()
         trip = took if answers.complete else 0.0
         app = ReplayApp(player, traits, trip, notes=ReviewNotes(first), clips=clips)
-        if growing:
-            app.desk.say(growing)
+        if growing or damage:
+            app.desk.say(growing or damage)
         app.run()
         return [*player.source.faults]

@@ -124,6 +124,10 @@ class ConsoleLog:
         """No key means anything."""
         return False
 
+    def check(self, seconds: float) -> None:
+        """Look for damage for a time [s]; `faults` has it."""
+        self._recording.check(seconds)
+
     def overview(self) -> Overview:
         """What happened."""
         with RecordingSet.open(self._paths) as recording:

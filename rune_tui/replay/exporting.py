@@ -24,6 +24,8 @@ from rune_tui.replay.review_notes import ReviewNotes
 from rune_tui.replay.source import ReplaySource, with_notes
 
 _PAGE = ".html"
+_CHECK_S = 2.0
+"""Longest time to look for damage in parts that the export does not show [s]."""
 
 
 def export(options: Namespace, opened: Callable[[], ReplaySource]) -> list[str]:
@@ -52,6 +54,7 @@ def export(options: Namespace, opened: Callable[[], ReplaySource]) -> list[str]:
     with closing(Player(opened)) as player:
         source = player.source
         start = moment_of(options.start, source)
+        source.check(_CHECK_S)
         faults: list[str] = []
         end = moment_of(options.end, source) if options.end is not None else source.end
         if suffix == _PAGE:

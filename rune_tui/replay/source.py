@@ -129,6 +129,9 @@ class ReplaySource(Protocol):
     def faults(self) -> Sequence[str]:
         """What cannot be shown, and why, in sentences; it grows while frames are read."""
 
+    def check(self, seconds: float) -> None:
+        """Look for damage for a time [s]; `faults` has it."""
+
     def frames(self, after: int, until: int, apart: int = 0) -> Iterator[ReplayFrame]:
         """Some or all frames, in the order of time.
 

@@ -118,6 +118,10 @@ class TimedLog:
         """No key means anything."""
         return False
 
+    def check(self, seconds: float) -> None:
+        """Look for damage for a time [s]; `faults` has it."""
+        self._recording.check(seconds)
+
     def overview(self) -> Overview:
         """What happened."""
         return survey(self._recording)

@@ -15,6 +15,7 @@ import heapq
 import itertools
 import shutil
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -214,6 +215,30 @@ class Bag(OpenRecording):
                         np.array([each.number for each in batch], np.uint32),
                         np.array([len(each.payload) for each in batch], np.uint64),
                     )
+
+    def check(self, deadline: float) -> None:
+        """Look for damage in parts of MCAP files until a time [s, monotonic clock].
+
+        `faults` has what was found.
+        """
+        for split in self._splits:
+            if isinstance(split, Recording):
+                for _ in split.facts():
+                    if time.monotonic() >= deadline:
+                        return
+
+    @property
+    def unreadable(self) -> int:
+        """Length of what is damaged in MCAP files [bytes], after `salvage`."""
+        return sum(each.unreadable for each in self._splits if isinstance(each, Recording))
+
+    def salvage(self) -> Iterator[LoggedMessage]:
+        """All messages, split after split; see `Recording.salvage`."""
+        for split, numbers in zip(self._splits, self._numbers, strict=True):
+            found = split.salvage() if isinstance(split, Recording) else split.messages()
+            for message in found:
+                if message.channel in numbers:
+                    yield _unpacked(message)._replace(channel=numbers[message.channel])
 
     def newest(
         self, stamp: int, channels: AbstractSet[int] | None = None

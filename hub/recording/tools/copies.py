@@ -11,8 +11,8 @@ from pathlib import Path
 from hub.errors import RecordingError
 from hub.recording.chunks import LoggedMessage
 from hub.recording.new_recording import NewRecording
-from hub.recording.reader import Recording
 from hub.recording.recording_set import RecordingSet
+from hub.recording.ros.bag import Bag
 from hub.recording.tools.ros_copy import RosCopy, write_bag_metadata
 from hub.recording.tools.selection import Selection
 from hub.recording.writer import ABOUT
@@ -20,6 +20,8 @@ from hub.values import dataclass
 
 Progress = Callable[[float], None]
 """Is called now and then with the share that is done."""
+RECOVERED = "rune recovered"
+"""Name of the metadata with the faults of parts whose messages may be wrong."""
 _SELDOM = 2000
 """Messages between two reports of progress."""
 
@@ -99,15 +101,33 @@ def copy(
 
 
 def recover(
-    source: Path, target: Path, *, compression: str, replace: bool, progress: Progress
+    source: Path,
+    target: Path,
+    *,
+    compression: str,
+    replace: bool,
+    progress: Progress,
+    damaged: bool = False,
 ) -> Copied:
-    """Write what is whole of a damaged or unfinished file into a new one, in the file's order.
+    """Write what is whole of a damaged or unfinished recording into a new file.
+
+    Messages keep the order of an MCAP file.
+
+    Args:
+        source: The file or folder.
+        target: The new file.
+        compression: How it is packed: lz4, zstd or none.
+        replace: Whether it may replace a file.
+        progress: Is called now and then with the share that is done.
+        damaged: Whether those messages count that can be found in damaged parts; they may be wrong
+            themselves, and the metadata `rune recovered` names these parts.
 
     Raises:
         RecordingError: Nothing of it can be read, or the new file cannot be written.
     """
-    with Recording.open(source) as recording:
+    with Bag.open(source, partial=damaged) as recording:
         counted = sum(recording.counts.values()) if recording.counts else -1
+        size = max(1, source.stat().st_size if source.is_file() else counted)
         with NewRecording(target, compression=compression, replace=replace) as new:
             for name, facts in recording.about.items():
                 new.add_facts(name, facts)
@@ -121,9 +141,12 @@ def recover(
                     message.number,
                     message.payload,
                 )
-                done += len(message.payload)
+                done += len(message.payload) if source.is_file() else 1
                 if new.messages % _SELDOM == 0:
-                    progress(min(1.0, done / max(1, source.stat().st_size)))
+                    progress(min(1.0, done / size))
+            if damaged and recording.faults:
+                numbered = {str(n): fault for n, fault in enumerate(recording.faults, 1)}
+                new.add_facts(RECOVERED, numbered)
         return Copied(
             path=target,
             messages=new.messages,
@@ -159,7 +182,7 @@ def _copy_facts(recording: RecordingSet, new: NewRecording) -> list[str]:
     return _copy_attachments(recording, new)
 
 
-def _copy_attachments(recording: Recording | RecordingSet, new: NewRecording) -> list[str]:
+def _copy_attachments(recording: Bag | RecordingSet, new: NewRecording) -> list[str]:
     faults = []
     for place in recording.attachments:
         try:

@@ -45,3 +45,21 @@ def test_a_cut_bag_is_shown_as_far_as_it_goes(tmp_path: Path) -> None:
     done = rune("replay", str(path), "--export", str(picture))
     assert done.returncode == ExitCode.FAULT
     assert str(path) in done.stderr
+
+
+def test_a_picture_away_from_the_damage_says_that_there_is_some(tmp_path: Path) -> None:
+    path = ros_bags.write_mcap(tmp_path / "a.mcap", CONTENT, chunk_size=20_000)
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 0xFF
+    path.write_bytes(data)
+    done = rune("replay", str(path), "--start", "0", "--as-seen", "--export", f"{path}.txt")
+    assert done.returncode == ExitCode.OK
+    assert "at byte" in done.stderr
+
+
+def test_a_bag_of_ros_1_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    path = tmp_path / "drive.bag"
+    path.write_bytes(b"#ROSBAG V2.0\n" + bytes(4096))
+    done = rune("replay", str(path))
+    assert done.returncode == ExitCode.USAGE
+    assert "rosbags-convert" in done.stderr

@@ -14,14 +14,17 @@ from typing import Any
 import pytest
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
+from rosbags.rosbag2 import StoragePlugin
 from rosbags.typesys import Stores, get_typestore
 
 from hub.recording.new_recording import NewRecording
 from hub.recording.reader import Recording
 from hub.recording.recording_set import RecordingSet
+from hub.recording.records import MAGIC, RECORD
 from hub.recording.ros_quality import QOS
 from hub.recording.topics import RecordedTopic
 from hub.recording.writer import RecordingWriter
+from tests.support import ros_bags
 from tests.support.command_line import rune_hub
 from tests.support.recorded_drive import ANCHOR, LIMITS, chunks_of, write_drive
 
@@ -171,6 +174,50 @@ def test_damage_in_the_middle_costs_its_chunk_only(drive: Path) -> None:
     assert log("recover drive.mcap -o all.mcap").count("lost: 0 bytes") == 1
 
 
+def test_recover_keeps_messages_of_a_damaged_part_where_that_is_wanted(drive: Path) -> None:
+    log(f"convert {drive} -o plain.mcap --compression none")
+    raw = bytearray(Path("plain.mcap").read_bytes())
+    _, end = chunks_of(raw)[0]
+    raw[end - 3] ^= 0xFF
+    Path("flipped.mcap").write_bytes(raw)
+    assert "--damaged" in log("recover flipped.mcap -o whole.mcap", 1)
+    whole = facts("info whole.mcap")
+    known = facts("recover flipped.mcap -o more.mcap --damaged", 1)
+    assert whole["messages"] < known["messages"] <= 260
+    assert "may be wrong" in facts("info more.mcap")["about"]["rune recovered"]["1"]
+
+
+def test_recover_reads_what_is_left_of_a_cut_database(tmp_path: Path) -> None:
+    content = [*ros_bags.entries(2)]
+    folder = ros_bags.write_bag(tmp_path / "rover", storage=StoragePlugin.SQLITE3, content=content)
+    (whole,) = folder.glob("*.db3")
+    raw = whole.read_bytes()
+    half = tmp_path / "half.db3"
+    half.write_bytes(raw[: len(raw) // 2 // 4096 * 4096])
+    known = facts("recover half.db3 -o saved.mcap", 1)
+    assert known["faults"]
+    assert 0 < known["messages"] == facts("info saved.mcap")["messages"] < len(content)
+
+
+@pytest.mark.parametrize("which", ["first record", "third record", "chunk"])
+def test_a_wrong_length_is_named_though_the_index_finds_all_messages(
+    drive: Path, which: str
+) -> None:
+    raw = bytearray(drive.read_bytes())
+    at = len(MAGIC)
+    if which == "third record":
+        for _ in range(2):
+            at += RECORD.size + RECORD.unpack_from(raw, at)[1]
+    elif which == "chunk":
+        at = chunks_of(raw)[3][0]
+    RECORD.pack_into(raw, at, raw[at], 10**10)
+    Path("long.mcap").write_bytes(raw)
+    for quick in ("", " --quick"):
+        known = facts(f"info long.mcap{quick}", 1)
+        assert known["messages"] == 260
+        assert [each for each in known["faults"] if f"at byte {at}: the length of a" in each]
+
+
 @pytest.mark.parametrize(
     ("recorder", "numbers", "missing"),
     [
@@ -284,7 +331,7 @@ def test_a_folder_is_listed_with_its_bags_and_its_damage(drive: Path) -> None:
         ("cut drive.mcap -o x.mcap --from +200s", "has no messages in that span; it goes from"),
         ("cut drive.mcap -o x.mcap --around 7", "0 marks are '7'; the marks are: 1 a victim"),
         ("csv drive.mcap -o drive.mcap", "drive.mcap cannot be written: File exists"),
-        ("recover none.mcap -o x.mcap", "none.mcap cannot be read: No such file"),
+        ("recover none.mcap -o x.mcap", "none.mcap does not exist"),
         ("ls nowhere", "there is no folder nowhere"),
     ],
 )
