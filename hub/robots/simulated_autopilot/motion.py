@@ -113,7 +113,8 @@ class AxisResponse:
         rise: Time constant when it speeds up [s].
         fall: The same when it slows down [s].
         push: Acceleration of the full thrust [m/s^2]; 0: the demand is a velocity.
-        drag: Quadratic drag [1/m], with thrust.
+        drag: Quadratic drag [1/m]; where the demand is a velocity, it slows the vehicle.
+        brake: Deceleration beside the drag [m/s^2].
     """
 
     delay: float = 0.0
@@ -124,6 +125,7 @@ class AxisResponse:
     fall: float = 0.1
     push: float = 0.0
     drag: float = 0.0
+    brake: float = 0.0
 
 
 class AxisFollower:
@@ -152,12 +154,18 @@ class AxisFollower:
             self._demands.append((self._time + response.delay, demand))
         while self._demands and self._demands[0][0] <= self._time:
             self._demand = self._demands.pop(0)[1]
-        if response.push or response.drag:
-            drag = response.drag * abs(self.velocity) * self.velocity
-            self.velocity += (response.push * self._demand - drag) * seconds
+        drag = response.drag * self.velocity**2
+        if response.push:
+            thrust = response.push * self._demand
+            self.velocity += (thrust - math.copysign(drag, self.velocity)) * seconds
             return
         goal = self._demand * response.gain
         speeds_up = abs(goal) > abs(self.velocity)
+        if response.drag and not speeds_up:
+            most = (drag + response.brake) * seconds
+            self.velocity += max(-most, min(most, goal - self.velocity))
+            self._ramped = self.velocity
+            return
         most = (response.ramp if speeds_up else response.braking) * seconds
         self._ramped += max(-most, min(most, goal - self._ramped))
         constant = response.rise if speeds_up else response.fall
@@ -170,10 +178,10 @@ _ROVER_TURN: Final = AxisResponse(ramp=2.5, braking=2.5, rise=0.05, fall=0.05)
 _SUB_TURN: Final = AxisResponse(delay=0.05, gain=1.05, rise=0.35, fall=0.33)
 _SUB_CLIMB: Final = AxisResponse(delay=0.1, gain=1.07, rise=0.35, fall=0.45)
 _SUB_THRUST: Final = AxisResponse(delay=0.04, push=5.08, drag=4.7)
-_SUB_PLACE: Final = AxisResponse(delay=0.12, gain=1.02, rise=0.75, fall=1.18)
+_SUB_PLACE: Final = AxisResponse(delay=0.14, gain=1.02, rise=0.75, drag=4.7, brake=0.03)
 _SUB_GUIDED: Final = (
-    AxisResponse(delay=0.12, rise=0.75, fall=1.1),
-    AxisResponse(delay=0.12, rise=0.75, fall=1.1),
+    AxisResponse(delay=0.14, rise=0.75, drag=4.7, brake=0.03),
+    AxisResponse(delay=0.14, rise=0.75, drag=4.7, brake=0.03),
     AxisResponse(delay=0.1, rise=0.35, fall=0.45),
     AxisResponse(delay=0.05, rise=0.35, fall=0.4),
 )
@@ -185,7 +193,7 @@ _BLIMP_TURN: Final = AxisResponse(delay=0.15, gain=0.87, rise=0.3, fall=0.15)
 _BLIMP_PLACE: Final = AxisResponse(
     delay=0.8, gain=1.05, ramp=0.075, braking=0.075, rise=0.05, fall=0.05
 )
-_BLIMP_COASTS: Final = AxisResponse(rise=12.0, fall=12.0)
+_BLIMP_COASTS: Final = AxisResponse(rise=15.0, fall=15.0)
 _Axes = tuple[AxisResponse, AxisResponse, AxisResponse, AxisResponse]
 RESPONSES: Final[Mapping[str, Mapping[DemandKind, _Axes]]] = {
     "rover": {

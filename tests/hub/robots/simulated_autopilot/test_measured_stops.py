@@ -122,8 +122,9 @@ def test_a_blimp_without_a_receiver_is_disarmed_and_drifts(lasting, disarms):
     took = drive.until(lambda: not drive.vehicle.armed)
     assert took == pytest.approx(disarms, abs=0.07)
     north = drive.motion.north
-    assert drive.rests() > 12.0
+    drive.world.wait(12.0)
     assert 1.6 < drive.motion.north - north < 2.4
+    assert drive.motion.ahead > 0.05
     assert "Radio Failsafe - Disarming" in drive.station.texts()
     drive.station.alive = True
     drive.station.stream(BLIMP_AHEAD)
@@ -164,3 +165,23 @@ def test_a_rover_with_sticks_and_no_receiver_stops_only_by_its_failsafe(settings
     drive.station.stream(ahead)
     drive.world.wait(3.0)
     assert (drive.motion.ahead > 1.0) is goes_on
+
+
+@pytest.mark.parametrize(("timeout", "failsafe", "holds"), [(5, 1.5, 6.6), (2, 0.5, 2.55)])
+def test_a_silent_station_makes_a_rover_with_a_receiver_hold(timeout, failsafe, holds):
+    settings = {"FS_GCS_ENABLE": 1, "FS_GCS_TIMEOUT": timeout, "FS_TIMEOUT": failsafe}
+    drive = Drive("rover", 15, NEUTRAL["rover"], velocity(1.0), **settings)
+    drive.cut()
+    took = drive.until(lambda: drive.vehicle.mode == 4)
+    assert took == pytest.approx(holds, abs=0.12)
+    # The words are those of another failsafe: the receiver is sound.
+    assert "Radio Failsafe" in drive.station.texts()
+
+
+@pytest.mark.parametrize(("lasting", "slows", "rests"), [(3, 3.1, 3.8), (0.5, 0.6, 1.3)])
+def test_sticks_of_a_rover_with_a_receiver_expire(lasting, slows, rests):
+    ahead = ("MANUAL_CONTROL", {"target": 1, "z": 185})
+    drive = Drive("rover", 1, ahead, RC_OVERRIDE_TIME=lasting)
+    drive.cut()
+    assert drive.slows() == pytest.approx(slows, abs=0.12)
+    assert drive.rests() == pytest.approx(rests, rel=0.1)
