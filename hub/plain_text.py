@@ -39,3 +39,8 @@ def _shown(one: str) -> str:
     if unicodedata.category(one) not in _HIDDEN:
         return one
     return one.encode("unicode_escape").decode()
+
+
+def counted(number: int, thing: str) -> str:
+    """A number of things, in words: "1 trial", "2 trials"."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

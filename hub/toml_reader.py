@@ -159,7 +159,9 @@ class Problems(list[str]):
         if line is None:  # an unknown table, or a value in the place of one
             table = f"[{key}]" if place == TOP else header
             line = self._lines.get((table, "")) or self._lines.get((TOP, table.strip("[]")))
-        self.append((f"line {line}: " if line else "") + text)
+        sentence = (f"line {line}: " if line else "") + text
+        if sentence not in self:
+            self.append(sentence)
 
 
 def _header(place: str) -> str:

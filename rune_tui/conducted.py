@@ -79,16 +79,18 @@ class ConductedConsole(Console, inherit_bindings=True):
 
     def on_key_moved(self, event: KeyMoved) -> None:
         """The same on a terminal that reports releases."""
-        down = event.move is not KeyMove.RELEASE
-        if down and self._wanted(event.key, event.character):
+        down, repeat = event.move is not KeyMove.RELEASE, event.move is KeyMove.REPEAT
+        if down and self._wanted(event.key, event.character, repeat=repeat):
             event.stop()
             event.prevent_default()
 
-    def _wanted(self, key: str, character: str | None) -> bool:
+    def _wanted(self, key: str, character: str | None, *, repeat: bool = False) -> bool:
         name = name_of_key(key, character)
         wanted = name in self._keys
         if wanted:
-            self._report("key", name=name, moment=time.monotonic())
+            now = time.monotonic()
+            self.inputs.note_taken(name, now, repeat=repeat)
+            self._report("key", name=name, moment=now)
         return wanted
 
     def _read(self) -> None:

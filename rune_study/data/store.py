@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from hub import files
+from hub.plain_text import counted
 from hub.values import dataclass
 from rune_study.data.derive import derive
 from rune_study.data.overlay import TrialOverlay
@@ -59,7 +60,7 @@ class StudyData:
         )
         more = len(found) - _SHOWN
         rest = f"; and {more} more, which the column 'partial' of trials.csv names"
-        trials = "1 trial" if len(found) == 1 else f"{len(found)} trials"
+        trials = counted(len(found), "trial")
         return [f"the metrics of {trials} are partial: {shown}{rest if more > 0 else ''}"]
 
 

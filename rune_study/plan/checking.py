@@ -30,6 +30,7 @@ from rune_study.plan.real_robots import not_for_real
 from rune_study.plan.steps import BREAK, PRACTICE, SECONDARY, TRIALS
 from rune_study.plan.study_file import StudyDraft, read_draft
 from rune_study.plan.study_spec import ConditionSpec, StudySpec
+from rune_study.plan.task_keys import task_key_problems
 from rune_study.questionnaires.items import ComparedItem, Item, PlaceItem
 from rune_study.questionnaires.questionnaire import read, shipped
 from rune_study.trial_data.measured import EFFECTIVENESS
@@ -49,10 +50,17 @@ def check_study(folder: Path) -> StudyDraft:
     """
     draft = read_draft(folder)
     for place, key, problem in sorted(
-        {*_steps(draft), *_conditions(draft), *_alike(draft), *_metrics(draft)}
+        {*_steps(draft), *_conditions(draft), *_alike(draft), *_metrics(draft), *_keys(draft)}
     ):
         draft.problems.add(place, problem, key)
     return draft
+
+
+def _keys(draft: StudyDraft) -> Iterator[_Problem]:
+    """Keys of the secondary task that cannot be its answers."""
+    if "secondary" in draft.sound:
+        for problem in task_key_problems(draft.study):
+            yield "[secondary]", "keys", f"[secondary], key 'keys': {problem}"
 
 
 def _alike(draft: StudyDraft) -> Iterator[_Problem]:

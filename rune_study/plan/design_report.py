@@ -6,6 +6,7 @@ import dataclasses
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 
+from hub.plain_text import counted
 from hub.values import dataclass
 from rune_study.plan.conditions import shared_words
 from rune_study.plan.orders import BY_LOT, MOST_TRIES, ROWS, balance, counts_kept
@@ -128,14 +129,15 @@ def _warnings(study: StudySpec, rows: int, kept: int, tries: int) -> Iterator[st
 
 def design_lines(report: DesignReport) -> Iterator[str]:
     """The report for people."""
-    those = f"{report.rows} orders" if report.rows else "an order by lot for each"
-    yield f"{report.participants} participants, {len(report.codes)} conditions, {those}"
+    those = counted(report.rows, "order") if report.rows else "an order by lot for each"
+    people, codes = report.participants, len(report.codes)
+    yield f"{counted(people, 'participant')}, {counted(codes, 'condition')}, {those}"
     if report.shared:
         yield f"all conditions: {report.shared}"
     if report.minutes_of:
         parts = ", ".join(f"{name} {minutes:.0f}" for name, minutes in report.minutes_of.items())
-        hours = report.participants * report.minutes / 60.0
-        yield f"a session takes about {report.minutes:.0f} minutes, all of them {hours:.0f} hours"
+        every = _long(report.participants * report.minutes)
+        yield f"a session takes about {_long(report.minutes)}, all of them {every}"
         yield f"  minutes of a session: {parts}"
     if report.tries:
         yield f"{report.kept} of {report.tries} orders by lot keep the rules"
@@ -148,6 +150,13 @@ def design_lines(report: DesignReport) -> Iterator[str]:
         yield from _table("how often at each position", report.codes, places, report.positions)
         title = "how often right after each condition"
         yield from _table(title, report.codes, report.codes, report.carry_over)
+
+
+def _long(minutes: float) -> str:
+    """A length in words: minutes, from two hours on hours."""
+    if minutes < 120.0:
+        return counted(max(1, round(minutes)), "minute")
+    return counted(round(minutes / 60.0), "hour")
 
 
 def _orders(orders: Mapping[str, Sequence[int]]) -> Iterator[str]:

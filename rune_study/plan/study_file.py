@@ -340,6 +340,12 @@ def _check_moments(study: StudySpec, sound: Set[str], problems: toml.Problems) -
         if spec is None or name not in sound:
             continue
         place = f"[{name}]"
+        if spec.not_after_s is not None and spec.not_after_s > study.trial.seconds:
+            text = (
+                f"{place}, key 'not_after_s': {spec.not_after_s:g} s is after the end of a trial, "
+                f"which is at {study.trial.seconds:g} s ('seconds' of [trial])"
+            )
+            problems.add(place, text, "not_after_s")
         last = latest(spec, study.trial)
         if room_left(spec.count, spec.not_before_s, last, spec.apart_s) < 0.0:
             text = (

@@ -246,4 +246,4 @@ class TypedEntry:
             least = "nothing or " if self._item.optional else ""
             return f"{least}up to {self._item.longest} characters"
         whole = "a whole number" if self._item.whole else "a number"
-        return f"{whole} from {self._item.least:g} to {self._item.most:g}"
+        return f"{whole} {self._item.bounds}".strip()

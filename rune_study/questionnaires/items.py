@@ -27,6 +27,8 @@ from rune_study.questionnaires.truths import TRUTHS, NamedTruth, Value
 
 Answer = str | float | bool | Place
 MOST_ITEMS = 200
+MOST_NUMBER = 1e6
+"""The greatest number of an item that names none."""
 _NAME = plain_name(64)
 _WORDS = text(1000, any_character=True)
 _LABEL = text(60)
@@ -189,9 +191,16 @@ class NumberItem(ComparedItem):
     """
 
     least: float = key(number(-1e9, 1e9), 0.0, "least number")
-    most: float = key(number(-1e9, 1e9), 1e6, "greatest number")
+    most: float = key(number(-1e9, 1e9), MOST_NUMBER, "greatest number", without="none")
     unit: str = key(_LABEL, "", "its unit")
     whole: bool = key(truth, default=False, meaning="it has to be a whole number")
+
+    @property
+    def bounds(self) -> str:
+        """What it accepts, in words; empty: any number."""
+        if self.most < MOST_NUMBER:
+            return f"from {self.least:g} to {self.most:g}"
+        return f"from {self.least:g} on" if self.least > -MOST_NUMBER else ""
 
     def accepts(self, answer: object) -> bool:
         """Whether it lies between the bounds."""

@@ -8,6 +8,7 @@ from html import escape
 
 import numpy as np
 
+from hub.plain_text import counted
 from hub.sim.arena import Footprints
 from hub.values import dataclass
 from rune_study.data.overlay import CELL_M, Cell, TrialOverlay
@@ -89,8 +90,9 @@ def condition_map(
     bumps = sum(len(each.bumps) for each in overlays)
     driven = sum(each.driven for each in overlays)
     words = (
-        f"{len(overlays)} trials, {driven:.0f} m driven, {bumps} bumps, {false} marks without a "
-        f"victim. {_victims_in_words(of_victims)} {'' if walls else 'The walls are not known.'}"
+        f"{counted(len(overlays), 'trial')}, {driven:.0f} m driven, {counted(bumps, 'bump')}, "
+        f"{counted(false, 'mark')} without a victim. "
+        f"{_victims_in_words(of_victims)} {'' if walls else 'The walls are not known.'}"
     ).strip()
     parts = [
         *_heat(plan, _stays(overlays), most),

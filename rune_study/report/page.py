@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 
+from hub.plain_text import counted
 from hub.values import dataclass
 from rune_study.data.rows import TrialRow
 from rune_study.plan.design_report import DesignReport, design_lines
@@ -76,15 +77,16 @@ def html_page(report: StudyReport) -> str:
 def _summary(report: StudyReport) -> str:
     trials = report.results.trials
     people = {trial.participant for trial in trials}
-    counted = sum(not trial.excluded for trial in trials)
+    count = sum(not trial.excluded for trial in trials)
     begins = [trial.begin for trial in trials if math.isfinite(trial.begin)]
     days = sorted(
         {f"{datetime.datetime.fromtimestamp(each).astimezone():%Y-%m-%d}" for each in begins}
     )
     when = f" Trials from {days[0]} to {days[-1]}." if days else ""
     return (
-        f"{len(people)} of {report.design.participants} participants, {counted} trials that count "
-        f"of {len(trials)} that were begun. Study {report.digest[:12]}, page made "
+        f"{len(people)} of {counted(report.design.participants, 'participant')}, "
+        f"{counted(count, 'trial')} that {'counts' if count == 1 else 'count'} of {len(trials)} "
+        f"that were begun. Study {report.digest[:12]}, page made "
         f"{report.made}.{when}"
     )
 

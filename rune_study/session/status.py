@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from hub.plain_text import counted
 from hub.values import dataclass
 from rune_study.plan.conditions import condition_lines
 from rune_study.plan.steps import TRIAL, plan
@@ -98,7 +99,7 @@ def _passed(done: Record) -> bool:
 def state_words(progress: Progress) -> str:
     """How far a participant is, in words."""
     done, steps = progress.done, progress.steps
-    what = "complete" if done == steps else f"{done} of {steps} steps"
+    what = "complete" if done == steps else f"{done} of {counted(steps, 'step')}"
     notes = ["declined" if progress.declined else what]
     notes += [f"replaces {progress.replaces}"] if progress.replaces else []
     notes += [f"at {progress.now}"] if progress.now and not progress.declined else []
@@ -114,14 +115,20 @@ def status_lines(study: StudySpec) -> Iterator[str]:
     if not study.design.blind:
         yield from condition_lines(study)
     complete = 0
+    open_sessions: list[int] = []
     declined: set[int] = set()
     taken: set[int] = set()
     for participant in known:
         each = progress_of(study, participant)
         complete += each.done == each.steps
+        if each.done < each.steps and not each.declined and not each.other_study:
+            open_sessions.append(participant)
         (declined if each.declined else taken).add(each.replaces or participant)
         yield f"{participant:3}  {each.order}  {state_words(each)}"
-    yield f"{complete} of {study.participants} participants are complete"
+    are = "is" if study.participants == 1 else "are"
+    yield f"{complete} of {counted(study.participants, 'participant')} {are} complete"
+    for participant in open_sessions:
+        yield f"go on: rune study run {study.folder} --participant {participant}"
     line = f"next: rune study run {study.folder} --participant {next_participant(known)}"
     free = declined - taken
     yield f"{line} --replaces {min(free)}" if free else line

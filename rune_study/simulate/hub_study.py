@@ -15,6 +15,7 @@ from hub.gcm.geometry import TwistStamped
 from hub.gcm.ground_truth import GROUND_TRUTH
 from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.ipc.client import Client
+from hub.plain_text import counted
 from hub.recording.recording_set import RecordingSet
 from hub.shaper.shaped_link import ShapedLink
 from hub.values import dataclass
@@ -128,7 +129,7 @@ def play_on_hubs(
             seconds = driven.end - driven.begin
             trials.append(TrialRow(**own, code=step.code, seconds=seconds, ended="time"))
         write_truth(folder / TRUTH, episodes)
-        tell(f"participant {participant}: {len(trials)} trials so far")
+        tell(f"participant {participant}: {counted(len(trials), 'trial')} so far")
     lengths = {(row.participant, row.trial): row.seconds for row in trials}
     found = findings(episodes, metrics, tolerances, lengths)
     data = StudyData(trials=tuple(trials), metrics=tuple(metrics), overlays=tuple(overlays))

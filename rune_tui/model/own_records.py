@@ -281,7 +281,7 @@ class InputOutcome(enum.IntEnum):
     """What became of an input.
 
     Attributes:
-        NONE: It is bound to nothing, or changed the console alone.
+        NONE: It is bound to nothing, changed the console alone, or answered a study's question.
         SENT: A message went to a robot.
         REFUSED: A message to a robot was meant, and a notice gave the reason why none went.
         DEAF: It is bound, and nothing came of it: it was stale, held, or under a page.

@@ -11,6 +11,7 @@ from html import escape
 from typing import Final
 
 from hub.gcm.mapping import INTEREST_POINTS
+from hub.plain_text import counted
 from hub.values import dataclass
 from rune_tui.compositor.picture import image
 from rune_tui.export.report import drawing
@@ -97,8 +98,8 @@ def mission_page(
     parts = [
         f"<h1>{heading}</h1>",
         f"<p>{_clock(start, date=True)} to {_clock(end)}, {_length(end - start)}. "
-        f"{_count(len(overview.episodes), 'episode')} of interaction, "
-        f"{_count(len(overview.events), 'event')}.</p>",
+        f"{counted(len(overview.episodes), 'episode')} of interaction, "
+        f"{counted(len(overview.events), 'event')}.</p>",
         f"<pre>{escape(row)}</pre>",
         "<p>F freeze, ! alarm, V victim, B bump, | trial, · note, ▂ interaction, ╱ nothing.</p>",
         "<h2>What went wrong</h2>",
@@ -127,10 +128,6 @@ def mission_page(
 
 def _unread(source: ReplaySource) -> str:
     return " in what can be read; parts of the recording cannot be read" if source.faults else ""
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _problems(shown: Sequence[_LastingProblem], start: int) -> Iterator[str]:
@@ -213,7 +210,7 @@ def _robot(name: str, way: _Way) -> str:
     steps = zip(way.places, way.places[1:], strict=False)
     driven = sum(math.dist(first, second) for first, second in steps)
     words = (
-        f"{way.last.title}: about {driven:.1f} m driven, {_count(len(points), 'mark')} at the end."
+        f"{way.last.title}: about {driven:.1f} m driven, {counted(len(points), 'mark')} at the end."
     )
     picture = drawing(points, grid, way.places) if way.places or points else ""
     return f"<h3>{escape(name)}</h3><p>{escape(words)}</p>{picture}"

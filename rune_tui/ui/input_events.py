@@ -310,6 +310,12 @@ class InputEvents:
             bound = self._current.dispatch.listeners.of(event)
             self.recorder.note_input(input_record(event, bound, effects, state, read))
 
+    def note_taken(self, name: str, read: float, *, repeat: bool) -> None:
+        """Record a key that another program takes; the console does not use it."""
+        if self.recorder is not None and self.recorder.path:
+            event = ControlEvent(name=name, pressed=True, repeat=repeat)
+            self.recorder.note_input(input_record(event, (), (), self._state(), read))
+
     def _record_held(self, state: ConsoleState, now: float) -> None:
         """Let a recording that begins have the inputs that are down."""
         path = self.recorder.path if self.recorder is not None else ""

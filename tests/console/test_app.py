@@ -249,7 +249,7 @@ def test_a_step_that_fails_ends_no_console_and_leaves_the_others(
     play(script)
 
 
-def test_a_recording_that_begins_has_the_keys_that_are_down(
+def test_a_recording_has_keys_that_are_down_at_its_begin_or_answer_a_study(
     play: Callable[[Script], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_DOCUMENTS_DIR", str(tmp_path))
@@ -260,6 +260,7 @@ def test_a_recording_that_begins_has_the_keys_that_are_down(
         await desk.press("r")
         await desk.until(lambda: desk.console.state.recording)
         path = desk.console.state.recording
+        desk.console.inputs.note_taken("f6", time.monotonic(), repeat=False)
         desk.console.post_message(KeyMoved("w", "w", KeyMove.RELEASE))
         await desk.until(lambda: "w" not in desk.console.state.held)
         desk.console.effects.end_recording()
@@ -271,6 +272,7 @@ def test_a_recording_that_begins_has_the_keys_that_are_down(
             }
             messages = [*recorded.messages(channels=channels)]
         moves = [RUNE_INPUT.decode(each.payload) for each in messages]
+        assert [each.input for each in moves].count("f6") == 1
         found = [(each.pressed, each.repeat) for each in moves if each.input == "w"]
         assert (found[0], found[-1]) == ((True, True), (False, False))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import textwrap
 from itertools import pairwise
 from pathlib import Path
 
@@ -83,6 +84,34 @@ steps = ["consent"]
     assert lines == sorted(lines)
     assert {3, 4, 6, 9, 10, 11, 13, 14} <= set(lines)
     assert "did you mean" in str(caught.value)
+
+
+def test_keys_of_the_secondary_task_are_no_keys_of_a_layout(tmp_path: Path) -> None:
+    text = """
+        [factors]
+        layout = ["hri-a", "hri-b"]
+        [secondary]
+        keys = ["w", "q", "ctrl+c", "W+", "f6"]
+        right = ["f6", "f6"]
+        [trial]
+        seconds = 50
+        [freeze]
+        not_before_s = 10
+        not_after_s = 80
+        """
+    (tmp_path / "study.toml").write_text(HEAD + textwrap.dedent(text))
+    problems = check_study(tmp_path).problems
+    said = "\n".join(problems)
+    for part in (
+        "'w' is a key of the layout 'hri-a'; choose",
+        "'w' is a key of the layout 'hri-b'",
+        "'ctrl+c' ends the console always",
+        "'W+' is no key: ",
+        "[freeze], key 'not_after_s': 80 s is after the end of a trial, which is at 50 s",
+    ):
+        assert part in said
+    assert "'f6'" not in said
+    assert len(problems) == len(set(problems))
 
 
 def test_what_fits_nowhere_is_refused(tmp_path: Path) -> None:

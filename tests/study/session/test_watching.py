@@ -183,4 +183,6 @@ def test_status_names_who_is_where_and_who_is_next(tmp_path: Path) -> None:
     assert "complete" in lines[0]
     assert "replaces 1, at t1, 1 begun again" in lines[1]
     assert lines[2] == "1 of 16 participants are complete"
-    assert lines[3].endswith("--participant 2")
+    assert lines[3] == f"go on: rune study run {tmp_path} --participant 3"
+    assert lines[4].startswith("next: ")
+    assert lines[4].endswith("--participant 2")
