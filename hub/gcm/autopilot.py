@@ -11,7 +11,7 @@ import numpy as np
 
 from hub.gcm.diagnostics import Severity
 from hub.gcm.fields import Flag, Name, Octets, SecondsIfKnown, Sentence, ShareIfKnown, Stamp
-from hub.ipc.definition import Keep, MessageDefinition
+from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.ranges import Most, Range, Text
 from hub.ipc.formats.wire_types import Counted, Sequence, Wire
 from hub.values import dataclass
@@ -183,4 +183,21 @@ MAVLINK_FRAMES = MessageDefinition(
 )
 """Sent while it has subscribers."""
 
-MESSAGES = (AUTOPILOT_STATE, AUTOPILOT_TEXT, MAVLINK_FRAMES)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MavlinkRequest:
+    """Frames of another ground station for the autopilot, such as a question for its parameters.
+
+    Attributes:
+        data: Whole frames, shape (n,).
+    """
+
+    data: Octets = field(default_factory=lambda: np.zeros(0, np.uint8))
+
+
+MAVLINK_REQUEST = MessageDefinition(
+    name="GCM_Mavlink_Request", type=MavlinkRequest, keep=Keep.ALL, plane=Plane.COMMAND
+)
+"""The driver passes on what neither drives the vehicle nor keeps it alive."""
+
+MESSAGES = (AUTOPILOT_STATE, AUTOPILOT_TEXT, MAVLINK_FRAMES, MAVLINK_REQUEST)

@@ -7,7 +7,7 @@ from dataclasses import field
 
 import numpy as np
 
-from hub.gcm import autonomy, navigation, vehicle, vision
+from hub.gcm import autonomy, autopilot, navigation, vehicle, vision
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.fields import Count, Flag, Name, Number, Numbers, Seconds, Sentence
 from hub.gcm.geometry import TwistStamped
@@ -41,6 +41,7 @@ RESTRICTED: frozenset[str] = DRIVING | {
         vision.CAMERA_COMMAND,
         vision.NIGHT_COMMAND,
         vehicle.VEHICLE_COMMAND,
+        autopilot.MAVLINK_REQUEST,
     )
 }
 """Messages of the owner alone, while there is one; `GCM_Stop` is not among them."""

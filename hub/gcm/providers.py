@@ -88,6 +88,7 @@ TAKEN_BY: Mapping[str, tuple[Capability, ...]] = {
         Capability.DRV_ARM,
         Capability.DRV_MODE,
     ),
+    autopilot.MAVLINK_REQUEST.name: (Capability.DRV_MODE,),
     vision.IMAGE_REQUEST.name: (Capability.VIS_VID,),
     vision.CAMERA_COMMAND.name: (Capability.VIS_PTZ,),
     vision.NIGHT_COMMAND.name: (Capability.VIS_NIGHT,),

@@ -180,6 +180,9 @@ class BodyModes(Protocol):
     def autopilot(self, stamp: float) -> AutopilotState:
         """Its present state; `stamp` is the time now [s since the epoch]."""
 
+    def pass_on(self, frames: bytes) -> None:
+        """Send frames of another ground station, unless they drive or keep alive."""
+
     def take_texts(self) -> tuple[AutopilotText, ...]:
         """The texts that came since the last call."""
 

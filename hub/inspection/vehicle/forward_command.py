@@ -9,9 +9,11 @@ import socket
 import time
 from typing import Any, Final
 
+import numpy as np
+
 from hub.command_line import ExitCode
 from hub.errors import VehicleAddressError
-from hub.gcm.autopilot import MAVLINK_FRAMES, MavlinkFrames
+from hub.gcm.autopilot import MAVLINK_FRAMES, MAVLINK_REQUEST, MavlinkFrames, MavlinkRequest
 from hub.inspection.message_commands import connect
 from hub.inspection.output import print_error, put, stdin_ended
 from hub.inspection.vehicle.vehicle_link import place_of
@@ -21,7 +23,14 @@ from hub.robots.mavlink.link.address import VehicleLinkKind, vehicle_address
 _LOOK_S: Final = 0.05
 _REPORT_S: Final = 10.0
 """Time between two reports on a terminal [s]."""
+_BACK: Final = {
+    False: "what comes back is dropped",
+    True: "its commands reach the vehicle while no other has control of the robot: they can arm it "
+    "and change its mode, and Rune's limits and stops do not hold for what it then does by itself",
+}
 _LONGEST: Final = 65536
+_AT_ONCE: Final = 20
+"""Most datagrams of the station at once."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -45,6 +54,10 @@ def run(options: argparse.Namespace) -> int:
         stack.callback(client.close)
         forwarder = FrameForwarder()
 
+        if options.commands:
+            client.demand_right(MAVLINK_REQUEST)
+            client.define(MAVLINK_REQUEST)
+
         def take(frames: MavlinkFrames, _how: object) -> None:
             for datagram in () if frames.sent else forwarder.datagrams(frames.data.tobytes()):
                 with contextlib.suppress(OSError):  # the station is not there yet, or late
@@ -55,7 +68,10 @@ def run(options: argparse.Namespace) -> int:
         report = time.monotonic() + _REPORT_S
         while not (options.stop_with_stdin and stdin_ended()):
             client.listen(_LOOK_S)
-            _count_back(link, forwarder)
+            wanted = _came_back(link, forwarder)
+            if options.commands and wanted:
+                data = np.frombuffer(wanted, np.uint8)
+                client.publish(MAVLINK_REQUEST, MavlinkRequest(data=data))
             if time.monotonic() >= report:
                 report += _REPORT_S
                 _say(options, "forwarded", forwarder)
@@ -77,13 +93,15 @@ def _found(text: str, host: str, port: int) -> tuple[int, Any]:
     return family, address
 
 
-def _count_back(link: socket.socket, forwarder: FrameForwarder) -> None:
-    """Take what the station sent."""
-    for _ in range(100):
+def _came_back(link: socket.socket, forwarder: FrameForwarder) -> bytes:
+    """Take what the station sent; returns what may be passed on."""
+    wanted = b""
+    for _ in range(_AT_ONCE):
         try:
-            forwarder.came_back(link.recv(_LONGEST))
+            wanted += forwarder.came_back(link.recv(_LONGEST))
         except OSError:
-            return
+            break
+    return wanted
 
 
 def _say(options: argparse.Namespace, event: str, forwarder: FrameForwarder) -> None:
@@ -91,6 +109,6 @@ def _say(options: argparse.Namespace, event: str, forwarder: FrameForwarder) -> 
         facts = {"event": event, "passed": forwarder.passed, "dropped": forwarder.returned}
         put(json.dumps({**facts, "to": options.to}))
     elif event == "forwards":
-        put(f"frames of the vehicle go to {options.to}; what comes back is dropped. Ctrl-C ends it")
+        put(f"frames of the vehicle go to {options.to}; {_BACK[options.commands]}; Ctrl-C ends it")
     else:
         put(f"{forwarder.passed} frames went there, {forwarder.returned} came back")

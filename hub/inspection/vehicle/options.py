@@ -130,7 +130,12 @@ def _add_forward(tasks: Commands, which: CommandParser) -> None:
         help="let another ground station see it, beside its running hub",
         description="Send the frames of the vehicle to QGroundControl, MAVProxy or another program "
         "by UDP. Its hub runs and keeps the link. What the program sends back is counted and "
-        "dropped: it sees the vehicle, and cannot change it.",
+        "dropped, so it cannot change the vehicle. With --commands its commands, parameters and "
+        "missions pass while no operator has control: it can then arm the vehicle and change its "
+        "mode. Sticks, velocities and heartbeats never pass.",
+    )
+    task.add_argument(
+        "--commands", action="store_true", help="pass its commands on while no other has control"
     )
     task.add_argument(
         "--to", required=True, metavar="udp://HOST:PORT", help="such as udp://127.0.0.1:14550"

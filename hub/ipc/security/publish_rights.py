@@ -45,6 +45,7 @@ COMMANDS: Mapping[str, Right] = {
     "GCM_Camera_Command": _OPERATOR,
     "GCM_Night_Command": _OPERATOR,
     "GCM_Vehicle_Command": _OPERATOR,
+    "GCM_Mavlink_Request": _OPERATOR,
     "GCM_Point_Command": _OPERATOR,
     "GCM_Map_Command": _OPERATOR,
     "GCM_Mission_Command": _OPERATOR,

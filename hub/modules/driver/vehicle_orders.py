@@ -24,6 +24,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from hub.control_gate import ControlGate
 from hub.errors import RobotFileError
+from hub.gcm.autopilot import MAVLINK_REQUEST, MavlinkRequest
 from hub.gcm.body import HoldKind, JointBody
 from hub.gcm.control import ControlState
 from hub.gcm.navigation import STOP, Stop
@@ -107,6 +108,8 @@ class VehicleOrders:
         self._gate = ControlGate(client, self._on_owner_change)
         client.subscribe(VEHICLE_COMMAND, self._command)
         client.subscribe(STOP, self._on_stop)
+        if isinstance(body, BodyModes):
+            client.subscribe(MAVLINK_REQUEST, self._pass_on)
 
     def seen(self, state: VehicleState) -> None:
         """Take the newest state of the body."""
@@ -118,6 +121,16 @@ class VehicleOrders:
         for _, watchdog in self._joints.values():
             watchdog.expire()
         self._stop_each(self._joints)
+
+    def _pass_on(self, request: MavlinkRequest, reception: MessageInfo) -> None:
+        """Give frames of another ground station to the autopilot."""
+        fresh = reception.age < LATE_S
+        if (
+            isinstance(self._body, BodyModes)
+            and self._gate.admits(MAVLINK_REQUEST, reception)
+            and fresh
+        ):
+            self._body.pass_on(request.data.tobytes())
 
     def _command(self, command: VehicleCommand, reception: MessageInfo) -> None:
         order = command.order

@@ -23,6 +23,7 @@ from hub.pose import Pose
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import FileLoop, Sensors
 from hub.robots.left_alone import LeftAlone
+from hub.robots.mavlink.forwarding import passable
 from hub.robots.mavlink.kinds import firmware_name
 from hub.robots.mavlink.link.address import vehicle_address
 from hub.robots.mavlink.link.answer_watch import AnswerWatch
@@ -70,6 +71,7 @@ class MavlinkBody:
         self._link: ByteLink = link_to(vehicle_address(robot.vehicle_address))
         signer = _signer(robot.signing_key)
         self._parser = FrameParser(signer)
+        self._signs = signer is not None
         self._station = robot.vehicle_station
         self._speed = math.hypot(robot.linear_limit, robot.sway_limit)
         limits = Setpoint(
@@ -204,6 +206,15 @@ class MavlinkBody:
     def take_frames(self, *, wanted: bool) -> tuple[MavlinkFrames, ...]:
         """The bytes of the link since the last call; `wanted`: keep those from now on."""
         return self._tap.take(wanted=wanted)
+
+    def pass_on(self, frames: bytes) -> None:
+        """Send frames of another ground station, unless they drive or keep alive.
+
+        With a signing key nothing is sent: those frames have no signature of it.
+        """
+        if not self._signs:
+            for frame in passable(frames, self.vehicle.system):
+                self._send(frame)
 
     def close(self) -> None:
         """Release the link."""

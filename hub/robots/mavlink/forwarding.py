@@ -4,6 +4,9 @@
 | --- | --- | --- |
 | from the vehicle | all that Rune knows | send them on, whole, in datagrams of at most 1400 bytes |
 | from the station | any | count them, and drop them |
+| from the station, where its commands are wanted | of `PASSED`, for this vehicle | send them |
+
+What drives a vehicle, counts as the life of a station, changes streams or a key is not in `PASSED`.
 """
 
 from __future__ import annotations
@@ -13,6 +16,29 @@ from typing import Final
 
 from hub.robots.mavlink.wire.frames import FrameParser
 
+PASSED: Final = frozenset(
+    {
+        "COMMAND_INT",
+        "COMMAND_LONG",
+        "MISSION_ACK",
+        "MISSION_CLEAR_ALL",
+        "MISSION_COUNT",
+        "MISSION_ITEM_INT",
+        "MISSION_REQUEST",
+        "MISSION_REQUEST_INT",
+        "MISSION_REQUEST_LIST",
+        "MISSION_SET_CURRENT",
+        "PARAM_REQUEST_LIST",
+        "PARAM_REQUEST_READ",
+        "PARAM_SET",
+        "SET_MODE",
+    }
+)
+"""Messages of another ground station that may reach the vehicle."""
+_INTERVAL: Final = 511
+"""MAV_CMD_SET_MESSAGE_INTERVAL: the streams of this link are the hub's."""
+_MOST_FRAMES: Final = 64
+"""Most frames that are passed on at once."""
 _DATAGRAM: Final = 1400
 """Longest datagram, which no usual network has to divide [bytes]."""
 
@@ -41,6 +67,22 @@ class FrameForwarder:
         if held:
             yield held
 
-    def came_back(self, datagram: bytes) -> None:
-        """Count the frames in a datagram of the station."""
+    def came_back(self, datagram: bytes) -> bytes:
+        """Count the frames in a datagram of the station; returns those that may be passed on."""
         self.returned += len(self._station.datagram(datagram))
+        return b"".join(passable(datagram))
+
+
+def passable(datagram: bytes, system: int = 0) -> Iterator[bytes]:
+    """The frames of another ground station that may reach a vehicle.
+
+    Args:
+        datagram: Bytes of the station.
+        system: Number of the vehicle; 0: any.
+    """
+    for frame in FrameParser().datagram(datagram)[:_MOST_FRAMES]:
+        target = frame.fields.get("target_system")
+        if frame.name not in PASSED or (system and target not in (0, system)):
+            continue
+        if frame.fields.get("command") != _INTERVAL:
+            yield frame.raw

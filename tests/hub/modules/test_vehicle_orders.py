@@ -8,9 +8,17 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from hub.errors import RobotFileError
+from hub.gcm.autopilot import (
+    MAVLINK_REQUEST,
+    AutopilotState,
+    AutopilotText,
+    MavlinkFrames,
+    MavlinkRequest,
+)
 from hub.gcm.body import HoldKind
 from hub.gcm.control import CONTROL_REFUSAL, CONTROL_STATE, ControlState
 from hub.gcm.diagnostics import DIAGNOSTICS, DiagnosticStatus, Severity
@@ -161,6 +169,46 @@ def test_only_the_owner_of_control_may_order_but_anybody_may_disarm(scene: Scene
     assert CONTROL_REFUSAL.name in {name for _, name, _ in scene.bus.published}
     assert ("arm", False) in scene.order(DISARM, "ben")
     assert scene.order(HOLD, "anna") == [("hold", HoldKind.DEPTH, 1.5)]
+
+
+class WithAutopilot(Hardware):
+    """A body with modes, which writes down what is passed on."""
+
+    def drive(self) -> None: ...
+
+    def set_mode(self, name: str) -> None: ...
+
+    def autopilot(self, stamp: float) -> AutopilotState:
+        return AutopilotState(stamp=stamp)
+
+    def take_texts(self) -> tuple[AutopilotText, ...]:
+        return ()
+
+    def take_frames(self, *, wanted: bool) -> tuple[MavlinkFrames, ...]:
+        del wanted
+        return ()
+
+    def pass_on(self, frames: bytes) -> None:
+        self.orders.append(("pass on", frames))
+
+
+def test_frames_of_another_station_pass_while_no_other_has_control(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    scene = Scene(monkeypatch, tmp_path, WithAutopilot)
+    request = MavlinkRequest(data=np.frombuffer(b"frame", np.uint8))
+
+    def passed(age: float = 0.0) -> bool:
+        scene.body.orders.clear()
+        scene.bus.send(MAVLINK_REQUEST, request, "forward", age=age)
+        return ("pass on", b"frame") in scene.body.orders
+
+    assert passed()
+    assert not passed(age=1.0), "a link that froze delivers it late"
+    scene.owned_by("anna")
+    assert not passed()
+    scene.owned_by("forward")
+    assert passed()
 
 
 def test_an_old_order_switches_nothing_on(scene: Scene) -> None:

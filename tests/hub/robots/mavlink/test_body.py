@@ -13,7 +13,7 @@ from hub.gcm.geometry import Twist
 from hub.gcm.vehicle import Arming
 from hub.robots.description import RobotDescription
 from hub.robots.mavlink.body import MavlinkBody
-from hub.robots.mavlink.wire.frames import FrameParser
+from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.robot_file import read_description
 from tests.hub.robots.mavlink.udp_vehicle import GUIDED, HOLD, UdpVehicle
 
@@ -230,3 +230,15 @@ def test_an_answer_that_does_not_come_is_awaited_for_a_short_time(scene: Scene) 
     scene.wait(0.2 if files.watched else 0.0)
     scene.body.close()
     assert not files.watched
+
+
+def test_frames_of_another_station_pass_unless_they_drive(scene: Scene) -> None:
+    scene.wait(3.0)
+    scene.vehicle.received.clear()
+    station = FramePacker(254, 190)
+    frames = station.pack("MANUAL_CONTROL", target=1, z=1000)
+    frames += station.pack("PARAM_REQUEST_LIST", target_system=1)
+    scene.body.pass_on(frames + station.pack("HEARTBEAT", type=6, autopilot=8))
+    scene.vehicle.answer()
+    came = [each.name for each in scene.vehicle.received if each.system == 254]
+    assert came == ["PARAM_REQUEST_LIST"]

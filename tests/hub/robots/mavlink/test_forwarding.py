@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from hub.robots.mavlink.forwarding import FrameForwarder
-from hub.robots.mavlink.wire.frames import FramePacker
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hub.robots.mavlink.forwarding import PASSED, FrameForwarder, passable
+from hub.robots.mavlink.wire.definitions import BY_NAME
+from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 
 
 def frames(count: int) -> list[bytes]:
@@ -28,7 +33,59 @@ def test_datagrams_have_whole_frames_in_order_wherever_the_stream_is_cut() -> No
     assert all(each[:10] in starts for each in datagrams)
 
 
-def test_what_comes_back_is_counted() -> None:
+def test_what_comes_back_is_counted_and_nothing_of_it_passes_that_is_not_listed() -> None:
     forwarder = FrameForwarder()
-    forwarder.came_back(b"".join(frames(3)) + b"noise")
+    assert forwarder.came_back(b"".join(frames(3)) + b"noise") == b""
     assert (forwarder.returned, forwarder.passed) == (3, 0)
+
+
+def passed(name: str, system: int = 1, **fields: object) -> bool:
+    names = {each.name for each in BY_NAME[name].fields}
+    target = "target_system" if "target_system" in names else "target"
+    if target in names:
+        fields[target] = system
+    frame = FramePacker(255, 190).pack(name, **fields)
+    return list(passable(frame, 1)) == [frame]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "HEARTBEAT",
+        "MANUAL_CONTROL",
+        "RC_CHANNELS_OVERRIDE",
+        "SET_POSITION_TARGET_LOCAL_NED",
+        "REQUEST_DATA_STREAM",
+        "SETUP_SIGNING",
+        "SET_GPS_GLOBAL_ORIGIN",
+        "VISION_POSITION_ESTIMATE",
+        "TIMESYNC",
+    ],
+)
+def test_what_drives_or_keeps_alive_does_not_pass(name: str) -> None:
+    assert not passed(name)
+
+
+@pytest.mark.parametrize("name", sorted(PASSED))
+def test_questions_and_commands_pass_to_this_vehicle_only(name: str) -> None:
+    assert passed(name)
+    assert passed(name, system=0)
+    assert not passed(name, system=2)
+
+
+def test_rates_of_streams_do_not_pass() -> None:
+    assert passed("COMMAND_LONG", command=176)
+    assert not passed("COMMAND_LONG", command=511)
+    assert not passed("COMMAND_INT", command=511)
+
+
+def test_a_flood_is_bounded() -> None:
+    flood = FramePacker(255, 190).pack("PARAM_REQUEST_LIST", target_system=1) * 5000
+    assert len(list(passable(flood, 1))) == 64
+
+
+@given(st.binary(max_size=500))
+def test_any_bytes_pass_nothing_that_is_not_listed(data: bytes) -> None:
+    for raw in passable(data, 1):
+        (frame,) = FrameParser().datagram(raw)
+        assert frame.name in PASSED
