@@ -175,7 +175,13 @@ def _ways(
                 places.append((at.value.x, at.value.y))
             ways[name] = _Way(places, robot)
         progress((frame.stamp - source.start) / max(1, source.end - source.start))
-    return ways, list(shown.values())
+    lasting = [
+        each
+        for each in shown.values()
+        # A console that begins has no link yet.
+        if each.problem.alarm or each.seconds > 1 or each.begin - source.start >= SECOND
+    ]
+    return ways, lasting
 
 
 def _moments(player: Player, overview: Overview) -> list[tuple[int, str]]:

@@ -48,8 +48,12 @@ def logged_session(
     begin: float = 1000.0,
     hertz: int = HERTZ,
     silent: float = math.inf,
+    connects: float = 0.0,
 ) -> Path:
-    """Record a robot that drives in circles for a time, and is `silent` from then on [s]."""
+    """Record a robot that drives in circles for a time, and is `silent` from then on [s].
+
+    The console `connects` after a time [s].
+    """
     layout_file, path = folder / "layout.xml", folder / "session.mcap"
     layout_file.write_text(LAYOUT)
     layout = open_layout(layout_file)
@@ -60,6 +64,7 @@ def logged_session(
     view = View(layout, spent=lambda: 0.0)
     view.resize(COLUMNS, ROWS)
     link = LinkState(phase=LinkPhase.CONNECTED, since=begin, endpoint="here")
+    waiting = LinkState(phase=LinkPhase.CONNECTING, since=begin, endpoint="here")
     state = ConsoleState.at_start(layout, now, "jane")
     for number in range(1, round(seconds * hertz) + 1):
         now = begin + number / hertz
@@ -67,10 +72,13 @@ def logged_session(
         value = robot_state(
             x=2.0 * math.cos(angle), y=2.0 * math.sin(angle), linear=math.sin(angle * 3.0)
         )
-        if now - begin <= silent:
+        connected = now - begin >= connects
+        if connected and now - begin <= silent:
             recording.add("blimp", ROBOT_STATE, value, now - 0.02, number)
             received = Received(value=value, measured=now - 0.02, number=number)
-        robot = RobotState(name="blimp", link=link, messages={ROBOT_STATE.name: received})
+        robot = RobotState(name="blimp", link=waiting)
+        if connected:
+            robot = RobotState(name="blimp", link=link, messages={ROBOT_STATE.name: received})
         state = dataclasses.replace(
             state, now=now, clock=f"12:00:{number // hertz % 60:02d}", robots={"blimp": robot}
         )

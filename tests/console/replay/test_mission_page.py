@@ -48,3 +48,14 @@ def test_a_report_says_what_was_wrong_and_for_how_long(tmp_path: Path) -> None:
     assert 4 <= int(row[1]) <= 8
     assert "<td>alarm</td>" in wrong
     assert "&lt;look&gt;" in page
+
+
+def test_a_report_leaves_out_what_lacked_in_the_first_second_only(tmp_path: Path) -> None:
+    for connects in (0.5, 3.0):
+        folder = tmp_path / str(connects)
+        folder.mkdir()
+        session = logged_session(folder, 6, connects=connects)
+        with closing(Player(partial(ConsoleLog, session))) as player:
+            page = mission_page(player, lambda _: None)
+        wrong = page.partition("What went wrong")[2].partition("<h2>")[0]
+        assert ("connecting" in wrong) == (connects > 1.0)
