@@ -54,6 +54,8 @@ _FIRST_PREARM_S: Final = 30.8
 _ELEVATION_S: Final = 1.05
 _ONLY_STATION: Final = 1
 _KEY: Final = 32
+_NEWEST: Final = 1 << 47
+"""Largest stamp of a key."""
 _LIFE: Final = frozenset({"HEARTBEAT", "MANUAL_CONTROL", "RC_CHANNELS_OVERRIDE"})
 
 
@@ -150,7 +152,7 @@ class SimulatedAutopilot:
 
     def _begin_link(self, link: StationLink) -> None:
         signer = Signer(self._key, self._clock, link.number) if self._key else None
-        system = int(self.parameters["MAV_SYSID"])
+        system = max(1, min(255, int(self.parameters["MAV_SYSID"])))
         link.begin(system, signer, default_rates(self._kind.name))
 
     def _restart(self) -> None:
@@ -309,7 +311,7 @@ class SimulatedAutopilot:
     def _set_key(self, fields: Mapping[str, Any]) -> None:
         key = bytes(fields["secret_key"])[:_KEY]
         self._key = key if any(key) else None
-        self._clock.heard(fields["initial_timestamp"])
+        self._clock.heard(min(fields["initial_timestamp"], _NEWEST))
         for link in self._links:
             rates = {name: 1.0 / every for name, every in link.rates.items()}
             self._begin_link(link)

@@ -21,7 +21,9 @@ def _brighten(vehicle: VehicleCondition, sign: float) -> None:
 
 
 def _gain(vehicle: VehicleCondition, sign: float) -> None:
-    least, most = vehicle.parameters["JS_GAIN_MIN"], vehicle.parameters["JS_GAIN_MAX"]
+    least, most = (
+        max(0.0, min(1.0, vehicle.parameters[f"JS_GAIN_{end}"])) for end in ("MIN", "MAX")
+    )
     step = (most - least) / max(1.0, vehicle.parameters["JS_GAIN_STEPS"] - 1.0)
     vehicle.gain = max(least, min(most, vehicle.gain + sign * step))
     vehicle.say(INFO, f"#Gain is {vehicle.gain * 100.0:2.0f}%")

@@ -35,6 +35,7 @@ _FORCE: Final = 21196.0
 _FASTEST: Final = 0.8
 _LARGEST_ID: Final = 1 << 24
 _LIGHTS: Final = 9
+_LONGEST_US: Final = 2.0**31 - 1.0
 Parameters = tuple[float, ...]
 
 
@@ -83,7 +84,7 @@ def _report_rate(vehicle: VehicleCondition, link: StationLink, values: Parameter
     if name is None:
         return FAILED
     every = link.rates.get(name, math.inf)
-    interval = round(every * 1e6) if every < math.inf else 0
+    interval = round(min(every * 1e6, _LONGEST_US)) if every < math.inf else 0
     link.send("MESSAGE_INTERVAL", message_id=int(values[0]), interval_us=interval)
     return ACCEPTED
 

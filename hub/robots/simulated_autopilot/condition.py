@@ -77,7 +77,7 @@ class VehicleCondition:
         self.in_failsafe = self.radio_lost = False
         self.setpoint = (0.0, 0.0, 0.0, 0.0)
         self.setpoint_at = -math.inf
-        self.gain = parameters["JS_GAIN_DEFAULT"]
+        self.gain = max(0.0, min(1.0, parameters["JS_GAIN_DEFAULT"]))
         self.lights, self.tilt = 0.0, 0.0
         self.mode_shown = True
         self._texts: list[tuple[int, str]] = []

@@ -144,6 +144,7 @@ class AxisFollower:
 
     def step(self, response: AxisResponse, demand: float, seconds: float) -> None:
         """Follow a demand for a time [s]."""
+        demand = max(-_LARGEST, min(_LARGEST, demand)) if math.isfinite(demand) else 0.0
         self._time += seconds
         if response is not self._response:
             if self._response is not None and bool(response.push) != bool(self._response.push):
@@ -172,6 +173,8 @@ class AxisFollower:
         self.velocity += (self._ramped - self.velocity) * -math.expm1(-seconds / constant)
 
 
+_LARGEST: Final = 50.0
+"""Largest demand: parameters may say anything [m/s, rad/s]."""
 _AXES: Final = ("ahead", "right", "down", "turn")
 _STILL: Final = AxisResponse()
 _ROVER_TURN: Final = AxisResponse(ramp=2.5, braking=2.5, rise=0.05, fall=0.05)

@@ -54,11 +54,12 @@ def take_setpoint(vehicle: VehicleCondition, values: Mapping[str, Any]) -> None:
 def take_sticks(vehicle: VehicleCondition, values: Mapping[str, Any]) -> None:
     """Take MANUAL_CONTROL; a blimp ignores the sticks in it."""
     if vehicle.kind.name == "rover":
-        vehicle.radio.override(1, 1500 + values["y"] // 2, vehicle.now)
-        vehicle.radio.override(3, 1500 + values["z"] // 2, vehicle.now)
+        for channel, name in ((1, "y"), (3, "z")):
+            off = max(-1000, min(1000, values[name])) // 2
+            vehicle.radio.override(channel, 1500 + off, vehicle.now)
     elif vehicle.kind.name == "sub":
         scale = _SUB_TRAVEL_US * vehicle.gain / 1000.0
-        throttle = 2.0 * scale * vehicle.parameters["JS_THR_GAIN"]
+        throttle = 2.0 * scale * min(4.0, vehicle.parameters["JS_THR_GAIN"])
         for channel, off in (
             (3, (values["z"] - 500) * throttle),
             (4, values["r"] * scale),

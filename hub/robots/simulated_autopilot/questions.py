@@ -13,6 +13,7 @@ from hub.robots.simulated_autopilot.station_link import StationLink
 
 _NO_INDEX: Final = 65_535
 _WAYPOINT: Final = 16
+_MOST_ITEMS: Final = 65_535
 _FASTEST: Final = 50
 """Highest rate of a stream [Hz]."""
 
@@ -52,7 +53,7 @@ def answer_question(vehicle: VehicleCondition, link: StationLink, frame: Mavlink
                 link.set_rate(name, 1.0 / min(rate, _FASTEST) if rate else math.inf)
         case "MISSION_REQUEST_LIST":
             kind = fields["mission_type"]
-            count = 0 if kind else int(parameters["MIS_TOTAL"])
+            count = 0 if kind else max(0, min(_MOST_ITEMS, int(parameters["MIS_TOTAL"])))
             link.send("MISSION_COUNT", count=count, mission_type=kind, **sender)
         case "MISSION_REQUEST_INT" if fields["seq"] == 0 and not fields["mission_type"]:
             home = REPORTS["HOME_POSITION"](vehicle) or {"latitude": 0, "longitude": 0}

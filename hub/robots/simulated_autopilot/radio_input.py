@@ -68,7 +68,9 @@ class RadioInput:
         return True
 
     def share(self, channel: int, dead: float, travel: float = 500.0) -> float:
-        """Deflection of a channel, -1 to 1, without its dead zone [us]."""
+        """Deflection of a channel, -1 to 1, without its dead zone [us]; 0: there is none."""
+        if not 1 <= channel <= CHANNELS or travel <= dead:
+            return 0.0
         off = self.channels[channel - 1] - MIDDLE_US
         beyond = max(0.0, abs(off) - dead) / (travel - dead)
         return min(1.0, beyond) * (1.0 if off > 0 else -1.0)

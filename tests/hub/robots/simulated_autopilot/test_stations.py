@@ -5,9 +5,10 @@ import struct
 
 import pytest
 
+from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
-from tests.support.simulated_station import NEUTRAL, World, velocity
+from tests.support.simulated_station import NEUTRAL, World, blimp_sticks, velocity
 
 GUIDED, ACRO = 15, 1
 KEY = bytes(range(32))
@@ -155,3 +156,30 @@ def test_parameters_are_listed_read_and_set():
     )
     (tenth,) = struct.unpack("<f", struct.pack("<f", 0.1))
     assert was_set["param_value"] == tenth
+
+
+@pytest.mark.parametrize("kind", ["rover", "sub", "blimp"])
+@pytest.mark.parametrize("value", [-3e38, -1.0, 0.0, 500.0, 3e38])
+def test_no_value_of_a_parameter_ends_it(kind, value):
+    world = World(kind, settings={"SIM_RC_FAIL": 1}, depth=5.0 if kind == "sub" else 0.0)
+    station = world.station()
+    station.stream(NEUTRAL[kind])
+    world.wait(2.0)
+    station.arm()
+    for name in world.autopilot.parameters.names:
+        fields = {"target_system": 0, "param_id": name, "param_value": value}
+        station.send("PARAM_SET", fields)
+    for fields in ({"x": -32768, "y": 32767, "z": 32767, "r": -32768, "buttons": 65535}, {}):
+        station.stream(("MANUAL_CONTROL", {"target": 1, **fields}), blimp_sticks(c1=1, c2=65534))
+        for mode in range(22):
+            station.mode(mode)
+            world.wait(0.1)
+    station.send("MISSION_REQUEST_LIST", {})
+    station.command(511, BY_NAME["ATTITUDE"].number, 3e38)
+    station.command(510, BY_NAME["ATTITUDE"].number)
+    station.send("SETUP_SIGNING", {"secret_key": KEY, "initial_timestamp": 2**64 - 1})
+    station.command(400, 0)
+    station.command(246, 1)
+    world.wait(2.0)
+    state = world.motion.state
+    assert all(map(math.isfinite, (state.ahead, state.north, state.yaw, state.down)))
