@@ -17,8 +17,10 @@ from hub.gcm.autopilot import (
 )
 from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist, Vector3
+from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth
-from hub.gcm.vehicle import Arming, VehicleState
+from hub.gcm.ranges import scan_of
+from hub.gcm.vehicle import Arming, LightState, VehicleState
 from hub.pose import Pose
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import FileLoop, Sensors
@@ -32,6 +34,7 @@ from hub.robots.mavlink.link.opening import link_to
 from hub.robots.mavlink.link.tap import LinkTap
 from hub.robots.mavlink.profiles.profile import Setpoint
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
+from hub.robots.mavlink.ranges import ranges_of
 from hub.robots.mavlink.vehicle.reasons import warnings, why
 from hub.robots.mavlink.vehicle.sender import STATION_COMPONENT
 from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
@@ -51,6 +54,7 @@ _WORDS: Final = {
 class MavlinkBody:
     """Implements `Body`, `BodyArms`, `BodyModes`, `BodyWakes` and `BodyLeftAlone`.
 
+    Its light and its joint, `BodyLights` and `BodyJoints`, are a Sub's lights and camera.
     Where the vehicle does not know its place, the dead reckoning adds up the commanded velocity.
     """
 
@@ -67,7 +71,7 @@ class MavlinkBody:
             VehicleAddressError: The robot file has no address of a vehicle.
             KeyFileError: Its signing key cannot be used.
         """
-        self._clock = clock
+        self._clock, self._robot = clock, robot
         self._link: ByteLink = link_to(vehicle_address(robot.vehicle_address))
         signer = _signer(robot.signing_key)
         self._parser = FrameParser(signer)
@@ -127,12 +131,22 @@ class MavlinkBody:
         """Ask for the mode of this action."""
         self.vehicle.left_alone(action, self._clock())
 
+    def set_light(self, name: str, brightness: float) -> None:  # noqa: ARG002 - it has one
+        """Set the brightness of the lights, step by step."""
+        self.vehicle.lights.set(brightness, self._clock())
+
+    def turn_joint(self, name: str, rate: float) -> None:
+        """Turn the camera up or down [rad/s]."""
+        joint = next(each for each in self._robot.joints if each.name == name)
+        self.vehicle.tilt.turn(rate, joint.lowest, joint.highest, self._clock())
+
     def ground_truth(self) -> GroundTruth | None:
         """Not known."""
         return None
 
-    def sensors(self, stamp: float) -> Sensors:  # noqa: ARG002 - it has no range sensors yet
+    def sensors(self, stamp: float) -> Sensors:
         """The present measurements."""
+        groups = (table.sensors for table in self._robot.ranges)
         vehicle, read = self.vehicle, self.vehicle.telemetry
         pose, commanded = self._reckoned, self._commanded
         afloat = vehicle.profile is not None and "up" in vehicle.profile.frees
@@ -144,6 +158,12 @@ class MavlinkBody:
             z=_or_zero(read.z) if afloat else 0.0,
             theta=pose.theta,
             velocity=_known(read.velocity, commanded),
+            scans=tuple(
+                scan_of(group, ranges_of(group, read, self._clock()), stamp) for group in groups
+            ),
+            joints=tuple(
+                JointState(name=each.name, position=read.tilt) for each in self._robot.joints
+            ),
             commanded=commanded,
             battery_voltage=read.voltage,
             battery_fraction=read.charge,
@@ -161,6 +181,10 @@ class MavlinkBody:
             vehicle=VehicleState(
                 activity=_WORDS.get(vehicle.phase, ""),
                 arming=Arming.ARMED if vehicle.armed else Arming.DISARMED,
+                lights=tuple(
+                    LightState(name=each.name, brightness=_or_zero(read.brightness))
+                    for each in self._robot.lights
+                ),
             ),
         )
 

@@ -12,6 +12,7 @@ from hub.robots.description import RobotDescription
 from hub.robots.mavlink.link.address import ADDRESS_FORMS, vehicle_address
 
 _ARMING: Final = 'an autopilot is armed by an operator, never at a start: write arming = "disarmed"'
+_ONE: Final = "the kind 'mavlink' has one only"
 _NONE: Final = "the kind 'mavlink' has none"
 
 
@@ -26,8 +27,12 @@ def autopilot_faults(robot: RobotDescription) -> Iterator[tuple[str, str, str]]:
             yield "[mavlink]", "address", str(error)
     if robot.arming is not Arming.DISARMED:
         yield "[body]", "arming", _ARMING
-    parts = {"range": robot.ranges, "bumper": robot.bumpers, "hold": robot.holds}
-    parts |= {"light": robot.lights, "joint": robot.joints}
-    for table, described in parts.items():
-        if described:
-            yield toml.repeated(table, 1), "name", _NONE
+    for table, described, most in (
+        ("bumper", robot.bumpers, 0),
+        ("hold", robot.holds, 0),
+        ("light", robot.lights, 1),
+        ("joint", robot.joints, 1),
+    ):
+        if len(described) > most:
+            fault = _ONE if most else _NONE
+            yield toml.repeated(table, most + 1), "name", fault

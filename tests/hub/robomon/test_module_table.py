@@ -144,6 +144,11 @@ run = "hub.modules.driver"
         ('"disarmed"', '"armed"', "line 7: [body], key 'arming': an autopilot is armed by an"),
         ('arming = "disarmed"', "", "line 6: [body], key 'arming': an autopilot is armed by an"),
         ("[modules.driver]", "[[hold]]\nkind='depth'\n[modules.driver]", "line 8: [[hold]] 1, key"),
+        (
+            "[modules.driver]",
+            "[[light]]\nname='a'\n[[light]]\nname='b'\n[modules.driver]",
+            "line 11: [[light]] 2, key 'name': the kind 'mavlink' has one only",
+        ),
         ("[body]", "station = 0\n[body]", "line 6: [mavlink], key 'station': 0 is not between 1"),
     ],
 )

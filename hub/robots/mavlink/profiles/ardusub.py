@@ -19,6 +19,9 @@ from hub.robots.mavlink.profiles.profile import (
     stick,
 )
 
+BUTTON_FUNCTIONS: Final = tuple(f"BTN{number}_FUNCTION" for number in range(16))
+"""The function of each button of a joystick, by its bit."""
+LIGHT_STEPS: Final = "JS_LIGHTS_STEPS"
 _POSITION_HOLD: Final = 16
 _DEPTH_HOLD: Final = 2
 _SURFACE: Final = 9
@@ -174,6 +177,7 @@ SUB: Final = VehicleProfile(
         "JS_THR_GAIN",
         "JS_GAIN_DEFAULT",
     ),
+    later=(LIGHT_STEPS, *BUTTON_FUNCTIONS),
     frees=("ahead", "left", "up", "turn"),
     setpoint=_setpoint,
     stops=_stops,

@@ -127,6 +127,7 @@ class VehicleProfile:
         wanted: The parameters that make it safe.
         scales: Parameters without which velocities cannot be made.
         reads: Further parameters that the driver uses.
+        later: Parameters of its lights, which are read last.
         bytewise: Whether whole numbers come as the bytes of a 32-bit float.
         main_modes: Whether a mode's number is made of a main and a sub mode, as PX4 does.
         frees: The degrees of freedom: "ahead", "left", "up", "turn".
@@ -149,6 +150,7 @@ class VehicleProfile:
     wanted: tuple[WantedParameter, ...]
     scales: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
+    later: tuple[str, ...] = ()
     bytewise: bool = False
     main_modes: bool = False
     frees: tuple[str, ...]

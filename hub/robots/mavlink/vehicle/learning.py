@@ -57,7 +57,7 @@ class Learning:
                 )
             )
         if profile is not None:
-            self._parameters.begin(profile.parameters, OLDER_NAMES)
+            self._parameters.begin(profile.parameters, OLDER_NAMES, profile.later)
 
     def done(self, now: float) -> bool:
         """Whether all was answered, or the time is over."""

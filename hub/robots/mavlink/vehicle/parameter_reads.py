@@ -50,40 +50,52 @@ class ParameterReads:
         self.values: dict[str, float] = {}
         self._current: Mapping[str, str] = {}
         self._tries: dict[str, int] = {}
+        self._later: frozenset[str] = frozenset()
         self._left: deque[str] = deque()
         self._at = -math.inf
 
     @property
     def reading(self) -> bool:
         """Whether some were asked for less often than they should be."""
-        return any(self._tries[name] > 0 for name in self._left)
+        return any(self._tries[name] > 0 for name in self._left if name not in self._later)
 
     @property
     def missing(self) -> tuple[str, ...]:
         """The names, in their present spelling, that were asked for and did not come."""
         if self.reading:
             return ()
-        return tuple(dict.fromkeys(self._current.get(name, name) for name in self._left))
+        left = (name for name in self._left if name not in self._later)
+        return tuple(dict.fromkeys(self._current.get(name, name) for name in left))
 
-    def begin(self, names: Iterable[str], older: Mapping[str, str] | None = None) -> None:
+    def begin(
+        self,
+        names: Iterable[str],
+        older: Mapping[str, str] | None = None,
+        later: Iterable[str] = (),
+    ) -> None:
         """Read these again.
 
         Args:
             names: Their present names.
             older: Their present names by names that older firmware has.
+            later: Names that are read after these, and that nothing waits for.
         """
         self._current = dict(older or {})
         wanted = dict.fromkeys(names)
         aliases = [old for old, name in self._current.items() if name in wanted]
-        self._left = deque([*wanted, *aliases])
+        self._later = frozenset(later)
+        self._left = deque([*wanted, *aliases, *sorted(self._later)])
         self._tries = dict.fromkeys(self._left, _TRIES)
 
     def due(self, now: float) -> str:
         """The name to ask for now; empty: none."""
-        if not self._left or now - self._at < (_EVERY_S if self.reading else _AGAIN_S):
+        hurries = any(self._tries[name] > 0 for name in self._left)
+        if not self._left or now - self._at < (_EVERY_S if hurries else _AGAIN_S):
             return ""
         self._at = now
-        name = self._left.popleft()
+        later = frozenset[str]() if not self.reading else self._later
+        name = next(each for each in self._left if each not in later)
+        self._left.remove(name)
         self._left.append(name)
         self._tries[name] = max(0, self._tries[name] - 1)
         return name

@@ -30,6 +30,7 @@ class StickStream:
         velocity: Setpoint,
         parameters: Parameters,
         gain: float,
+        buttons: int,
         now: float,
     ) -> None:
         """Send a velocity.
@@ -39,8 +40,10 @@ class StickStream:
             velocity: The velocity.
             parameters: The vehicle's parameters.
             gain: Share of its sticks' effect; NaN: not known.
+            buttons: Buttons that are pressed, a bit each.
             now: Monotonic time [s].
         """
         self._sent_at = now
         for name, fields in profile.setpoint(velocity, parameters, gain):
-            self._sender.message(name, **fields)
+            pressed = {"buttons": buttons} if buttons and name == "MANUAL_CONTROL" else {}
+            self._sender.message(name, **fields, **pressed)

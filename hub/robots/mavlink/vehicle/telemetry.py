@@ -89,6 +89,8 @@ class Telemetry:
         in_air: Whether it says that it is in the air.
         tilt: Of its camera [rad], positive up; NaN: not known.
         obstacles: Distances around it; None: none came.
+        ahead_at: Monotonic time of the last range ahead [s].
+        obstacles_at: Monotonic time of the last distances around it [s].
         named: Newest values of NAMED_VALUE_FLOAT, by name.
         boot_ms: Time since its start [ms].
         measured: Monotonic time of the last ATTITUDE [s].
@@ -111,7 +113,12 @@ class Telemetry:
         self.obstacles: Obstacles | None = None
         self.named: dict[str, float] = {}
         self.boot_ms = 0
-        self.measured = -math.inf
+        self.measured = self.ahead_at = self.obstacles_at = -math.inf
+
+    @property
+    def brightness(self) -> float:
+        """Of its lights, 0 to 1; NaN: not known."""
+        return within(self.named.get("Lights1", math.nan), 1.0)
 
     @property
     def velocity(self) -> Twist:
@@ -131,8 +138,13 @@ class Telemetry:
         reader = _READERS.get(frame.name)
         if reader is not None:
             reader(self, frame.fields)
-            if frame.name == "ATTITUDE":
-                self.measured = now
+            match frame.name:
+                case "ATTITUDE":
+                    self.measured = now
+                case "DISTANCE_SENSOR" if frame["orientation"] == _AHEAD:
+                    self.ahead_at = now
+                case "OBSTACLE_DISTANCE":
+                    self.obstacles_at = now
 
 
 def _attitude(to: Telemetry, values: Mapping[str, Any]) -> None:

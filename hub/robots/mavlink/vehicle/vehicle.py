@@ -33,6 +33,8 @@ from typing import Final
 from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.left_alone import LeftAlone
 from hub.robots.mavlink.profiles.profile import NEUTRAL, Setpoint, VehicleProfile
+from hub.robots.mavlink.vehicle.button_lights import ButtonLights
+from hub.robots.mavlink.vehicle.camera_tilt import CameraTilt
 from hub.robots.mavlink.vehicle.identity import VehicleIdentity
 from hub.robots.mavlink.vehicle.learning import Learning
 from hub.robots.mavlink.vehicle.liveness import Liveness
@@ -72,8 +74,9 @@ class MavlinkVehicle:
         liveness: Its heartbeats and echoes.
         orders: The orders to arm it and to change its mode.
         learning: The questions to it.
-        learns_because: Why it is asked for everything again; empty: it was heard for the first
-            time.
+        lights: Its lights.
+        tilt: Its camera.
+        learns_because: Why it is asked for everything again; empty: it is heard for the first time.
     """
 
     def __init__(
@@ -90,6 +93,7 @@ class MavlinkVehicle:
         self._sender = VehicleSender(send, packer)
         self._sticks = StickStream(self._sender)
         self._gate = VelocityGate(limits)
+        self.lights, self.tilt = ButtonLights(), CameraTilt(self._sender)
         self.phase = AutopilotPhase.LINKING
         self.identity = VehicleIdentity(system)
         self.armed = False
@@ -172,6 +176,7 @@ class MavlinkVehicle:
             self._sender.message("TIMESYNC", ts1=stamp)
         if self._sticks.due(self._gate.velocity, now):
             self._send_velocity(now)
+        self.tilt.step(self.telemetry.tilt, now, allowed=self._sends_sticks(now))
         self._send_requests(now)
 
     # State.
@@ -342,8 +347,9 @@ class MavlinkVehicle:
     def _send_velocity(self, now: float) -> None:
         if self.profile is None or not self._sends_sticks(now):
             return
-        values = self.parameters.values
-        self._sticks.send(self.profile, self.velocity, values, self.telemetry.gain, now)
+        values, read = self.parameters.values, self.telemetry
+        buttons = self.lights.buttons(values, read.brightness, now)
+        self._sticks.send(self.profile, self.velocity, values, read.gain, buttons, now)
 
     def _send_requests(self, now: float) -> None:
         if not self.system:

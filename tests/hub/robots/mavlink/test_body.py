@@ -12,6 +12,7 @@ from hub.gcm.autopilot import AutopilotPhase, MavlinkFrames
 from hub.gcm.geometry import Twist
 from hub.gcm.vehicle import Arming
 from hub.robots.description import RobotDescription
+from hub.robots.interfaces import BodyJoints, BodyLights
 from hub.robots.mavlink.body import MavlinkBody
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.robot_file import read_description
@@ -242,3 +243,36 @@ def test_frames_of_another_station_pass_unless_they_drive(scene: Scene) -> None:
     scene.vehicle.answer()
     came = [each.name for each in scene.vehicle.received if each.system == 254]
     assert came == ["PARAM_REQUEST_LIST"]
+
+
+PARTS = """
+[[light]]
+name = "lamp"
+[[joint]]
+name = "camera"
+lowest_deg = -45
+highest_deg = 45
+[[range]]
+name = "ahead"
+kind = "sonar"
+farthest = 5.0
+"""
+
+
+def test_the_parts_of_a_robot_file_are_the_vehicles(tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text(ROBOT.format(address="udp://127.0.0.1:9") + PARTS)
+    described, problems = read_description(path)
+    assert not problems
+    body = MavlinkBody(described)
+    read = body.vehicle.telemetry
+    read.named["Lights1"], read.tilt = 0.5, 0.3
+    body.set_light("lamp", 1.0)
+    body.turn_joint("camera", 0.1)
+    sensors = body.sensors(1.0)
+    body.close()
+    assert isinstance(body, BodyLights)
+    assert isinstance(body, BodyJoints)
+    assert [(each.name, each.brightness) for each in sensors.vehicle.lights] == [("lamp", 0.5)]
+    assert [(each.name, each.position) for each in sensors.joints] == [("camera", 0.3)]
+    assert [each.header.frame_id for each in sensors.scans] == ["ahead"]

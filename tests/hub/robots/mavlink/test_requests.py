@@ -103,6 +103,16 @@ def test_a_name_that_does_not_come_is_asked_for_four_times_and_then_seldom():
     assert reads.missing == ()
 
 
+def test_nothing_waits_for_what_is_read_later():
+    reads = ParameterReads()
+    reads.begin(["FS_ACTION"], later=["BTN0_FUNCTION"])
+    assert read(reads, 0.25) == ["FS_ACTION"] * 4 + ["BTN0_FUNCTION"]
+    assert not reads.reading
+    assert reads.missing == ("FS_ACTION",)
+    reads.take("BTN0_FUNCTION", 33.0)
+    assert reads.values == {"BTN0_FUNCTION": 33.0}
+
+
 def test_an_older_name_answers_for_the_present_one():
     reads = ParameterReads()
     reads.begin(["MAV_GCS_SYSID"], OLDER_NAMES)
