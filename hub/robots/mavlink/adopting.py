@@ -25,6 +25,8 @@ from hub.values import dataclass
 
 _UNKNOWN_SPEED: Final = 0.3
 """Limit of a vehicle that does not say how fast it may be [m/s]."""
+_CLIMB: Final = 0.5
+"""Highest limit of a copter upwards that is written [m/s]."""
 _TURN: Final = 1.0
 """Highest turn rate that is written [rad/s]."""
 _FASTEST: Final = 1.0
@@ -54,6 +56,7 @@ _SHAPES: Final[Mapping[str, _Shape]] = {
     "rover": _Shape(radius=0.35, height=0.3),
     "boat": _Shape(radius=0.6, height=0.4),
     "sub": _Shape(radius=0.3, height=0.26, alone=LeftAlone.SURFACE),
+    "copter": _Shape(radius=0.4, height=0.3, alone=LeftAlone.HOLD_HEIGHT),
     "blimp": _Shape(radius=0.6, height=0.8, alone=LeftAlone.HOLD_HEIGHT),
 }
 _ANY_SHAPE: Final = _Shape(radius=0.5, height=0.3)
@@ -79,9 +82,16 @@ def limits(finder: VehicleFinder) -> Setpoint:
             flat = values.get("MAX_VEL_XY", _UNKNOWN_SPEED)
             up = values.get("MAX_VEL_Z", _UNKNOWN_SPEED)
             made = Setpoint(ahead=flat, left=flat, up=up, turn=values.get("MAX_VEL_YAW", _TURN))
+        case "copter":
+            flat = values.get("MPC_VEL_MANUAL", _FASTEST)
+            up = min(values.get(f"MPC_Z_VEL_MAX_{way}", _CLIMB) for way in ("UP", "DN"))
+            turn = math.radians(values.get("MPC_MAN_Y_MAX", math.inf))
+            made = Setpoint(ahead=flat, left=flat, up=min(up, _CLIMB), turn=turn)
         case _:
-            fast = values.get("WP_SPEED") or values.get("SPEED_MAX") or _UNKNOWN_SPEED
-            turn = math.radians(values.get("ATC_STR_RAT_MAX", math.inf))
+            named = (values.get(name) for name in ("WP_SPEED", "SPEED_MAX", "RO_SPEED_LIM"))
+            fast = next(filter(None, named), _UNKNOWN_SPEED)
+            turns = (values.get(name, math.inf) for name in ("ATC_STR_RAT_MAX", "RO_YAW_RATE_LIM"))
+            turn = math.radians(min(turns))
             made = Setpoint(ahead=fast, turn=turn)
     return Setpoint(
         ahead=_limit(made.ahead, _FASTEST),

@@ -20,7 +20,7 @@ from hub.plain_text import plain
 from hub.robots.mavlink.asking.session import OutgoingMessage, addressed
 from hub.robots.mavlink.profiles.profile import OLDER_NAMES, VehicleProfile
 from hub.robots.mavlink.profiles.table import profile_of
-from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads
+from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads, parameter_value
 from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import VERSION_2, MavlinkFrame
 from hub.values import dataclass
@@ -206,7 +206,9 @@ class VehicleFinder:
             case "AUTOPILOT_VERSION" if frame.component == AUTOPILOT:
                 self.firmware, self.answers = frame["flight_sw_version"], True
             case "PARAM_VALUE" if frame.component == AUTOPILOT:
-                self._reads.take(frame["param_id"], frame["param_value"])
+                bytewise = self.profile is not None and self.profile.bytewise
+                value = parameter_value(frame, bytewise=bytewise)
+                self._reads.take(frame["param_id"], value)
                 self.answers = True
             case "VIDEO_STREAM_INFORMATION" if len(self.streams) < _MOST_STREAMS:
                 self.streams[frame.component, frame["stream_id"]] = FoundStream(
@@ -224,7 +226,8 @@ class VehicleFinder:
         self.vehicle = vehicles[0]
         self._state, self._until = _State.ASKING, now + _ASKING_S
         self._asked_at = -math.inf
-        self._reads.begin(self.wanted, OLDER_NAMES)
+        if self._reads_more:
+            self._reads.begin(self.wanted, OLDER_NAMES)
 
     def _is_answered(self, now: float) -> bool:
         """Whether nothing that was asked may still come."""

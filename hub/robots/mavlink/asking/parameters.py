@@ -16,13 +16,13 @@ from __future__ import annotations
 
 import ctypes
 import math
-import struct
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from hub.plain_text import plain
 from hub.robots.mavlink.asking.findings import ARMED, AUTOPILOT
 from hub.robots.mavlink.asking.session import OutgoingMessage, addressed
+from hub.robots.mavlink.vehicle.parameter_reads import parameter_value
 from hub.robots.mavlink.wire.frames import MavlinkFrame
 from hub.values import dataclass
 
@@ -36,8 +36,6 @@ _AT_ONCE: Final = 20
 _TRIES: Final = 5
 _PX4: Final = 12
 """MAV_AUTOPILOT_PX4, which sends the bits of whole numbers in place of their values."""
-_WHOLE: Final = range(1, 7)
-"""MAV_PARAM_TYPE of whole numbers."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,7 +135,7 @@ class ParameterReading:
         if not wanted:
             return
         kind = frame["param_type"]
-        value = _value(frame["param_value"], kind, self._autopilot)
+        value = parameter_value(frame, bytewise=self._autopilot == _PX4)
         shown = plain(name)[:_LONGEST_NAME]
         self.values[shown] = Parameter(name=shown, value=value, kind=kind)
         self._next, self._tries = now + _AGAIN_S, _TRIES
@@ -243,13 +241,6 @@ def shown(value: float) -> str:
         value,
     )
     return repr(short).removesuffix(".0")
-
-
-def _value(value: float, kind: int, autopilot: int) -> float:
-    """The value of a PARAM_VALUE."""
-    if autopilot == _PX4 and kind in _WHOLE:
-        return float(struct.unpack("<i", struct.pack("<f", value))[0])
-    return value
 
 
 def _is_from(frame: MavlinkFrame, system: int) -> bool:

@@ -89,6 +89,12 @@ def test_nothing_that_counts_as_life_of_a_station_is_sent() -> None:
             {Freedom.SURGE: 0.2, Freedom.SWAY: 0.2, Freedom.HEAVE: 0.25, Freedom.YAW: 0.4},
             LeftAlone.HOLD_HEIGHT,
         ),
+        (
+            2,
+            {},
+            {Freedom.SURGE: 1.0, Freedom.SWAY: 1.0, Freedom.HEAVE: 0.5, Freedom.YAW: 1.0},
+            LeftAlone.HOLD_HEIGHT,
+        ),
     ],
 )
 def test_limits_are_those_of_the_vehicle(
@@ -189,7 +195,7 @@ def test_several_vehicles_at_one_address() -> None:
         st.sampled_from([*ROVER, *SUB, *BLIMP]),
         st.floats(width=32, allow_nan=True, allow_infinity=True),
     ),
-    st.sampled_from([7, 10, 11, 12, 2, 200]),
+    st.sampled_from([7, 10, 11, 12, 2, 1, 200]),
     st.text(max_size=30),
 )
 def test_any_parameters_give_a_file_without_mistakes(
