@@ -379,7 +379,7 @@ def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
     sideways = [_KEYS[Freedom.SWAY][3]] * (Freedom.SWAY in bound)
     autopilot = "DRV_MODE" in capabilities
     armed = ["F8 F8 arm", "F follow"] * (autopilot and body.arms)
-    parts = ["Space STOP", *drives, "T control", *armed, *sideways]
+    parts = ["Space STOP", *drives, *armed, "T control", *sideways]
     parts += ["F9 disarm", "H hold", "F2 F3 mode"] * autopilot
     if _looks(body) and "VIS_PTZ" in capabilities:
         parts.append("IJKL look")
