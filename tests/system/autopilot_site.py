@@ -51,6 +51,11 @@ _EVERY_S = 0.05
 _HEARTBEAT_S = 0.2
 
 
+def vehicle_tables(kind: str, port: int) -> str:
+    """The tables of a robot file for a vehicle at a TCP port of loopback."""
+    return _TABLES.format(port=port, limits=_LIMITS[kind])
+
+
 class SimulatedVehicle:
     """`rune-hub sim-autopilot`, from start to end."""
 
@@ -137,7 +142,7 @@ class AutopilotSite:
         try:
             self.relay = MavlinkRelay(self.vehicle.port)
             self._closing.append(self.relay.close)
-            tables = _TABLES.format(port=self.relay.port, limits=_LIMITS[kind])
+            tables = vehicle_tables(kind, self.relay.port)
             self.hub = HubProcess(folder, kind="mavlink", modules=_MODULES, tables=tables)
             self._closing.append(self.hub.close)
             definitions = (AUTOPILOT_STATE, ROBOT_STATE, VEHICLE_STATE, DIAGNOSTICS)

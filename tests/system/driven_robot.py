@@ -20,6 +20,7 @@ from tests.support.bodies import robot_of
 from tests.support.fake_hid import VirtualBed, VirtualDevice
 from tests.support.ports import free_port
 from tests.support.waiting import until
+from tests.system.driven_autopilot import DOOR, RecordedAutopilot
 from tests.system.harness import DELAY_S, ConsoleProcess, HubProcess
 from tests.system.recorded_robot import Recording, Row
 
@@ -39,6 +40,7 @@ _LAYOUT = """<rune run="1">
   <robot name="magellan" hub="{hub}">
     <capability name="NAV_STATE"/>
     <capability name="NAV_MOVE"/>
+    {capabilities}
   </robot>
   {joystick}
   <view xsize="160" ysize="16">
@@ -52,6 +54,7 @@ _LAYOUT = """<rune run="1">
         {sticks}
       </widget>
       {guarded}
+      {orders}
       <widget handler="widgetStop"><event key="space"/></widget>
       <widget handler="widgetTakeOver"><event key="k"/></widget>
       <widget handler="widgetReleaseControl"><event key="c"/></widget>
@@ -59,9 +62,21 @@ _LAYOUT = """<rune run="1">
     <viewport name="pad" xpos="0" ypos="2" xsize="60" ysize="14">
       <visualizer function="visualizeJoystick"/>
     </viewport>
+    {pane}
   </view>
 </rune>
 """
+_CAPABILITIES = '<capability name="DRV_MODE"/><capability name="DRV_ARM"/>'
+_ORDERS = """
+      <widget handler="widgetArm"><event key="e"/></widget>
+      <widget handler="widgetAutopilot"><event key="g"/></widget>
+"""
+_PANE = """
+    <viewport name="autopilot" robot="magellan" xpos="60" ypos="2" xsize="100" ysize="14">
+      <visualizer function="visualizeAutopilot" message="GCM_Autopilot_State"/>
+    </viewport>
+"""
+_FOLLOWS, _DISARMED = "follows you", "DISARMED"
 _KEYS = {
     Freedom.SWAY: ("q", "strafe"),
     Freedom.HEAVE: ("r", "climb"),
@@ -71,6 +86,7 @@ _CENTRE, _THROW = 128, 127
 _READY = "STANDING", "HOLDS", "BRAKES", "DRIFTS"
 """Words of the status line for a robot that follows the next command."""
 _TRIES = 5
+_ASKED_AGAIN_S = 1.2
 _PRELOAD = "LD_PRELOAD"
 _REPEAT_S = 0.033
 _GAPS = 0.15
@@ -81,15 +97,19 @@ _SHOULDER = 1
 def layout(hub: str, body: str, *, pad: bool) -> str:
     """A layout that drives with keys, and with the pad's sticks; the right one is guarded."""
     parts = ('<joystick name="pad"/>', _STICKS, _GUARDED) if pad else ("", "", "")
+    own = (_CAPABILITIES, _ORDERS, _PANE) if body.startswith(DOOR) else ("", "", "")
     keys = (f'<event key="{key}" control="{control}"/>' for key, control in _own_keys(body))
     return _LAYOUT.format(
         hub=hub,
         keys="".join(keys),
         **dict(zip(("joystick", "sticks", "guarded"), parts, strict=True)),
+        **dict(zip(("capabilities", "orders", "pane"), own, strict=True)),
     )
 
 
 def _own_keys(body: str) -> list[tuple[str, str]]:
+    if body.startswith(DOOR):
+        return []
     return [_KEYS[each.freedom] for each in robot_of(body).body.motions if each.freedom in _KEYS]
 
 
@@ -164,7 +184,8 @@ class DrivenRobot:
             programs: Folder of programs that consoles find before all others.
         """
         self.chance = random.Random(1)
-        self.record = Recording(folder, body)
+        opened = RecordedAutopilot if body.startswith(DOOR) else Recording
+        self.record: Recording = opened(folder, body)
         self.console: ConsoleProcess
         self.rival: ConsoleProcess | None = None
         self.pad: VirtualDevice | None = None
@@ -357,6 +378,7 @@ class DrivenRobot:
         """
         for _ in range(_TRIES):
             let_go()
+            self._make_it_follow()
             self.wait(self._at_rest, "the robot does not want to be driven")
             self.record.forget()
             press()
@@ -369,6 +391,21 @@ class DrivenRobot:
                         return
         message = f"nothing drives the robot\n{self._said()}"
         raise AssertionError(message)
+
+    def _make_it_follow(self) -> None:
+        """Arm a vehicle with an autopilot, or ask it for the mode that follows."""
+        if not isinstance(self.record, RecordedAutopilot):
+            return
+        asked_at = -math.inf
+
+        def follows() -> bool:
+            nonlocal asked_at
+            if time.monotonic() - asked_at > _ASKED_AGAIN_S:
+                asked_at = time.monotonic()
+                self.console.type("e" if _DISARMED in self.console.text else "g")
+            return _FOLLOWS in self.console.text
+
+        self.wait(follows, "the vehicle does not follow", 30.0)
 
     def _at_rest(self) -> bool:
         shown = [line.split() for line in self.console.screen.display]

@@ -30,7 +30,6 @@ from tests.system.stale_stick_actions import (
     agents_ssh_goes_on,
     another_agent,
     another_hub,
-    another_navigation,
     awake,
     kill_hub,
     linked,
@@ -44,10 +43,11 @@ from tests.system.stale_stick_actions import (
     rival_takes_over,
     send_signal,
     signal_agent,
-    signal_navigation,
+    signal_module,
     signal_ssh,
     ssh_goes_on,
     start_again,
+    started_again,
     step_clocks,
     stop_from_elsewhere,
     type_keys,
@@ -76,6 +76,7 @@ class Case:
         before: What has to be prepared.
         covered: Whether the pure tests of the stale stick and other tests of real processes show
             it in `make test`; here, only `make soak` plays it.
+        stopped_s: The robot is commanded to stand within this time after the event [s].
     """
 
     name: str
@@ -87,6 +88,7 @@ class Case:
     far: bool = False
     before: Action = nothing
     covered: bool = False
+    stopped_s: float = STOPPED_S
 
     @property
     def id(self) -> str:
@@ -127,13 +129,13 @@ NETWORK_CUT = Case(
 )
 NAVIGATION_KILLED = Case(
     name="navigation killed",
-    strike=signal_navigation(signal.SIGKILL),
-    mend=another_navigation,
+    strike=signal_module("navigation", signal.SIGKILL),
+    mend=started_again("navigation"),
     covered=True,
 )
 NAVIGATION_FROZEN = Case(
     name="navigation frozen",
-    strike=signal_navigation(signal.SIGSTOP),
+    strike=signal_module("navigation", signal.SIGSTOP),
     mend=navigation_goes_on,
     covered=True,
 )
@@ -333,7 +335,7 @@ def play(
         },
         bars={
             "commanded to stand in time": all(
-                each.stopped <= STOPPED_S + each.away for each in reactions
+                each.stopped <= case.stopped_s + each.away for each in reactions
             ),
             "at rest in time": all(each.rest <= rest_s + each.away for each in reactions),
         },

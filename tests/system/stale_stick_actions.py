@@ -86,19 +86,19 @@ def another_hub(scene: Scene) -> None:
     linked(scene)
 
 
-def navigation(scene: Scene) -> list[int]:
-    """The processes of navigation; one, except while it starts again."""
+def module(scene: Scene, name: str) -> list[int]:
+    """The processes of a module of the hub; one, except while it starts again."""
     modules = psutil.Process(scene.robot.hub.process.pid).children(recursive=True)
     found = []
     for each in modules:
         with suppress(psutil.NoSuchProcess):
-            found += [each.pid] * ("hub.modules.navigation" in each.cmdline())
+            found += [each.pid] * (f"hub.modules.{name}" in each.cmdline())
     return found
 
 
-def signal_navigation(number: signal.Signals) -> Action:
+def signal_module(name: str, number: signal.Signals) -> Action:
     def sent(scene: Scene) -> float:
-        (pid,) = navigation(scene)
+        (pid,) = module(scene, name)
         struck = time.monotonic()
         os.kill(pid, number)
         return struck
@@ -106,16 +106,19 @@ def signal_navigation(number: signal.Signals) -> Action:
     return sent
 
 
-def another_navigation(scene: Scene) -> None:
-    scene.robot.wait(lambda: len(navigation(scene)) == 1, "navigation does not start again")
+def started_again(name: str) -> Action:
+    def started(scene: Scene) -> None:
+        scene.robot.wait(lambda: len(module(scene, name)) == 1, f"{name} does not start again")
+
+    return started
 
 
 def navigation_goes_on(scene: Scene) -> None:
     """It was silent for a while; the hub may have ended it."""
     scene.robot.watch(scene.robot.chance.uniform(0.0, 1.0))
-    for pid in navigation(scene):
+    for pid in module(scene, "navigation"):
         os.kill(pid, signal.SIGCONT)
-    another_navigation(scene)
+    started_again("navigation")(scene)
 
 
 def linked(scene: Scene) -> None:

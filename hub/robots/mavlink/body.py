@@ -29,7 +29,7 @@ from hub.robots.mavlink.forwarding import passable
 from hub.robots.mavlink.kinds import firmware_name
 from hub.robots.mavlink.link.address import vehicle_address
 from hub.robots.mavlink.link.answer_watch import AnswerWatch
-from hub.robots.mavlink.link.byte_link import ByteLink
+from hub.robots.mavlink.link.byte_link import MOST_READ, ByteLink
 from hub.robots.mavlink.link.opening import link_to
 from hub.robots.mavlink.link.tap import LinkTap
 from hub.robots.mavlink.profiles.profile import Setpoint
@@ -250,12 +250,13 @@ class MavlinkBody:
         find = self._parser.datagram if self._link.datagrams else self._parser.feed
         pieces = self._link.read(now)
         self._tap.came(pieces)
+        flooded = sum(map(len, pieces)) >= MOST_READ
         for piece in pieces:
             for frame in find(piece):
                 self.vehicle.received(frame, now)
         self.vehicle.step(now)
         if self._answers is not None:
-            self._answers.follow(awaits=self.vehicle.awaits(now))
+            self._answers.follow(awaits=not flooded and self.vehicle.awaits(now))
 
     def _send(self, frame: bytes) -> None:
         if self._link.write(frame):

@@ -21,10 +21,11 @@ from hub.values import dataclass
 
 RETRY_S: Final = 1.0
 """Time between two attempts to open a link [s]."""
-MOST_READ: Final = 1 << 18
-"""About the most bytes that one `read` returns."""
-AT_ONCE: Final = 1 << 16
-"""Most bytes of one call of the system; a datagram is not longer."""
+MOST_READ: Final = 1 << 14
+"""About the most bytes that one `read` returns: ten times what comes in 50 ms. The rest waits, so a
+flood leaves the driver time to command and to report."""
+AT_ONCE: Final = 1 << 14
+"""Most bytes of one call of the system; no vehicle sends a longer datagram."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,6 +18,8 @@ _LONGEST_S: Final = 4.0
 """Longest time for the answers; what has none then is left out [s]."""
 _SILENT_S: Final = 1.5
 """Time without ATTITUDE after which telemetry is silent [s]."""
+_NEW_S: Final = 0.2
+"""Time in which questions that were begun are not begun again [s]."""
 _FIRST_S: Final = 3.0
 """Longest time until the first ATTITUDE [s]."""
 
@@ -58,6 +60,10 @@ class Learning:
             )
         if profile is not None:
             self._parameters.begin(profile.parameters, OLDER_NAMES, profile.later)
+
+    def may_begin(self, now: float) -> bool:
+        """Whether the questions are not new: a vehicle cannot be booted so often [s, monotonic]."""
+        return now - self._since > _NEW_S
 
     def done(self, now: float) -> bool:
         """Whether all was answered, or the time is over."""

@@ -311,7 +311,8 @@ class MavlinkVehicle:
             self.orders.forget()
         self.phase, self.learns_because = AutopilotPhase.LEARNING, because
         self._gate.close()
-        self.learning.begin(self.profile, now)
+        if self.learning.may_begin(now):
+            self.learning.begin(self.profile, now)
 
     def _change_mode(self, order: ModeOrder, now: float) -> None:
         """Ask for a mode; the velocities begin with a neutral one."""

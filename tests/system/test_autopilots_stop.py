@@ -1,0 +1,211 @@
+"""A vehicle with an autopilot stops when its commands end, and stands until driven from neutral.
+
+The cases are those of `stale_stick`, and what can happen at the vehicle's own link: it is cut, the
+autopilot starts again, another ground station changes the mode. After those, an order of the
+operator is needed too. `make soak` plays all cases; `test_autopilot` shows some in `make test`.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from tests.conftest import leaving_nothing
+from tests.support.fake_hid import needs_virtual_devices
+from tests.system import stale_stick
+from tests.system.driven_autopilot import (
+    ARM,
+    AUTOPILOTS,
+    DOOR,
+    DRIVING_MODES,
+    RESTART,
+    SET_MODE,
+    RecordedAutopilot,
+)
+from tests.system.stale_stick import Case, play, playing
+from tests.system.stale_stick_actions import Action, Scene, linked, signal_module, started_again
+
+pytestmark = needs_virtual_devices
+
+REPETITIONS = 2
+HOLD_MODES = {"rover": 4, "sub": 2, "blimp": 3}
+INSISTED_S = 3.0
+"""The stick stays deflected for so long after the link is back [s]."""
+
+
+def autopilot(scene: Scene) -> RecordedAutopilot:
+    record = scene.robot.record
+    assert isinstance(record, RecordedAutopilot)
+    return record
+
+
+def insist(scene: Scene, seconds: float) -> None:
+    """Keep the stick deflected."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        scene.robot.insist()
+        scene.robot.pump()
+
+
+def cut(*ways: str) -> Action:
+    def struck(scene: Scene) -> None:
+        autopilot(scene).cut(*ways)
+
+    return struck
+
+
+def join(scene: Scene) -> None:
+    """The link is back, and the stick was deflected all the time."""
+    insist(scene, 1.5)
+    autopilot(scene).join()
+    insist(scene, INSISTED_S)
+
+
+def order(command: int, *values: float) -> Action:
+    """Another ground station gives an order."""
+    return lambda scene: autopilot(scene).station.order(command, *values)
+
+
+def set_mode(modes: dict[str, int]) -> Action:
+    def ordered(scene: Scene) -> None:
+        order(SET_MODE, 1.0, float(modes[autopilot(scene).kind]))(scene)
+
+    return ordered
+
+
+def drive_elsewhere_then_here(scene: Scene) -> None:
+    """The other station sets the driving mode again; then the operator asks for it too."""
+    set_mode(DRIVING_MODES)(scene)
+    station, mode = autopilot(scene).station, DRIVING_MODES[autopilot(scene).kind]
+    scene.robot.wait(lambda: station.mode == mode, "the other station is not obeyed")
+    insist(scene, 1.0)
+    scene.robot.console.type("g")
+    insist(scene, 1.0)
+
+
+def restart(scene: Scene) -> float:
+    """The other station disarms it, since an armed one does not restart, and has it restart."""
+    station = autopilot(scene).station
+    struck = time.monotonic()
+    station.order(ARM, 0.0)
+    scene.robot.wait(lambda: not station.armed, "it is not disarmed")
+    station.order(RESTART, 1.0)
+    return struck
+
+
+def arm_restarted(scene: Scene) -> None:
+    """The other station arms it as soon as it has started."""
+    station, mode = autopilot(scene).station, DRIVING_MODES[autopilot(scene).kind]
+
+    def armed() -> bool:
+        set_mode(DRIVING_MODES)(scene)
+        station.order(ARM, 1.0)
+        insist(scene, 0.2)
+        return station.armed and station.mode == mode
+
+    scene.robot.wait(armed, "the other station cannot arm it")
+    insist(scene, INSISTED_S)
+
+
+def arm_elsewhere(scene: Scene) -> None:
+    """The other station arms it again."""
+    station = autopilot(scene).station
+    scene.robot.wait(lambda: not station.armed, "it is not disarmed")
+    set_mode(DRIVING_MODES)(scene)
+    station.order(ARM, 1.0)
+    scene.robot.wait(lambda: station.armed, "the other station cannot arm it")
+    insist(scene, 1.0)
+
+
+def vehicle_again(scene: Scene) -> None:
+    insist(scene, INSISTED_S)
+
+
+def driver_again(scene: Scene) -> None:
+    started_again("driver")(scene)
+    linked(scene)
+    insist(scene, INSISTED_S)
+
+
+DRIVER_KILLED = Case(
+    name="driver killed",
+    strike=signal_module("driver", signal.SIGKILL),
+    mend=driver_again,
+    ends=True,
+)
+MODE_CHANGED = Case(
+    name="mode changed elsewhere", strike=set_mode(HOLD_MODES), mend=drive_elsewhere_then_here
+)
+LINK_CUT = Case(name="link cut", strike=cut("to_vehicle", "to_hub"), mend=join, ends=True)
+RESTARTED = Case(name="autopilot restarted", strike=restart, mend=arm_restarted, ends=True)
+CASES = (
+    stale_stick.UNPLUGGED,
+    stale_stick.KILLED,
+    stale_stick.ASLEEP,
+    stale_stick.NETWORK_CUT,
+    stale_stick.NAVIGATION_KILLED,
+    stale_stick.NAVIGATION_FROZEN,
+    stale_stick.HUB_KILLED,
+    stale_stick.STOPPED,
+    DRIVER_KILLED,
+    LINK_CUT,
+    Case(name="commands cut", strike=cut("to_vehicle"), mend=join, ends=True),
+    Case(name="telemetry cut", strike=cut("to_hub"), mend=join, ends=True, stopped_s=1.6),
+    RESTARTED,
+    Case(
+        name="autopilot killed",
+        strike=lambda scene: autopilot(scene).start_vehicle_again(),
+        mend=vehicle_again,
+        ends=True,
+    ),
+    MODE_CHANGED,
+    Case(name="disarmed elsewhere", strike=order(ARM, 0.0), mend=arm_elsewhere, ends=True),
+)
+QUICK = {"rover": MODE_CHANGED, "sub": RESTARTED}
+"""The case of each vehicle in `make test`."""
+REST_S = {"rover": 2.2, "sub": 4.0, "blimp": 4.0}
+"""Longest time from the event to rest [s], where the vehicle is still told to stop or brakes."""
+LATER_S = 1.5
+"""The same takes longer where the vehicle's commands are not cut, but its answers [s]."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    """The processes that a case starts stay for the next one."""
+    with leaving_nothing():
+        yield
+
+
+@pytest.fixture(scope="module")
+def scene(
+    nothing_left_behind: None,
+    request: pytest.FixtureRequest,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[Scene]:
+    del nothing_left_behind
+    body = f"{DOOR}{request.param}"
+    with playing(tmp_path_factory.mktemp(body), body) as opened:
+        yield opened
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize(
+    ("scene", "kind", "case", "count"),
+    [pytest.param(kind, kind, case, 1, id=f"{kind}-{case.id}") for kind, case in QUICK.items()]
+    + [
+        pytest.param(
+            kind, kind, case, REPETITIONS, id=f"{kind}-often-{case.id}", marks=pytest.mark.soak
+        )
+        for kind in AUTOPILOTS
+        for case in CASES
+    ],
+    indirect=["scene"],
+)
+def test_it_stops_and_stands_until_it_is_driven_from_neutral(
+    scene: Scene, kind: str, case: Case, count: int, tell: Callable[..., None]
+) -> None:
+    later = LATER_S if case.stopped_s > stale_stick.STOPPED_S else 0.0
+    play(scene, case, count, REST_S[kind] + later, tell, rolls=kind != "blimp")
