@@ -177,7 +177,8 @@ class HostileVehicle:
     def _serve(self, link: socket.socket) -> None:
         link.settimeout(0.05)
         packer, parser = FramePacker(1, 1), FrameParser()
-        attack, source = "", iter(())
+        attack = ""
+        source: Iterator[bytes] = iter(())
         rest, beat_at = b"", 0.0
         while not self._ends:
             if self.attack != attack:
