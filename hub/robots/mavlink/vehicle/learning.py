@@ -34,11 +34,15 @@ class Learning:
     def __init__(self, requests: RequestQueue, parameters: ParameterReads) -> None:
         self._requests, self._parameters = requests, parameters
         self._since = -math.inf
+        self._profile: VehicleProfile | None = None
         self._left = 0
         self.firmware = 0
 
     def begin(self, profile: VehicleProfile | None, now: float) -> None:
-        """Ask for streams and parameters; earlier questions end."""
+        """Ask for streams and parameters; earlier questions end, unless they are as new as this."""
+        if now - self._since < _NEW_S and profile is self._profile:
+            return  # a vehicle is not booted so often
+        self._profile = profile
         self._since = now
         self._requests.drop(RequestKind.QUESTION)
         rates = profile.rates if profile is not None else STREAMS
@@ -60,10 +64,6 @@ class Learning:
             )
         if profile is not None:
             self._parameters.begin(profile.parameters, OLDER_NAMES, profile.later)
-
-    def may_begin(self, now: float) -> bool:
-        """Whether the questions are not new: a vehicle cannot be booted so often [s, monotonic]."""
-        return now - self._since > _NEW_S
 
     def done(self, now: float) -> bool:
         """Whether all was answered, or the time is over."""

@@ -311,8 +311,7 @@ class MavlinkVehicle:
             self.orders.forget()
         self.phase, self.learns_because = AutopilotPhase.LEARNING, because
         self._gate.close()
-        if self.learning.may_begin(now):
-            self.learning.begin(self.profile, now)
+        self.learning.begin(self.profile, now)
 
     def _change_mode(self, order: ModeOrder, now: float) -> None:
         """Ask for a mode; the velocities begin with a neutral one."""
