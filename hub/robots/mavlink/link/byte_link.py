@@ -22,8 +22,7 @@ from hub.values import dataclass
 RETRY_S: Final = 1.0
 """Time between two attempts to open a link [s]."""
 MOST_READ: Final = 1 << 14
-"""About the most bytes that one `read` returns: ten times what comes in 50 ms. The rest waits, so a
-flood leaves the driver time to command and to report."""
+"""About the most bytes that one `read` returns; the rest waits. A flood leaves the driver time."""
 AT_ONCE: Final = 1 << 14
 """Most bytes of one call of the system; no vehicle sends a longer datagram."""
 
