@@ -60,6 +60,7 @@ class Sensors:
         vehicle: Holds, arming, lights, tether, and what it does; the driver adds the time, and
             "drives" or "stands" where `activity` is empty.
         joints: Its joints, in the order of the description.
+        slow: Whether it measures at most 20 times per second, also while it moves.
     """
 
     known: bool = True
@@ -90,6 +91,7 @@ class Sensors:
     diagnostics: tuple[DiagnosticStatus, ...] = ()
     vehicle: VehicleState = VehicleState()
     joints: tuple[JointState, ...] = ()
+    slow: bool = False
 
 
 class Body(Protocol):

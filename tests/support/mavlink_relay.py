@@ -46,6 +46,7 @@ class MavlinkRelay:
         self.vehicle = vehicle
         self.to_vehicle = self.to_hub = True
         self.frames: list[tuple[float, bool, MavlinkFrame]] = []
+        self._vehicle: socket.socket | None = None
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.port = self._listener.getsockname()[1]
         self._selector = selectors.DefaultSelector()
@@ -66,11 +67,21 @@ class MavlinkRelay:
         """Let all bytes pass again."""
         self.to_vehicle = self.to_hub = True
 
-    def of_hub(self, since: float) -> list[tuple[float, MavlinkFrame]]:
-        """The velocities and sticks of the hub from a monotonic time [s] on."""
+    def add(self, frame: bytes) -> None:
+        """Send a frame to the vehicle, as if it were the hub's."""
+        assert self._vehicle is not None
+        self._vehicle.sendall(frame)
+
+    def of_hub(self, since: float, newest: int = 0) -> list[tuple[float, MavlinkFrame]]:
+        """The velocities and sticks of the hub from a monotonic time [s] on.
+
+        Args:
+            since: The time.
+            newest: How many of the newest frames to look at; 0: all.
+        """
         return [
             (time, frame)
-            for time, hub, frame in list(self.frames)
+            for time, hub, frame in self.frames[-newest:]
             if hub and time >= since and is_velocity(frame)
         ]
 
@@ -114,6 +125,7 @@ class MavlinkRelay:
         except OSError:
             hub.close()
             return
+        self._vehicle = vehicle
         for one, other, of_hub in ((hub, vehicle, True), (vehicle, hub, False)):
             one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             data = (one, other, of_hub, FrameParser())

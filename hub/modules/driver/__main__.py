@@ -42,7 +42,7 @@ from hub.runtime import run_module
 _PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
 """Time between two reports of the hardware [s]."""
 _RESTING_PERIOD = 0.05
-"""The same while the robot stands or only drifts [s]."""
+"""The same while the robot stands, only drifts, or measures no more often [s]."""
 _LONGEST_STEP = 0.25
 """Longest time that the hardware advances in one step; the rest of a pause is left out [s]."""
 
@@ -187,7 +187,7 @@ class Driver:
         truth = self._body.ground_truth()
         if truth is not None:
             self._client.publish(navigation.GROUND_TRUTH, truth, measured=now)
-        return reports.rests(sensors)
+        return sensors.slow or reports.rests(sensors)
 
     def _publish_vehicle(self, sensors: Sensors, stamp: float, now: float) -> None:
         """Publish what the body does besides its motion, what is wrong, and its joints."""

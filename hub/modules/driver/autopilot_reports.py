@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from typing import Final
+
 from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT, MAVLINK_FRAMES, AutopilotState
 from hub.ipc.client import Client
 from hub.modules.driver.publishing_rate import PublishingRate
 from hub.robots.interfaces import Body, BodyModes
+
+_LOOK_S: Final = 0.09
+"""Least time between two states; a little less than a tenth, so that no change waits longer [s]."""
 
 
 class AutopilotReports:
@@ -15,6 +21,7 @@ class AutopilotReports:
         self._client = client
         self._body = body if isinstance(body, BodyModes) else None
         self._rate = PublishingRate(AUTOPILOT_STATE.rate_hz)
+        self._look_at = -math.inf
         if self._body is not None:
             client.define(AUTOPILOT_STATE, AUTOPILOT_TEXT, MAVLINK_FRAMES)
 
@@ -32,6 +39,9 @@ class AutopilotReports:
         wanted = self._client.has_subscribers(MAVLINK_FRAMES)
         for frames in self._body.take_frames(wanted=wanted):
             self._client.publish(MAVLINK_FRAMES, frames, measured=now)
+        if now < self._look_at:
+            return
+        self._look_at = now + _LOOK_S
         state = self._body.autopilot(stamp)
         if self._rate.due(_change_of(state), now):
             self._client.publish(AUTOPILOT_STATE, state, measured=now)

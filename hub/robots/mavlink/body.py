@@ -15,13 +15,11 @@ from hub.gcm.autopilot import (
     MavlinkFrames,
     UnsafeParameter,
 )
-from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.ranges import scan_of
 from hub.gcm.vehicle import Arming, LightState, VehicleState
-from hub.pose import Pose
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import FileLoop, Sensors
 from hub.robots.left_alone import LeftAlone
@@ -32,17 +30,20 @@ from hub.robots.mavlink.link.answer_watch import AnswerWatch
 from hub.robots.mavlink.link.byte_link import MOST_READ, ByteLink
 from hub.robots.mavlink.link.opening import link_to
 from hub.robots.mavlink.link.tap import LinkTap
+from hub.robots.mavlink.problems import vehicle_problems
 from hub.robots.mavlink.profiles.profile import Setpoint
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
 from hub.robots.mavlink.ranges import ranges_of
-from hub.robots.mavlink.vehicle.reasons import warnings, why
+from hub.robots.mavlink.reckoning import VehicleReckoning
+from hub.robots.mavlink.vehicle.reasons import why
 from hub.robots.mavlink.vehicle.sender import STATION_COMPONENT
 from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from hub.robots.mavlink.wire.signing_key import read_signing_key
-from hub.sim.kinematics import moved
 
+_NOT_KNOWN: Final = (AutopilotPhase.LINKING, AutopilotPhase.LEARNING, AutopilotPhase.GONE)
+"""Phases in which a place that the vehicle knows may be missing."""
 _WORDS: Final = {
     AutopilotPhase.LINKING: "links",
     AutopilotPhase.LEARNING: "learns",
@@ -92,9 +93,8 @@ class MavlinkBody:
         )
         self._tap = LinkTap()
         self._answers: AnswerWatch | None = None
-        self._reckoned = Pose()
-        self._reckoning = 1
-        self._had_place = False
+        self._reckoning = VehicleReckoning()
+        self._left_alone = robot.left_alone
 
     def command(self, twist: Twist) -> None:
         """Follow a velocity; one that the vehicle cannot have is left out."""
@@ -148,16 +148,24 @@ class MavlinkBody:
         """The present measurements."""
         groups = (table.sensors for table in self._robot.ranges)
         vehicle, read = self.vehicle, self.vehicle.telemetry
-        pose, commanded = self._reckoned, self._commanded
+        pose, commanded = self._reckoning.pose, self._commanded
+        gone = vehicle.phase in (AutopilotPhase.LINKING, AutopilotPhase.GONE)
         afloat = vehicle.profile is not None and "up" in vehicle.profile.frees
+        problems = vehicle_problems(
+            vehicle,
+            self._link.state,
+            self._clock(),
+            stops_after_cut=self._stops()[1],
+            left_alone=self._left_alone,
+        )
         under_water = vehicle.profile is not None and vehicle.profile.name == "sub"
         return Sensors(
-            known=vehicle.phase not in (AutopilotPhase.LINKING, AutopilotPhase.GONE),
+            known=self._reckoning.number > 0 and not gone,
             x=pose.x,
             y=pose.y,
             z=_or_zero(read.z) if afloat else 0.0,
             theta=pose.theta,
-            velocity=_known(read.velocity, commanded),
+            velocity=_known(read.velocity, commanded, place=self._reckoning.has_place),
             scans=tuple(
                 scan_of(group, ranges_of(group, read, self._clock()), stamp) for group in groups
             ),
@@ -176,8 +184,9 @@ class MavlinkBody:
             turning=read.rates if not math.isnan(read.rates.z) else None,
             pressure=read.pressure,
             climb=read.climb if afloat else math.nan,
-            reckoning=self._reckoning,
-            diagnostics=tuple(self._problems()),
+            reckoning=self._reckoning.number,
+            slow=True,
+            diagnostics=tuple(problems),
             vehicle=VehicleState(
                 activity=_WORDS.get(vehicle.phase, ""),
                 arming=Arming.ARMED if vehicle.armed else Arming.DISARMED,
@@ -191,10 +200,7 @@ class MavlinkBody:
     def autopilot(self, stamp: float) -> AutopilotState:
         """The present state of the autopilot."""
         vehicle, profile, now = self.vehicle, self.vehicle.profile, self._clock()
-        parameters = vehicle.parameters.values
-        stops = (math.nan, math.nan)
-        if profile is not None and parameters:
-            stops = profile.stops(parameters, self._speed, receiver=vehicle.telemetry.receiver)
+        stops = self._stops()
         heard = now - vehicle.liveness.heard
         return AutopilotState(
             stamp=stamp,
@@ -271,44 +277,21 @@ class MavlinkBody:
         )
 
     def _reckon(self, seconds: float) -> None:
-        """Take the vehicle's place; where it has none, add up the commanded velocity."""
-        read = self.vehicle.telemetry
-        has_place = not math.isnan(read.x + read.y)
-        if has_place is not self._had_place:
-            self._had_place = has_place
-            self._reckoning += 1
-        if has_place:
-            theta = self._reckoned.theta if math.isnan(read.yaw) else read.yaw
-            self._reckoned = Pose(x=read.x, y=read.y, theta=theta)
-            return
-        wanted = self.vehicle.velocity
-        turned = wanted.turn * seconds
-        if not math.isnan(read.yaw):
-            turned = math.remainder(read.yaw - self._reckoned.theta, math.tau)
-        self._reckoned = moved(
-            self._reckoned, wanted.ahead * seconds, turned, wanted.left * seconds
-        )
+        begun = self._reckoning.number or self.vehicle.phase not in _NOT_KNOWN
+        if begun:
+            read, wanted = self.vehicle.telemetry, self.vehicle.velocity
+            self._reckoning.update(read, wanted, seconds, self._clock())
+
+    def _stops(self) -> tuple[float, float]:
+        """Times until it stands: after a zero, and after a cut [s]; NaN: not known."""
+        vehicle, values = self.vehicle, self.vehicle.parameters.values
+        if vehicle.profile is None or not values:
+            return math.nan, math.nan
+        return vehicle.profile.stops(values, self._speed, receiver=vehicle.telemetry.receiver)
 
     def _unsafe(self) -> Iterator[UnsafeParameter]:
         profile, values = self.vehicle.profile, self.vehicle.parameters.values
         return unsafe_parameters(profile, values, self._station) if profile else iter(())
-
-    def _problems(self) -> Iterator[DiagnosticStatus]:
-        """What is wrong, in words of the vehicle where it has some."""
-        vehicle, now = self.vehicle, self._clock()
-        if vehicle.phase in (AutopilotPhase.LINKING, AutopilotPhase.GONE):
-            link = self._link.state
-            text = f"the autopilot is silent: {why(vehicle, now)}"
-            text += f"; its link: {link.why}" if link.why and not link.up else ""
-            yield DiagnosticStatus(level=Severity.ERROR, name="autopilot", message=text)
-        elif vehicle.phase is AutopilotPhase.ELSEWHERE:
-            yield DiagnosticStatus(level=Severity.WARN, name="autopilot", message=why(vehicle, now))
-        for text in warnings(vehicle):
-            yield DiagnosticStatus(level=Severity.WARN, name="autopilot", message=text)
-        if vehicle.failsafe and vehicle.armed:
-            texts = [each.text for each in vehicle.texts.since(now - 10.0)]
-            text = "; ".join(["a failsafe of the vehicle acts", *texts[-2:]])
-            yield DiagnosticStatus(level=Severity.ERROR, name="failsafe", message=text)
 
 
 def _signer(path: str) -> Signer | None:
@@ -323,10 +306,11 @@ def _or_zero(value: float) -> float:
     return value if math.isfinite(value) else 0.0
 
 
-def _known(measured: Twist, commanded: Twist) -> Twist:
-    """The measured velocity; what is not measured is as commanded."""
+def _known(measured: Twist, commanded: Twist, *, place: bool) -> Twist:
+    """The measured velocity; what is not measured, or old, is as commanded."""
+    linear = measured.linear if place else Vector3(x=math.nan, y=math.nan, z=math.nan)
     return Twist(
-        linear=_filled(measured.linear, commanded.linear),
+        linear=_filled(linear, commanded.linear),
         angular=_filled(measured.angular, commanded.angular),
     )
 

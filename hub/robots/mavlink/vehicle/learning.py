@@ -14,6 +14,7 @@ _INTERVAL: Final = 511
 """MAV_CMD_SET_MESSAGE_INTERVAL."""
 _REQUEST: Final = 512
 """MAV_CMD_REQUEST_MESSAGE."""
+_ASKED_ONCE: Final = ("AUTOPILOT_VERSION", "GPS_GLOBAL_ORIGIN", "GPS_RAW_INT")
 _LONGEST_S: Final = 4.0
 """Longest time for the answers; what has none then is left out [s]."""
 _SILENT_S: Final = 1.5
@@ -47,7 +48,7 @@ class Learning:
         self._requests.drop(RequestKind.QUESTION)
         rates = profile.rates if profile is not None else STREAMS
         questions: list[tuple[int, tuple[float, ...]]] = [
-            (_REQUEST, (float(BY_NAME["AUTOPILOT_VERSION"].number),))
+            (_REQUEST, (float(BY_NAME[name].number),)) for name in _ASKED_ONCE
         ]
         questions += [
             (_INTERVAL, (float(BY_NAME[name].number), 1e6 / rate)) for name, rate in rates.items()

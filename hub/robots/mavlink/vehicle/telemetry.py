@@ -94,6 +94,8 @@ class Telemetry:
         named: Newest values of NAMED_VALUE_FLOAT, by name.
         boot_ms: Time since its start [ms].
         measured: Monotonic time of the last ATTITUDE [s].
+        placed: Monotonic time of the last position [s].
+        origin: Latitude and longitude [1e-7 deg] and altitude [mm] of the origin; None: not known.
     """
 
     def __init__(self) -> None:
@@ -113,7 +115,8 @@ class Telemetry:
         self.obstacles: Obstacles | None = None
         self.named: dict[str, float] = {}
         self.boot_ms = 0
-        self.measured = self.ahead_at = self.obstacles_at = -math.inf
+        self.measured = self.placed = self.ahead_at = self.obstacles_at = -math.inf
+        self.origin: tuple[int, int, int] | None = None
 
     @property
     def brightness(self) -> float:
@@ -141,6 +144,8 @@ class Telemetry:
             match frame.name:
                 case "ATTITUDE":
                     self.measured = now
+                case "LOCAL_POSITION_NED":
+                    self.placed = now
                 case "DISTANCE_SENSOR" if frame["orientation"] == _AHEAD:
                     self.ahead_at = now
                 case "OBSTACLE_DISTANCE":
@@ -162,6 +167,10 @@ def _local_position(to: Telemetry, values: Mapping[str, Any]) -> None:
     to.z = -within(values["z"], _FARTHEST)
     to.east, to.north = within(values["vy"], _FASTEST), within(values["vx"], _FASTEST)
     to.climb = -within(values["vz"], _FASTEST)
+
+
+def _origin(to: Telemetry, values: Mapping[str, Any]) -> None:
+    to.origin = values["latitude"], values["longitude"], values["altitude"]
 
 
 def _status(to: Telemetry, values: Mapping[str, Any]) -> None:
@@ -246,6 +255,7 @@ def _distance(centimetres: int, farthest: int) -> float:
 _READERS: Final[Mapping[str, Callable[[Telemetry, Mapping[str, Any]], None]]] = {
     "ATTITUDE": _attitude,
     "LOCAL_POSITION_NED": _local_position,
+    "GPS_GLOBAL_ORIGIN": _origin,
     "SYS_STATUS": _status,
     "EKF_STATUS_REPORT": _estimator,
     "ESTIMATOR_STATUS": _estimator,

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from hub.gcm.autopilot import AutopilotPhase, MavlinkFrames
+from hub.gcm.diagnostics import Severity
 from hub.gcm.geometry import Twist
 from hub.gcm.vehicle import Arming
 from hub.robots.description import RobotDescription
@@ -16,7 +17,7 @@ from hub.robots.interfaces import BodyJoints, BodyLights
 from hub.robots.mavlink.body import MavlinkBody
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.robot_file import read_description
-from tests.hub.robots.mavlink.udp_vehicle import GUIDED, HOLD, UdpVehicle
+from tests.hub.robots.mavlink.udp_vehicle import BLIMP, GUIDED, HOLD, ROVER, UdpVehicle
 
 ROBOT = """
 name = "rover"
@@ -42,9 +43,9 @@ def robot(folder: Path, address: str) -> RobotDescription:
 class Scene:
     """A body and its vehicle, whose time passes in ticks."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, kind: int = ROVER) -> None:
         self.now = 100.0
-        self.vehicle = UdpVehicle()
+        self.vehicle = UdpVehicle(kind)
         self.body = MavlinkBody(robot(folder, self.vehicle.address), clock=lambda: self.now)
         self.plays = True
 
@@ -276,3 +277,71 @@ def test_the_parts_of_a_robot_file_are_the_vehicles(tmp_path: Path) -> None:
     assert [(each.name, each.brightness) for each in sensors.vehicle.lights] == [("lamp", 0.5)]
     assert [(each.name, each.position) for each in sensors.joints] == [("camera", 0.3)]
     assert [each.header.frame_id for each in sensors.scans] == ["ahead"]
+
+
+def test_the_dead_reckoning_of_a_vehicle_with_satellites_is_that_of_its_origin(
+    scene: Scene, tmp_path: Path
+) -> None:
+    """A new driver process goes on with the same map; a vehicle without a place does not."""
+
+    def place() -> None:
+        scene.vehicle.send("GPS_GLOBAL_ORIGIN", latitude=338103130, longitude=-1183938670)
+        scene.vehicle.send("GPS_RAW_INT", satellites_visible=10)
+        scene.vehicle.place(1.0, 2.0)
+
+    scene.wait(5.0)
+    first = scene.body.sensors(0.0).reckoning
+    scene.wait(1.0, each=place)
+    placed = scene.body.sensors(0.0)
+    assert (placed.x, placed.y) == (2.0, 1.0)
+    assert placed.reckoning != first
+    scene.wait(2.0)
+    assert scene.body.sensors(0.0).reckoning not in (first, placed.reckoning), "no place any more"
+    scene.body.close()
+    scene.body = MavlinkBody(robot(tmp_path, scene.vehicle.address), clock=lambda: scene.now)
+    scene.wait(0.3)
+    assert not scene.body.sensors(0.0).known, "its place may not have come yet"
+    scene.wait(5.0, each=place)
+    again = scene.body.sensors(0.0)
+    assert again.known
+    assert again.reckoning == placed.reckoning
+    scene.vehicle.boot_ms = 0
+    scene.wait(1.0)
+    assert scene.body.sensors(0.0).reckoning != placed.reckoning
+
+
+@pytest.mark.parametrize(
+    ("severity", "words", "name", "level"),
+    [
+        (2, "Leak Detected", "leak", Severity.ERROR),
+        (4, "Battery 1 is low 10.50V used 3200 mAh", "battery", Severity.WARN),
+        (2, "EKF Failsafe: Position", "estimator", Severity.ERROR),
+        (3, "Crash: Disarming", "vehicle", Severity.ERROR),
+        (6, "Leak sensor found", None, Severity.OK),
+        (2, "PreArm: Battery 1 below minimum arming voltage", None, Severity.OK),
+    ],
+)
+def test_a_vehicle_says_what_is_wrong_in_its_own_words(
+    scene: Scene, severity: int, words: str, name: str | None, level: Severity
+) -> None:
+    scene.wait(5.0)
+    scene.vehicle.text(words, severity)
+    scene.wait(1.0)
+    found = [each for each in scene.body.sensors(0.0).diagnostics if words in each.message]
+    assert [(each.name, each.level) for each in found] == ([(name, level)] if name else [])
+    scene.wait(31.0)
+    assert not any(words in each for each in scene.problems)
+
+
+def test_it_is_an_alarm_that_a_vehicle_never_stops_by_itself(tmp_path: Path) -> None:
+    scene = Scene(tmp_path, BLIMP)
+    scene.vehicle.parameters |= {"FS_THR_ENABLE": 0.0, "RC_OVERRIDE_TIME": 3.0}
+    scene.wait(5.0)
+    (stops,) = [each for each in scene.body.sensors(0.0).diagnostics if each.name == "stops"]
+    assert stops.level is Severity.WARN
+    scene.vehicle.armed = True
+    scene.wait(1.0)
+    (stops,) = [each for each in scene.body.sensors(0.0).diagnostics if each.name == "stops"]
+    assert stops.level is Severity.ERROR
+    assert scene.body.autopilot(0.0).stops_after_cut_s == float("inf")
+    scene.close()

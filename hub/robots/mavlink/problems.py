@@ -1,0 +1,94 @@
+"""What is wrong with a vehicle, for the operator; pure.
+
+| problem | severity | when |
+| --- | --- | --- |
+| autopilot | ERROR | it is silent |
+| autopilot | WARN | it is in a mode of another, or its link or its rules are in doubt |
+| failsafe | ERROR | one of its failsafes acts while it is armed |
+| stops | ERROR; WARN while it is disarmed | it never stops by itself after the link is cut |
+| left alone | WARN | it has no mode for what the robot file wants |
+| leak, battery, estimator, vehicle | as the vehicle says | its own words, for a short time |
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+from hub.gcm.autopilot import AutopilotPhase
+from hub.gcm.diagnostics import DiagnosticStatus, Severity
+from hub.robots.left_alone import LeftAlone
+from hub.robots.mavlink.link.byte_link import ByteLinkState
+from hub.robots.mavlink.vehicle.reasons import warnings, why
+from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
+
+_SILENT: Final = (AutopilotPhase.LINKING, AutopilotPhase.GONE)
+_SHOWN_S: Final = 30.0
+"""How long its own words count; a leak is repeated every 20 s [s]."""
+_REASON_S: Final = 10.0
+"""Age of words that give the reason of a failsafe [s]."""
+_NAMES: Final = {"leak": "leak", "batt": "battery", "ekf": "estimator"}
+"""Names of problems, by letters in the vehicle's words."""
+_ARMING: Final = ("PreArm", "Arm:")
+"""Words that say why it cannot be armed: the state of the autopilot has them."""
+
+
+def vehicle_problems(
+    vehicle: MavlinkVehicle,
+    link: ByteLinkState,
+    now: float,
+    *,
+    stops_after_cut: float,
+    left_alone: LeftAlone,
+) -> Iterator[DiagnosticStatus]:
+    """All present problems.
+
+    Args:
+        vehicle: The vehicle.
+        link: Its link.
+        now: Monotonic time [s].
+        stops_after_cut: Time until it stands after the link is cut [s]; infinite: never.
+        left_alone: What the robot file wants without an operator.
+    """
+    if vehicle.phase in _SILENT:
+        text = f"the autopilot is silent: {why(vehicle, now)}"
+        text += f"; its link: {link.why}" if link.why and not link.up else ""
+        yield DiagnosticStatus(level=Severity.ERROR, name="autopilot", message=text)
+        return
+    if vehicle.phase is AutopilotPhase.ELSEWHERE:
+        yield _warning("autopilot", why(vehicle, now))
+    for text in warnings(vehicle):
+        yield _warning("autopilot", text)
+    if vehicle.failsafe and vehicle.armed:
+        words = [each.text for each in vehicle.texts.since(now - _REASON_S) if each.level.value]
+        text = "; ".join(["a failsafe of the vehicle acts", *words[-2:]])
+        yield DiagnosticStatus(level=Severity.ERROR, name="failsafe", message=text)
+    if stops_after_cut == math.inf:
+        level = Severity.ERROR if vehicle.armed else Severity.WARN
+        text = "it never stops by itself after the link is cut: see its unsafe parameters"
+        yield DiagnosticStatus(level=level, name="stops", message=text)
+    profile = vehicle.profile
+    if profile is not None and left_alone not in profile.alone:
+        text = f"[safety] left_alone is {left_alone.value!r}, which a {profile.name} cannot"
+        yield _warning("left alone", text)
+    yield from _own_words(vehicle, now)
+
+
+def _own_words(vehicle: MavlinkVehicle, now: float) -> Iterator[DiagnosticStatus]:
+    """The newest bad text about each thing."""
+    newest: dict[str, DiagnosticStatus] = {}
+    for each in vehicle.texts.since(now - _SHOWN_S):
+        if each.level is Severity.OK or each.text.startswith(_ARMING):
+            continue
+        known = [name for letters, name in _NAMES.items() if letters in each.text.lower()]
+        if not known and each.level is not Severity.ERROR:
+            continue
+        name = known[0] if known else "vehicle"
+        text = f"the vehicle says: {each.text}"
+        newest[name] = DiagnosticStatus(level=each.level, name=name, message=text)
+    yield from newest.values()
+
+
+def _warning(name: str, text: str) -> DiagnosticStatus:
+    return DiagnosticStatus(level=Severity.WARN, name=name, message=text)
