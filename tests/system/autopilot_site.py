@@ -149,7 +149,7 @@ class AutopilotSite:
             self.observer = Observer(self.hub.endpoint, *definitions)
             self._closing.append(self.observer.close)
             self.operator = Operator(self.hub.endpoint, "operator")
-            self._closing.append(self.operator.client.close)
+            self._closing.append(self._end_operator)
         except BaseException:
             self.close()
             raise
@@ -160,6 +160,9 @@ class AutopilotSite:
 
     def _end_vehicle(self) -> None:
         self.vehicle.close()
+
+    def _end_operator(self) -> None:
+        self.operator.client.close()
 
     def start_vehicle_again(self) -> None:
         """Kill it, and start another one like it in its place."""
