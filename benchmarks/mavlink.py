@@ -26,7 +26,7 @@ from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from tests.support.mavlink_relay import MavlinkRelay
 from tests.support.waiting import until
-from tests.system.autopilot_site import MAVLINK_TABLES, SimulatedVehicle
+from tests.system.autopilot_site import SimulatedVehicle, vehicle_tables
 from tests.system.harness import HubProcess
 
 _SECONDS = 20.0
@@ -112,7 +112,7 @@ def drive() -> None:
         closing(SimulatedVehicle("rover", _PARAMETERS)) as vehicle,
         closing(MavlinkRelay(vehicle.port)) as relay,
     ):
-        tables = MAVLINK_TABLES.format(port=relay.port, limits="linear = 1.0")
+        tables = vehicle_tables("rover", relay.port)
         options = {"kind": "mavlink", "modules": ("driver",), "tables": tables}
         with closing(HubProcess(Path(folder), **options)) as hub:
             scene = Drive(hub, relay)

@@ -32,7 +32,7 @@ from tests.support.mavlink_relay import MavlinkRelay
 from tests.support.waiting import until
 from tests.system.harness import HubProcess, Observer
 
-MAVLINK_TABLES = """
+_TABLES = """
 [mavlink]
 address = "tcp://127.0.0.1:{port}"
 [limits]
