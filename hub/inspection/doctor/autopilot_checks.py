@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import math
+from collections.abc import Iterator
 
 from hub.errors import HubError, VehicleSilentError
 from hub.inspection.doctor.finding import Finding, ok, problem, warning
 from hub.inspection.vehicle.vehicle_link import hub_with_autopilot, open_session, place_in
 from hub.robots.description import RobotDescription
 from hub.robots.mavlink import adopting
+from hub.robots.mavlink.asking.findings import VehicleFinder
 from hub.robots.mavlink.asking.search import find_vehicle
 
 _LISTENING_S = 3.0
@@ -31,7 +34,8 @@ def autopilot(robot: RobotDescription) -> list[Finding]:
             finder = find_vehicle(session, place.system, _LISTENING_S)
         except VehicleSilentError as fault:
             return [problem(str(fault), "connect the vehicle, or correct [mavlink]")]
-    findings = [ok(f"{place.address}: system {place.system}, a {adopting.title(finder)}")]
+    system = finder.vehicle.system if finder.vehicle is not None else place.system
+    findings = [ok(f"{place.address}: system {system}, a {adopting.title(finder)}")]
     findings += [
         warning(
             f"unsafe: {adopting.unsafe_words(each)}",
@@ -39,4 +43,18 @@ def autopilot(robot: RobotDescription) -> list[Finding]:
         )
         for each in adopting.unsafe(finder, place.station)
     ]
-    return findings
+    return [*findings, *_stopping(finder, robot)]
+
+
+def _stopping(finder: VehicleFinder, robot: RobotDescription) -> Iterator[Finding]:
+    """How long the vehicle moves on with its parameters, at the limits of the robot file."""
+    if finder.profile is None:
+        return
+    speed = math.hypot(robot.linear_limit, robot.sway_limit)
+    zero, cut = finder.profile.stops(finder.parameters, speed, receiver=False)
+    if cut == math.inf:
+        remedy = f"rune-hub vehicle parameters {robot.path} --write-safe"
+        yield problem("without a radio receiver it never stops after the link is cut", remedy)
+    elif not math.isnan(zero + cut):
+        text = f"stops {zero:.1f} s after zero, {cut:.1f} s after the link is cut"
+        yield ok(f"from {speed:g} m/s, without a radio receiver, it {text}")
