@@ -145,7 +145,7 @@ class RecordedAutopilot(Recording):
         rows = []
         moving_at = -math.inf
         speed = turn = 0.0
-        events = sorted(events)
+        events.sort(key=lambda each: each[0])  # frames of one moment stay in their order
         nexts = [*(each[0] for each in events[1:]), time.monotonic()]
         for (at, now_speed, now_turn, command), after in zip(events, nexts, strict=True):
             if command < 0:
