@@ -32,6 +32,8 @@ pytestmark = needs_virtual_devices
 
 REPETITIONS = 2
 HOLD_MODES = {"rover": 4, "sub": 2, "blimp": 3}
+NEXT_HEARTBEAT_S = 1.3
+"""A vehicle that another station disarmed says so with its next heartbeat [s]."""
 INSISTED_S = 3.0
 """The stick stays deflected for so long after the link is back [s]."""
 
@@ -142,7 +144,13 @@ MODE_CHANGED = Case(
     name="mode changed elsewhere", strike=set_mode(HOLD_MODES), mend=drive_elsewhere_then_here
 )
 LINK_CUT = Case(name="link cut", strike=cut("to_vehicle", "to_hub"), mend=join, ends=True)
-RESTARTED = Case(name="autopilot restarted", strike=restart, mend=arm_restarted, ends=True)
+RESTARTED = Case(
+    name="autopilot restarted",
+    strike=restart,
+    mend=arm_restarted,
+    ends=True,
+    stopped_s=NEXT_HEARTBEAT_S,
+)
 CASES = (
     stale_stick.UNPLUGGED,
     stale_stick.KILLED,
@@ -164,7 +172,13 @@ CASES = (
         ends=True,
     ),
     MODE_CHANGED,
-    Case(name="disarmed elsewhere", strike=order(ARM, 0.0), mend=arm_elsewhere, ends=True),
+    Case(
+        name="disarmed elsewhere",
+        strike=order(ARM, 0.0),
+        mend=arm_elsewhere,
+        ends=True,
+        stopped_s=NEXT_HEARTBEAT_S,
+    ),
 )
 QUICK = {"rover": MODE_CHANGED}
 """The case of a vehicle in `make test`."""
