@@ -95,7 +95,8 @@ def test_the_doctor_names_unsafe_parameters_of_the_vehicle(tmp_path: Path) -> No
         done = rune_hub("doctor", str(path), "--json")
     findings = [json.loads(line) for line in done.stdout.splitlines()]
     found = [each for each in findings if each["check"] == "autopilot"]
-    assert [each["level"] for each in found] == ["ok", "warning"]
+    assert [each["level"] for each in found] == ["ok", "warning", "ok"]
     assert "a blimp with ArduPilot 4.7.0" in found[0]["text"]
     assert "RC_OVERRIDE_TIME is 3 in place of 0.5" in found[1]["text"]
     assert found[1]["advice"].endswith("--write RC_OVERRIDE_TIME=0.5")
+    assert "after the link is cut" in found[2]["text"]

@@ -152,19 +152,14 @@ def test_a_receiver_that_stands_still_for_a_second_misses_nothing(
 def test_messages_wait_for_a_receiver_that_is_busy(gatherer: Gatherer, connect: Connect) -> None:
     one = connect("one")
     gatherer.subscribe(STREAM)
-    sent: list[float] = []
 
     def publish_meanwhile() -> None:
         for number in range(200):
             one.publish(STREAM, Words(text=str(number)))
-            sent.append(time.monotonic())
 
     gatherer.peer.call(publish_meanwhile, 20.0)  # in the gatherer's own thread
     until(lambda: len(gatherer.came) >= 200, 20.0)
     assert gatherer.texts(STREAM) == [str(number) for number in range(200)]
-    in_time = [each[2] <= moment + 1e-6 for each, moment in zip(gatherer.came, sent, strict=True)]
-    # Those that the system had at the late look have the moment of their publication, not of it.
-    assert sum(in_time) >= 100
 
 
 def test_the_last_message_before_the_subscription_comes(
