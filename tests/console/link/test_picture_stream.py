@@ -155,8 +155,12 @@ def test_pictures_of_each_shown_camera_are_kept_by_its_name(
     assert rear.value.pixels.shape == (12, 16, 3)
     wait(lambda: link.state.link.pictures is not None)
     asked = len([each for each in robot.asked if each.camera == "rear"])
-    link.shown(rear.number, "rear")
-    wait(lambda: len([each for each in robot.asked if each.camera == "rear"]) > asked)
+
+    def is_asked_again() -> bool:
+        link.shown(link.state.pictures["rear"].number, "rear")  # of the newest: it may be another
+        return len([each for each in robot.asked if each.camera == "rear"]) > asked
+
+    wait(is_asked_again)
 
 
 def test_a_camera_that_is_not_shown_any_more_is_not_asked_and_its_picture_is_forgotten(
