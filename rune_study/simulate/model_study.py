@@ -15,8 +15,8 @@ from rune_study.metrics.registry import measure
 from rune_study.plan.measures import measures
 from rune_study.plan.steps import TRIAL, plan
 from rune_study.plan.study_spec import StudySpec
+from rune_study.simulate.model_data import trial_data
 from rune_study.simulate.operator_model import OperatorModel, run
-from rune_study.simulate.recovery import trial_data
 
 _SKILL = 0.25
 """Standard deviation of people's skill, as the logarithm of their interaction time."""

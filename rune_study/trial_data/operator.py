@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.vision import IMAGE
 from hub.values import dataclass
+from rune_study.metrics.driving import stick_moves
 from rune_study.trial_data.trial_log import TrialLog
 from rune_tui.model.held_inputs import HeldInputs
 from rune_tui.model.own_records import (
@@ -24,6 +26,8 @@ from rune_tui.model.own_records import (
 
 _TURNS = {"a": 1, "left": 1, "d": -1, "right": -1}
 """Keys that turn robots in the layouts of Rune, and their direction."""
+_JOYSTICK = "joystick "
+"""Names of inputs of joysticks and gamepads begin with this word."""
 _Floats = npt.NDArray[np.float64]
 
 
@@ -67,9 +71,9 @@ class OperatorInputs:
 def inputs_of(log: TrialLog) -> OperatorInputs:
     """The inputs of a trial; what repeats by itself, as a held key, counts as one input.
 
+    A stick is an input where `stick_moves` finds a new intention, not at each report.
     Inputs while control was withheld are left out: they are no interaction.
     """
-    by_robot: dict[str, list[float]] = {}
     selections: dict[str, list[float]] = {}
     inputs: list[tuple[float, InputRecord]] = []
     down = HeldInputs()
@@ -89,14 +93,11 @@ def inputs_of(log: TrialLog) -> OperatorInputs:
         if withheld or record.outcome is InputOutcome.WITHHELD:
             continue
         inputs.append((time, record))
-        repeats = record.repeat and record.value == 1
-        if time >= 0.0 and record.robot and record.handlers and not repeats:
-            by_robot.setdefault(record.robot, []).append(time)
     held: dict[str, list[tuple[float, float]]] = {}
     for span in down.until(min(log.seconds, log.last_of_console)):
         held.setdefault(span.robot, []).append((span.begin, span.end))
     return OperatorInputs(
-        by_robot={robot: np.array(times) for robot, times in by_robot.items()},
+        by_robot=_intentions(inputs),
         held={robot: np.array(sorted(spans)) for robot, spans in held.items()},
         selections={robot: np.array(times) for robot, times in selections.items()},
         inputs=tuple(inputs),
@@ -104,6 +105,26 @@ def inputs_of(log: TrialLog) -> OperatorInputs:
             record.outcome is InputOutcome.REFUSED and time >= 0.0 for time, record in inputs
         ),
     )
+
+
+def _intentions(inputs: Sequence[tuple[float, InputRecord]]) -> dict[str, _Floats]:
+    """When the operator wanted something else of each robot [s of the trial] (n,), by its name."""
+    of_axes: dict[str, list[tuple[float, float]]] = {}
+    for time, record in inputs:
+        if record.input.startswith(_JOYSTICK):
+            of_axes.setdefault(record.input, []).append((time, record.value))
+    moves = {
+        name: frozenset(stick_moves(*np.array(places).T).tolist())
+        for name, places in of_axes.items()
+        if any(value not in (0.0, 1.0) for _, value in places)  # else it is a button
+    }
+    found: dict[str, list[float]] = {}
+    for time, record in inputs:
+        repeats = record.repeat and record.value == 1
+        counts = time in moves[record.input] if record.input in moves else not repeats
+        if time >= 0.0 and record.robot and record.handlers and counts:
+            found.setdefault(record.robot, []).append(time)
+    return {robot: np.array(times) for robot, times in found.items()}
 
 
 def frames_shown(log: TrialLog, role: str) -> tuple[_Floats, _Floats]:

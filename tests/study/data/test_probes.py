@@ -28,8 +28,8 @@ from rune_study.questionnaires.questionnaire import read as read_questionnaire
 from rune_study.questionnaires.truths import Moment
 from rune_study.session.freezing import ANSWERS, FROZEN, choose, occasion_of
 from rune_study.session.journal import BEGIN, DONE, JOURNAL, Journal, read_journal
-from rune_study.simulate.aware_operator import answer_of
 from tests.study.data.test_derive import STUDY, nothing, record
+from tests.support.aware_operator import answer_of
 
 SAGAT = read_questionnaire(find("sagat"))
 FREEZES = 3

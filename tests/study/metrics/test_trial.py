@@ -25,8 +25,8 @@ from rune_study.metrics.trial import (
 )
 from rune_study.metrics.victims import Mark
 from rune_study.simulate.operator_model import OperatorModel
-from rune_study.simulate.recovery import measured
 from tests.support.cases import for_each
+from tests.support.recovery import measured
 
 
 def progress(*ends: tuple[float, float]) -> Signal:

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from rune_study.simulate.operator_model import OperatorModel
-from rune_study.simulate.recovery import measured, recovery
+from tests.support.recovery import measured, recovery
 from tests.system.harness import in_soak
 
 IDENTIFIABLE = {

@@ -88,14 +88,20 @@ def truth(x: float, contacts: int = 0) -> GroundTruth:
 
 
 def pressed(
-    seconds: float, name: str, robot: str, *, repeat: bool = False, down: bool = True
+    seconds: float,
+    name: str,
+    robot: str,
+    *,
+    repeat: bool = False,
+    down: bool = True,
+    value: float = 1.0,
 ) -> Entry:
     record = InputRecord(
         t_read=100.0 + seconds,
         input=name,
         pressed=down,
         repeat=repeat,
-        value=1.0,
+        value=value,
         viewport="",
         x=0.0,
         y=0.0,
@@ -146,6 +152,20 @@ def test_inputs_count_once_while_a_key_is_held_and_belong_to_their_robot(tmp_pat
         assert len(inputs.inputs) == 5
         times, values = inputs.axis("joystick pad lefty")
         assert (len(times), len(values)) == (0, 0)
+
+
+def test_reports_of_a_stick_count_when_it_leaves_the_last_place_by_5_percent(
+    tmp_path: Path,
+) -> None:
+    places = [0.04, 0.06, 0.1, 0.5, 0.53, 1.0, 1.0, 0.0]
+    stick = [
+        pressed(1.0 + at, "joystick pad lefty", "r1", repeat=at > 0, down=value > 0.0, value=value)
+        for at, value in enumerate(places)
+    ]
+    with opened(tmp_path, *stick) as recordings:
+        inputs = inputs_of(TrialLog(recordings, BEGIN))
+        assert inputs.by_robot["r1"] == pytest.approx([2.0, 4.0, 6.0, 8.0])
+        assert len(inputs.inputs) == len(places)
 
 
 def test_a_key_is_held_up_to_its_release_and_a_press_after_a_lost_one_begins_anew(

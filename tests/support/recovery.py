@@ -8,12 +8,10 @@ import numpy as np
 
 from hub.values import dataclass
 from rune_study.estimate import Estimate
-from rune_study.metrics.effectiveness import Signal
 from rune_study.metrics.registry import measure
-from rune_study.metrics.trial import MeasureSpec, RobotData, TrialData
-from rune_study.simulate.operator_model import ModelTrial, OperatorModel, ServedRobot, run
-
-_SAMPLES_HZ = 10.0
+from rune_study.metrics.trial import MeasureSpec
+from rune_study.simulate.model_data import trial_data
+from rune_study.simulate.operator_model import OperatorModel, run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,20 +47,6 @@ def truths(model: OperatorModel) -> dict[str, float]:
     return {"ie_mean": model.interaction_mean, "nt_median": model.tolerance_median}
 
 
-def trial_data(model: OperatorModel, trial: ModelTrial) -> TrialData:
-    """A trial of a model as the data that metrics take."""
-    robots = tuple(
-        RobotData(
-            name=f"robot {number}",
-            inputs=_until(robot.inputs, model.seconds),
-            selections=_until(robot.selections, model.seconds),
-            progress=_progress(robot, model.seconds),
-        )
-        for number, robot in enumerate(trial.robots, 1)
-    )
-    return TrialData(length=model.seconds, robots=robots)
-
-
 def measured(
     model: OperatorModel, seeds: Iterable[int], spec: MeasureSpec | None = None
 ) -> Iterator[dict[str, Estimate]]:
@@ -92,16 +76,3 @@ def _recovery(metric: str, truth: float, found: list[Estimate]) -> Recovery:
         intervals=len(intervals),
         mean=float(np.mean([each.value for each in known])) if known else float("nan"),
     )
-
-
-def _until(times: np.typing.NDArray[np.float64], end: float) -> np.typing.NDArray[np.float64]:
-    return times[times <= end]
-
-
-def _progress(robot: ServedRobot, end: float) -> Signal:
-    """Seconds at work so far."""
-    times = np.arange(0.0, end + 0.5 / _SAMPLES_HZ, 1.0 / _SAMPLES_HZ)
-    done = np.zeros(len(times))
-    for begin, stop in robot.working:
-        done += np.clip(times - begin, 0.0, stop - begin)
-    return Signal(times=times, values=done)
