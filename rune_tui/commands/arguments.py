@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,6 +50,15 @@ def _limits(text: str) -> OperatingLimits:
         reason = f"{text!r:.80} is none such as goals/off"
         raise argparse.ArgumentTypeError(reason)
     return limits
+
+
+def _recording_folder(text: str) -> Path:
+    """A folder for recordings; refused where none can be made, before any robot is driven."""
+    if importlib.util.find_spec("lz4") is None:
+        from rune_tui.files.user_files import NO_LZ4
+
+        raise argparse.ArgumentTypeError(NO_LZ4)
+    return Path(text)
 
 
 def _name(text: str) -> str:
@@ -225,7 +235,7 @@ def _add_operator_and_record(*commands: CommandParser) -> None:
         )
         command.add_argument(
             "--record",
-            type=Path,
+            type=_recording_folder,
             metavar="DIR",
             help="record into a file in this folder from the start; `rune replay` shows it",
         )

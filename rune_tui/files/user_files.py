@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 _logger = logging.getLogger(__name__)
 
+NO_LZ4 = "recording needs lz4; install it with pip install 'robot-user-nexus[record]'"
 _FOLDER = "Rune"
 _MOST_AT_ONCE = 100
 
@@ -149,8 +150,7 @@ def begin_recording(
     try:
         from rune_tui.files.console_recording import ConsoleRecording
     except ModuleNotFoundError:
-        text = "recording needs lz4; install it with pip install 'robot-user-nexus[record]'"
-        return None, Outcome(text=text, alarm=True)
+        return None, Outcome(text=NO_LZ4, alarm=True)
     folder = folder or platformdirs.user_documents_path() / _FOLDER
     name = f"run{layout.run_number}-{now:%Y%m%d-%H%M%S}"
     about = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import sys
 from contextlib import closing
 from importlib.metadata import version
 from pathlib import Path
@@ -167,6 +168,19 @@ def test_a_picture_chooses_robot_and_arena_only_for_a_demo(
     assert main(["shot", "auto", "--robot", "rov", "-o", str(path)]) == ExitCode.USAGE
     assert "add --demo" in capsys.readouterr().err
     assert not path.exists()
+
+
+@pytest.mark.parametrize("words", [("demo",), ("run", "search"), ("drive", "mavlink:udp://:14550")])
+def test_a_recording_that_cannot_be_made_is_refused_before_anything_starts(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    monkeypatch.setitem(sys.modules, "lz4", None)
+    with pytest.raises(SystemExit) as ended:
+        main([*words, "--record", "folder"])
+    assert ended.value.code == ExitCode.USAGE
+    said = capsys.readouterr().err
+    assert "recording needs lz4" in said
+    assert "pip install 'robot-user-nexus[record]'" in said
 
 
 def test_without_a_command_the_commands_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
