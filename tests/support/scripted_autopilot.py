@@ -3,7 +3,9 @@
 import math
 from collections.abc import Iterator
 
+from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.mavlink.profiles.profile import Setpoint
+from hub.robots.mavlink.vehicle.reasons import why
 from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
 from hub.robots.mavlink.wire.definitions import BY_NUMBER
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser, MavlinkFrame
@@ -221,3 +223,14 @@ def moves(frame):
     if frame.name == "RC_CHANNELS_OVERRIDE":
         return any(frame[f"chan{place}_raw"] not in (0, 1500, 65535) for place in range(1, 9))
     return False
+
+
+def in_phase(bench: ScriptedAutopilot, phase: AutopilotPhase) -> ScriptedAutopilot:
+    """A vehicle, once it is in a phase."""
+    bench.until(lambda: bench.vehicle.phase is phase)
+    return bench
+
+
+def reason(bench: ScriptedAutopilot) -> str:
+    """Why it does not follow velocities."""
+    return why(bench.vehicle, bench.now)

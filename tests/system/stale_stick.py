@@ -11,10 +11,11 @@ from __future__ import annotations
 import signal
 import statistics
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -237,6 +238,30 @@ def playing(folder: Path, body: str) -> Iterator[Scene]:
         made = DrivenRobot(folder, bed, body=body, clock=clock.environment, programs=ssh.path)
         robot = stack.enter_context(closing(made))
         yield Scene(robot=robot, ssh=ssh, clock=clock)
+
+
+def once_and_often(
+    quick: Mapping[str, Case], bodies: Iterable[str], cases: Sequence[Case], repetitions: int
+) -> list[Any]:
+    """Parameters of a test: scene, body, case and count; in soak each case of each body.
+
+    Args:
+        quick: The case of each body that is played once in `make test`.
+        bodies: All bodies.
+        cases: All cases.
+        repetitions: How often soak plays each.
+    """
+    once = [
+        pytest.param(body, body, case, 1, id=f"{body}-{case.id}") for body, case in quick.items()
+    ]
+    often = [
+        pytest.param(
+            body, body, case, repetitions, id=f"{body}-often-{case.id}", marks=pytest.mark.soak
+        )
+        for body in bodies
+        for case in cases
+    ]
+    return once + often
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,7 +25,7 @@ from tests.system.driven_autopilot import (
     SET_MODE,
     RecordedAutopilot,
 )
-from tests.system.stale_stick import Case, play, playing
+from tests.system.stale_stick import Case, once_and_often, play, playing
 from tests.system.stale_stick_actions import Action, Scene, linked, signal_module, started_again
 
 pytestmark = needs_virtual_devices
@@ -210,14 +210,7 @@ def scene(
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(
     ("scene", "kind", "case", "count"),
-    [pytest.param(kind, kind, case, 1, id=f"{kind}-{case.id}") for kind, case in QUICK.items()]
-    + [
-        pytest.param(
-            kind, kind, case, REPETITIONS, id=f"{kind}-often-{case.id}", marks=pytest.mark.soak
-        )
-        for kind in AUTOPILOTS
-        for case in CASES
-    ],
+    once_and_often(QUICK, AUTOPILOTS, CASES, REPETITIONS),
     indirect=["scene"],
 )
 def test_it_stops_and_stands_until_it_is_driven_from_neutral(

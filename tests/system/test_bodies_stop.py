@@ -14,7 +14,7 @@ from tests.conftest import leaving_nothing
 from tests.support.bodies import BODIES, CARRIER, REST_S, STILL
 from tests.support.fake_hid import needs_virtual_devices
 from tests.system import stale_stick
-from tests.system.stale_stick import Case, play, playing
+from tests.system.stale_stick import Case, once_and_often, play, playing
 from tests.system.stale_stick_actions import Scene
 
 pytestmark = needs_virtual_devices
@@ -63,14 +63,7 @@ def scene(
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(
     ("scene", "body", "case", "count"),
-    [pytest.param(body, body, case, 1, id=f"{body}-{case.id}") for body, case in QUICK.items()]
-    + [
-        pytest.param(
-            body, body, case, REPETITIONS, id=f"{body}-often-{case.id}", marks=pytest.mark.soak
-        )
-        for body in BODIES
-        for case in CASES
-    ],
+    once_and_often(QUICK, BODIES, CASES, REPETITIONS),
     indirect=["scene"],
 )
 def test_it_stops_and_stands_until_it_is_driven_from_neutral(
