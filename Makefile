@@ -74,7 +74,7 @@ $(READY): $(DEMO_READY) requirements.lock
 	@touch $@
 
 lock:  ## choose versions anew within the bounds of pyproject.toml; needs uv
-	$(COMPILE) --extra console --extra camera --extra record --extra evdev --extra mavlink --group dev -o requirements.lock
+	$(COMPILE) --extra console --extra camera --extra record --extra evdev --extra mavlink --extra ros --extra fleet --extra tools --group dev -o requirements.lock
 	$(COMPILE) --extra console --extra evdev --group build -c requirements.lock -o requirements-demo.lock
 
 clean:

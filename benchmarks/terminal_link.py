@@ -173,9 +173,7 @@ def report_ssh() -> None:
         target = server.target.replace("127.0.0.1", ADDRESS)
         tunnel = stack.enter_context(closing(Tunnel(target, running.endpoint)))
         tunnel.open()
-        seen, _ = watched(
-            RobotLink(robot(), tunnel.endpoint, near=False, tunnel=tunnel, clock=clock)
-        )
+        seen, _ = watched(RobotLink(robot(), tunnel.endpoint, near=False, way=tunnel, clock=clock))
     report("link.ssh_fps", len(seen) / SECONDS, "1/s", better="higher", note=note)
     age = 1e3 * statistics.median(each.age for each in seen)
     report("link.ssh_age_median_ms", age, "ms", bar=400.0, note=note)

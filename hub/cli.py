@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import errno
+import functools
 import gc
 import io
 import logging
@@ -24,12 +25,23 @@ from hub.command_line import (
     number_type,
     write_completion,
 )
-from hub.errors import CentralUnreachableError, HubError, QueryError, VehicleSilentError
+from hub.doors.fleet.options import add_fleet, run_fleet
+from hub.doors.options import add_serve, run_serve
+from hub.errors import (
+    CentralUnreachableError,
+    HubError,
+    QueryError,
+    RosSilentError,
+    RouterUnreachableError,
+    VehicleSilentError,
+)
 from hub.inspection import shape_command
 from hub.inspection.log_options import add_log, run_log
 from hub.inspection.mission_options import add_missions, order_mission, run_mission
 from hub.inspection.record_options import add_record, recording_settings, run_record
+from hub.inspection.ros.options import with_kind
 from hub.inspection.sim_autopilot_command import add_sim_autopilot, run_sim_autopilot
+from hub.inspection.sim_ros_command import add_sim_ros, run_sim_ros
 from hub.inspection.vehicle.options import add_adopt, add_vehicle, run_adopt, run_vehicle
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
@@ -41,6 +53,13 @@ if TYPE_CHECKING:
     from hub.ipc.client import Client
 
 
+_NOT_THERE = (
+    CentralUnreachableError,
+    QueryError,
+    RosSilentError,
+    RouterUnreachableError,
+    VehicleSilentError,
+)
 _OF_MODULES = ("modules", "capabilities", "start", "stop", "restart", "want", "logs")
 
 
@@ -50,7 +69,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # messages hold any text
-    options = command_parser().parse_args(arguments)
+    words = with_kind(sys.argv[1:] if arguments is None else arguments)
+    options = command_parser().parse_args(words)
     if options.command != "run":  # the daemon forks before it has a thread
         start_logging("hub", logging.WARNING)
     try:
@@ -62,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return ExitCode.OK
     except HubError as error:
         sys.stderr.write(f"rune-hub: {plain(str(error), lines=True)}\n")
-        if isinstance(error, (CentralUnreachableError, QueryError, VehicleSilentError)):
+        if isinstance(error, _NOT_THERE):
             return ExitCode.NO_HUB
         return ExitCode.USAGE
     except Exception as error:
@@ -212,6 +232,12 @@ def _show_arena(options: argparse.Namespace) -> int:
     return arena_command.show(name, options.output, size=options.size, as_json=as_json)
 
 
+def _serve(options: argparse.Namespace) -> int:
+    from hub.inspection.message_commands import connect
+
+    return run_serve(options, functools.partial(connect, options.hub, "serve", options.keys))
+
+
 def _run_key_command(options: argparse.Namespace) -> int:
     from hub.inspection import key_commands
 
@@ -253,8 +279,11 @@ _WITHOUT_CLIENT: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "arena": _show_arena,
     **dict.fromkeys(("record", "play"), run_record),
     "shape": shape_command.run,
+    "serve": _serve,
     "adopt": run_adopt,
+    "fleet": run_fleet,
     "sim-autopilot": run_sim_autopilot,
+    "sim-ros": run_sim_ros,
     "vehicle": run_vehicle,
     **dict.fromkeys(("check", "doctor", "service"), _run_machine_command),
 }
@@ -338,7 +367,10 @@ def command_parser() -> CommandParser:
     add_adopt(commands)
     add_vehicle(commands)
     shape_command.add_parser(commands, look)
+    add_serve(commands, look)
     add_sim_autopilot(commands)
+    add_fleet(commands)
+    add_sim_ros(commands)
     _add_keys(commands.add_parser("keys", help="who may connect from other machines"))
     add_completion(commands)
     return parser

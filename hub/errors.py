@@ -11,6 +11,9 @@
     ├── CentralUnreachableError (ConnectionError)  no hub answers at the endpoint
     ├── NameTakenError (ConnectionError)       another live module has this name
     ├── EndpointError (OSError)                a port that is busy, an address that is not allowed
+    ├── RouterUnreachableError (ConnectionError)   no Zenoh router answers
+    ├── FleetKeyError (ValueError)             a key of a fleet, or a name in it, that is none
+    ├── FleetRefusalError (ValueError)         a command or query from a fleet that is refused
     ├── KeyFileError (ValueError)              a file of keys that is damaged, lost, or not private
     ├── KeyNameError (ValueError)              a name of a key that is taken, unknown or malformed
     ├── NotAllowedError (PermissionError)      what the role of a client's key does not allow
@@ -23,10 +26,12 @@
     ├── CameraError (OSError)                a camera that gives no pictures, and why
     ├── ArenaError (ValueError)                an arena file with mistakes, all of them listed
     ├── LinkShaperError (RuntimeError)         a link shaper that could not be started
+    ├── DoorError (RuntimeError)               a door to another system that could not be opened
     ├── UnknownKindError (LookupError)         a kind of robot that is not known, or not usable
     ├── RobotFileError (ValueError)            a robot file with mistakes, all of them listed
     ├── VehicleAddressError (ValueError)       an address of a vehicle that is none
     ├── VehicleSilentError (ConnectionError)   no vehicle, or no answer, at an address
+    ├── RosSilentError (ConnectionError)       no robot with ROS answers at an address
     ├── ParameterFileError (ValueError)        a file of a vehicle's parameters that cannot be used
     ├── LinkProfileError (ValueError)          a profile of a link with mistakes, all of them listed
     ├── RecordingError (ValueError)            a recording that is damaged, or of a form not known
@@ -92,6 +97,22 @@ class NameTakenError(HubError, ConnectionError):
 
 class EndpointError(HubError, OSError):
     """An endpoint that cannot be used: busy, malformed or not allowed."""
+
+
+class RouterUnreachableError(HubError, ConnectionError):
+    """No Zenoh router answers at an endpoint."""
+
+
+class FleetKeyError(HubError, ValueError):
+    """A key of a fleet that is none, or a name that cannot stand in one."""
+
+    def __init__(self, text: str, reason: str) -> None:
+        shown = text if len(text) <= 80 else text[:77] + "..."
+        super().__init__(f"{shown!r} cannot be used in a fleet: {reason}")
+
+
+class FleetRefusalError(HubError, ValueError):
+    """A command or a query from a fleet that is not carried out."""
 
 
 class KeyFileError(HubError, ValueError):
@@ -178,6 +199,10 @@ class LinkShaperError(HubError, RuntimeError):
     """A link shaper that could not be started."""
 
 
+class DoorError(HubError, RuntimeError):
+    """A door of a hub to another system that could not be opened."""
+
+
 class UnknownKindError(HubError, LookupError):
     """An unknown kind of robot, or one with an unusable Python file."""
 
@@ -205,12 +230,24 @@ class ParameterFileError(HubError, ValueError):
     """A file of a vehicle's parameters that cannot be written or read."""
 
 
+class RosAddressError(HubError, ValueError):
+    """A text that is no address of a robot with ROS."""
+
+
+class RosSilentError(HubError, ConnectionError):
+    """No bridge or router of a robot with ROS answers at an address."""
+
+
 class MapFileError(HubError, ValueError):
     """Files of a map that cannot be written or read."""
 
 
 class RecordingError(HubError, ValueError):
     """A recording, or a part of it, that cannot be read or written."""
+
+
+class RosMessageError(HubError, ValueError):
+    """A message of ROS or Foxglove, or its definition, that cannot be read."""
 
 
 class MissionError(HubError, ValueError):

@@ -84,3 +84,19 @@ def read_regular(path: Path, most: int) -> bytes:
         text = f"it is larger than {most} bytes"
         raise ValueError(text)
     return raw
+
+
+def read_own(path: Path, most: int) -> bytes:
+    """The first bytes of a file in a folder where others may write too.
+
+    Raises:
+        OSError: It is not there, cannot be read, is a link, or belongs to another user.
+    """
+    file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    try:
+        if os.fstat(file).st_uid != os.getuid():
+            text = f"{path} belongs to another user"
+            raise PermissionError(text)
+        return os.read(file, most)
+    finally:
+        os.close(file)

@@ -62,6 +62,11 @@ def for_pose(robot: str) -> Path:
     return for_sockets() / f"rune-pose-{os.getuid()}-{as_file_name(robot)}"
 
 
+def for_reckoning(robot: str) -> Path:
+    """The file with the last place of a robot whose dead reckoning outlives its driver."""
+    return for_sockets() / f"rune-reckoning-{os.getuid()}-{as_file_name(robot)}"
+
+
 def as_file_name(name: str) -> str:
     """The name of something as the name of a file; it differs for each, and never leads out."""
     safe = re.sub(r"[^A-Za-z0-9_-]", "-", name)[:64]

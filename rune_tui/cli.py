@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
     from rune_tui.layout.spec import LayoutSpec
     from rune_tui.layout.watching import LayoutSource
+    from rune_tui.link.fleet_mirrors import FleetMirrors
     from rune_tui.link.robot_links import RobotLinks
     from rune_tui.link.tunnel import Tunnel
     from rune_tui.terminal.questions import Answers
@@ -91,22 +92,36 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     from contextlib import ExitStack
 
+    from rune_tui.commands.fleet import fleets_of
+
     _need_screen(options.layouts, options.set)
     with ExitStack() as stack:
         hubs = _endpoints(options.hub)
-        names = stack.enter_context(_made(options.layouts, hubs, options))
+        fleets = stack.enter_context(fleets_of(options))
+        names = stack.enter_context(_made(options.layouts, hubs, options, fleets))
         source = _source(names, options.set, watched=options.watch)
         log = log_to_file()
         tunnels = stack.enter_context(_tunnels(options, source.layout))
-        links = _links(source.layout, hubs, options.keys, tunnels, options.operator)
+        links = _links(source.layout, hubs, options.keys, tunnels, options.operator, fleets)
         return _console(source, links, options, log)
 
 
 def _made(
-    names: Sequence[str], hubs: Sequence[str], options: argparse.Namespace
+    names: Sequence[str],
+    hubs: Sequence[str],
+    options: argparse.Namespace,
+    fleets: FleetMirrors,
 ) -> AbstractContextManager[list[str]]:
     """The names of layouts, with the path of a file that is made in place of the name auto."""
     from rune_tui.commands.auto import with_file
+
+    if options.fleet and (options.hub or options.ssh):
+        text = "--fleet finds the robots' hubs by itself; leave out --hub and --ssh"
+        raise _UsageError(text)
+    if options.fleet and [*names] == [AUTO]:
+        from rune_tui.commands.fleet import with_fleet_files
+
+        return with_fleet_files(fleets, options.fleet_name, options.only)
 
     if AUTO in names and options.ssh:
         text = "auto asks the hub itself: on the robot, `rune layout auto -o FILE` makes the file"
@@ -240,6 +255,7 @@ def _shot(options: argparse.Namespace) -> int:
 
     from rune_tui.commands import shot
     from rune_tui.commands.demo import DemoHubs, demo_robots
+    from rune_tui.commands.fleet import fleets_of
     from rune_tui.compositor.picture import PictureFile
 
     if (options.robot or options.arena) and not options.demo:
@@ -260,14 +276,15 @@ def _shot(options: argparse.Namespace) -> int:
         hubs = _endpoints(options.hub)
         if options.demo and options.layout == AUTO:
             hubs = started(["robot"])
-        (name,) = stack.enter_context(_made([options.layout], hubs, options))
+        fleets = stack.enter_context(fleets_of(options))
+        name, *_ = stack.enter_context(_made([options.layout], hubs, options, fleets))
         layout = _load(name, options.set)
         if options.demo and not hubs:
             hubs = started([each.name for each in layout.robots])
         tunnels = stack.enter_context(_tunnels(options, layout))
         answered = shot.take(
             layout,
-            _links(layout, hubs, options.keys, tunnels),
+            _links(layout, hubs, options.keys, tunnels, fleets=fleets),
             size=options.size,
             seconds=options.seconds,
             offline=options.offline,
@@ -419,10 +436,14 @@ def _links(
     keys: Path | None = None,
     tunnels: Sequence[Tunnel] = (),
     operator: str | None = None,
+    fleets: FleetMirrors | None = None,
 ) -> RobotLinks:
     from rune_tui.link.robot_links import RobotLinks
 
-    return RobotLinks(layout, hubs, keys=keys, operator=operator or login_name(), tunnels=tunnels)
+    if fleets is not None and not hubs:
+        fleets.follow(layout)
+    who = operator or login_name()
+    return RobotLinks(layout, hubs, keys=keys, operator=who, tunnels=tunnels, fleets=fleets)
 
 
 def _tunnels(

@@ -146,8 +146,8 @@ class Dispatch:
         self, event: ControlEvent, listeners: Iterable[Listener], state: ConsoleState
     ) -> tuple[Effect, ...]:
         """Effects of an input while a page covers the view; a stop always works."""
-        if event.proven:
-            return ()  # the page took it as text already; now it could only drive
+        if event.proven or event.second:
+            return ()  # the page took it already
         safe = passed_under_page(event, listeners)
         if not event.pressed:
             return self._run_widgets(event, safe, state)
@@ -191,8 +191,8 @@ class Dispatch:
     ) -> tuple[Effect, ...]:
         """Effects of a key while the console asks whether to end.
 
-        Enter and the quit key end the console; the stop stops. All other keys mean "stay"; a key
-        that drives must be released first.
+        Enter and the quit key end the console; the stop stops. All other keys mean "stay": one that
+        disarms does that too, and one that drives must be released first.
         """
         if event.name == _YES and not self.stops(_YES):
             return (QuitEffect(),)
@@ -200,6 +200,8 @@ class Dispatch:
         if safe:
             return self._run_widgets(event, safe, state)
         stay = AskToLeave(reasons=())
+        if disarming := with_purpose(listeners, Purpose.DISARM):
+            return (stay, *self._run_widgets(event, disarming, state))
         driving = any(each.widget.rule.held for each in listeners)
         return (stay, ReleaseFirst(keys=frozenset({event.name}))) if driving else (stay,)
 

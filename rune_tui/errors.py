@@ -63,7 +63,7 @@ class LayoutError(ConsoleError, ValueError):
 
 
 class DriveAddressError(ConsoleError, ValueError):
-    """An address of a robot to drive that has no kind of link."""
+    """An address of a robot to drive that has no kind of link, or of network."""
 
 
 class OwnHubError(ConsoleError, RuntimeError):

@@ -77,7 +77,10 @@ def nothing_left_behind() -> Iterator[None]:
 
 @contextlib.contextmanager
 def leaving_nothing() -> Iterator[None]:
-    """Fail if threads or processes of ours are there at the end that were not at the start."""
+    """Fail if threads or processes of ours are there at the end that were not at the start.
+
+    "Dummy-" are threads of compiled libraries; Python does not see their end.
+    """
     threads = set(threading.enumerate())
     children = {child.pid for child in _descendants()}
     yield
@@ -91,7 +94,7 @@ def leaving_nothing() -> Iterator[None]:
         return running + [
             f"thread {thread.name}"
             for thread in set(threading.enumerate()) - threads
-            if not thread.name.startswith(("asyncio_", "textual-", "pymonitor"))
+            if not thread.name.startswith(("asyncio_", "textual-", "pymonitor", "Dummy-"))
         ]
 
     until(lambda: not left(), 5.0, lambda: f"left behind: {left()}")

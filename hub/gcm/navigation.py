@@ -366,7 +366,7 @@ class Cause(enum.IntEnum):
         CLOSED: The map shows no path, or the robot makes no progress.
         OCCUPIED: An obstacle is at the goal.
         BUSY: Navigation was too busy to steer.
-        DRIVER: The driver is silent, or restarted at another place.
+        DRIVER: The driver is silent or does not follow, or restarted at another place.
         STOP: A client sent a stop.
         STICK: An operator drives by hand.
         CONTROL: Another console has control now.

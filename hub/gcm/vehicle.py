@@ -117,6 +117,8 @@ class VehicleOrder(enum.IntEnum):
         JOINT: Turn a joint at a rate; without a fresh order it stops after 0.3 s.
         DRIVE: Ask an autopilot for the mode that follows velocities; they begin with a neutral one.
         MODE: Ask an autopilot for a mode by its name.
+        STAY: Ask an autopilot for the mode in which it stays. Nothing that moves it is sent then,
+            until it is asked for a mode that follows velocities.
     """
 
     HOLD = 0
@@ -127,6 +129,7 @@ class VehicleOrder(enum.IntEnum):
     JOINT = 5
     DRIVE = 6
     MODE = 7
+    STAY = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

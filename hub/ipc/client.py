@@ -20,7 +20,7 @@ from hub.ipc.message_info import Gathered, MessageInfo, decode
 from hub.ipc.node.base_client import BaseClient
 from hub.ipc.node.pending_queries import PendingQuery
 from hub.ipc.node.publisher import Publisher
-from hub.ipc.node.responders import Reply
+from hub.ipc.node.responders import AnswerLast, FrameReply, Reply
 from hub.ipc.wire import frames
 
 T = TypeVar("T")
@@ -54,6 +54,16 @@ class Client(BaseClient):
         """Send an encoded payload; its receivers check it."""
         self._publisher(definition).publish_payload([payload], measured)
 
+    def forward(self, definition: MessageDefinition[Any], frame: frames.Frame) -> None:
+        """Send a message of another hub, with the numbers and the time that it has there.
+
+        Args:
+            definition: Which message.
+            frame: It; its stamp is on the clock of this client's hub.
+        """
+        self._prepare(definition)
+        self._publishers.forward(definition, frame)
+
     def has_subscribers(self, definition: MessageDefinition[Any]) -> bool:
         """Whether the message has subscribers; known after `wait_published`."""
         return self._publisher(definition).wanted
@@ -81,6 +91,17 @@ class Client(BaseClient):
         self._subscriptions.subscribe(definition, handler, queue=queue, priority=priority)
         if last:
             self.session.ask_last(definition.name)
+
+    def subscribe_payload(
+        self, definition: MessageDefinition[Any], handler: Callable[[Buffer, MessageInfo], None]
+    ) -> None:
+        """Call `handler` with the payload of every message: unchecked, of any age.
+
+        Raises:
+            RedefinedMessageError: Other handlers of this client get its values.
+        """
+        self._prepare(definition)
+        self._subscriptions.subscribe(definition, handler, raw=True)
 
     def gather(self, take: Callable[[list[Gathered]], None]) -> None:
         """Receive cheaply: messages wait for some milliseconds, and come to `take` together.
@@ -182,6 +203,19 @@ class Client(BaseClient):
         self.define(request, response)
         self._responders.add(request, response, handler)
 
+    def respond_frames(
+        self,
+        request: MessageDefinition[Any],
+        handler: Callable[[frames.Frame, FrameReply], None],
+    ) -> None:
+        """Answer queries of `request` with frames, undecoded, at any later time."""
+        self.define(request)
+        self._responders.add_frames(request.name, handler)
+
+    def respond_last(self, handler: AnswerLast) -> None:
+        """Answer all questions for last values of what this client publishes."""
+        self._responders.last_by = handler
+
     def query_notify(
         self,
         request: MessageDefinition[T],
@@ -196,6 +230,33 @@ class Client(BaseClient):
         self.define(request, response)
         pending = self._pending_query(request.name, response, timeout, answered, failed)
         self._pending_queries.ask(pending, self.session.pack(request, value, self._clock()))
+
+    def query_payload(
+        self,
+        request: MessageDefinition[Any],
+        payload: Buffer | None,
+        *,
+        timeout: float,
+        answered: Callable[[frames.Frame], None],
+        failed: Callable[[QueryError], None],
+    ) -> None:
+        """Ask with an encoded payload, or, with None, for the last value; pass on the frame.
+
+        Exactly one of `answered` and `failed` is called later, by the loop.
+        """
+        self.define(request)
+        pending = PendingQuery(
+            name=request.name,
+            read=lambda frame: frame,
+            timeout=timeout,
+            deadline=self._clock() + timeout,
+            answered=lambda frame, _: answered(frame),
+            failed=failed,
+        )
+        packed = None
+        if payload is not None:
+            packed = self.session.pack_payload(request, [payload], self._clock())
+        self._pending_queries.ask(pending, packed)
 
     def query_response(
         self,

@@ -14,6 +14,7 @@ from hub.nearest import did_you_mean
 from hub.robots.description import RobotDescription
 from hub.robots.registry import kind_of
 from hub.robots.robot_file import find_robot_file, read_description
+from hub.robots.ros_table import ROS_KIND
 from hub.toml_reader import choice, key, number, several, text, variables, whole_number
 from hub.values import dataclass
 
@@ -146,7 +147,10 @@ def load_robot_table(name_or_path: str, settings: Sequence[str] = ()) -> RobotTa
             problems.add(toml.TOP, str(error), "kind")
     _check_arena(robot, problems)
     _check_autopilot(robot, problems)
-    modules = tuple(_module(name, values, problems) for name, values in robot.modules.items())
+    _check_ros(robot, problems)
+    modules = tuple(
+        _module(name, values, problems) for name, values in (robot.modules | _fleet(robot)).items()
+    )
     if not modules:
         problems.append("it names no modules: add at least [modules.driver]")
     if problems:
@@ -177,6 +181,13 @@ def _check_autopilot(robot: RobotDescription, problems: toml.Problems) -> None:
         problems.add(place, f"{place}, key '{which}': {fault}", which)
 
 
+def _check_ros(robot: RobotDescription, problems: toml.Problems) -> None:
+    from hub.robots.ros.robot_file_faults import ros_faults
+
+    for place, which, fault in ros_faults(robot) if robot.kind == ROS_KIND else ():
+        problems.add(place, f"{place}, key '{which}': {fault}", which)
+
+
 def _module(name: str, values: Any, problems: toml.Problems) -> ModuleSpec:  # noqa: ANN401 - TOML
     place = f"[modules.{name}]"
     fields = toml.read_table(toml.keys_of(ModuleSpec), values, place, problems)
@@ -189,6 +200,12 @@ def _module(name: str, values: Any, problems: toml.Problems) -> ModuleSpec:  # n
         reason = f"{place}: a module's name is up to 32 letters, digits and underscores"
         problems.add(place, reason)
     return ModuleSpec(name=name, command=command or (sys.executable, "-m", run), **fields)
+
+
+def _fleet(robot: RobotDescription) -> dict[str, Any]:
+    """The gateway to the robot's fleet, unless the robot file says itself how it runs."""
+    wanted = robot.fleet is not None and "fleet" not in robot.modules
+    return {"fleet": {"run": "hub.doors.fleet"}} if wanted else {}
 
 
 def _importable(module: str) -> bool:

@@ -23,6 +23,7 @@ from hub.gcm.body import (
 )
 from hub.gcm.standard import BASE_LINK
 from hub.nearest import did_you_mean
+from hub.robots.ros_table import ros_name
 from hub.robots.video_source import video_source
 from hub.toml_reader import choice, degrees, key, number, plain_name, text, truth, whole_number
 from hub.values import dataclass
@@ -96,6 +97,7 @@ class RangeTable(FrameTable):
     nearest: float = key(number(0.0, 1000.0), 0.0, "least range, from their place [m]")
     farthest: float = key(number(0.01, 1000.0), meaning="largest range, from their place [m]")
     rate_hz: float = key(number(0.01, 1000.0), 10.0, "measurements per second [Hz]")
+    topic: str = key(ros_name, "", "of a robot with ROS: topic of its LaserScan or Range")
 
     @property
     def sensors(self) -> RangeGroup:
@@ -158,6 +160,10 @@ class CameraTable(FrameTable):
     heat: bool = key(
         truth, default=False, meaning="whether a simulated one sees temperatures, not colours"
     )
+    topic: str = key(ros_name, "", "of a robot with ROS: topic of its Image or CompressedImage")
+    info: str = key(
+        ros_name, "", "of a robot with ROS: topic of its CameraInfo", without="`fov_deg` counts"
+    )
 
     @property
     def camera(self) -> CameraBody:
@@ -171,7 +177,9 @@ class CameraTable(FrameTable):
             tilt_lowest=self.tilt_lowest,
             tilt_highest=self.tilt_highest,
             zoom=self.zoom,
-            headlight=int(self.headlight and not self.heat and self.source == ROBOTS_OWN),
+            headlight=int(
+                self.headlight and not self.heat and self.source == ROBOTS_OWN and not self.topic
+            ),
         )
 
 

@@ -27,8 +27,10 @@ from hub.robots.body_tables import (
     CameraTable,
     RangeTable,
 )
+from hub.robots.fleet_table import FleetTable
 from hub.robots.footprint import FARTHEST_CORNER, area, footprint_fault
 from hub.robots.left_alone import SURFACE_AFTER_S, LeftAlone
+from hub.robots.ros_table import RosTable
 from hub.robots.vehicle_tables import HoldTable, JointTable, LightTable, camera_lights
 from hub.toml_reader import choice, key, number, plain_name, several, text, whole_number
 from hub.values import dataclass
@@ -100,6 +102,8 @@ class RobotDescription:
         lights: The tables of the lights that belong to no camera.
         joints: The tables of the joints.
         recording: The table of recordings.
+        ros: The table of a robot with ROS.
+        fleet: How it joins a fleet; None: it does not.
         modules: The unchecked tables under [modules].
     """
 
@@ -317,6 +321,8 @@ class RobotDescription:
     lights: tuple[LightTable, ...] = ()
     joints: tuple[JointTable, ...] = ()
     recording: RecordingTable = RecordingTable()
+    ros: RosTable = RosTable()
+    fleet: FleetTable | None = None
     modules: dict[str, Any]
 
     @property
@@ -376,7 +382,11 @@ class RobotDescription:
 
 def settings(module: str) -> str:
     """The robot file's settings for a module, in words; empty: none."""
-    tables = {**toml.tables_of(RobotDescription), "recorder": toml.keys_of(RecordingTable)}
+    tables = {
+        **toml.tables_of(RobotDescription),
+        "recorder": toml.keys_of(RecordingTable),
+        "fleet": toml.keys_of(FleetTable),
+    }
     words = [
         f"{name} ({toml.shown(each)}): {each.meaning}"
         for name, each in tables.get(module, {}).items()

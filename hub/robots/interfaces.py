@@ -16,6 +16,7 @@ from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.imu import Acceleration
 from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth
+from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.ranges import LaserScan
 from hub.gcm.vehicle import VehicleState
 from hub.gcm.vision import CameraCommand, CameraState
@@ -30,6 +31,8 @@ class Sensors:
 
     Attributes:
         known: Whether the body answers; else no state of the base is published.
+        measured: When its base was measured [s, monotonic]; a time that was published already
+            means that nothing is new. NaN: now.
         x: Dead-reckoned position in `odom` [m].
         y: Dead-reckoned position in `odom` [m].
         z: Dead-reckoned height in `odom` [m]; of a robot under water, below 0 by its depth.
@@ -37,6 +40,7 @@ class Sensors:
         velocity: Measured velocity in `base_link`.
         commanded: The velocity that it follows now, within its limits.
         scans: The newest scan of each group of range sensors, in the order of the description.
+        scanned: When the newest of them was measured [s, monotonic]; NaN: now.
         bumpers: Bit i is set while bumper i of the description is pressed.
         battery_voltage: [V]; NaN: not measured.
         battery_fraction: Charge left, 0 to 1; NaN: not known.
@@ -64,6 +68,7 @@ class Sensors:
     """
 
     known: bool = True
+    measured: float = math.nan
     x: float = 0.0
     y: float = 0.0
     z: float = 0.0
@@ -71,6 +76,7 @@ class Sensors:
     velocity: Twist = Twist()
     commanded: Twist = Twist()
     scans: tuple[LaserScan, ...] = ()
+    scanned: float = math.nan
     bumpers: int = 0
     battery_voltage: float = math.nan
     battery_fraction: float = math.nan
@@ -176,6 +182,9 @@ class BodyModes(Protocol):
     def drive(self) -> None:
         """Ask for the mode that follows velocities; they begin with a neutral one."""
 
+    def stay(self) -> None:
+        """Ask for the mode in which it stays; it follows no velocity then, in any mode."""
+
     def set_mode(self, name: str) -> None:
         """Ask for a mode by its name in `AutopilotState.modes`; another name changes nothing."""
 
@@ -190,6 +199,14 @@ class BodyModes(Protocol):
 
     def take_frames(self, *, wanted: bool) -> tuple[MavlinkFrames, ...]:
         """The bytes of its link since the last call; `wanted`: keep those from now on."""
+
+
+@runtime_checkable
+class BodyStops(Protocol):
+    """A `Body` with a stop of its own besides zero velocity."""
+
+    def stop(self) -> None:
+        """Ask for it; the driver calls this at each `GCM_Stop`."""
 
 
 class FileLoop(Protocol):
@@ -264,3 +281,20 @@ class Camera(Protocol):
 
     def close(self) -> None:
         """Release the camera."""
+
+
+class OwnMap(Protocol):
+    """A map that the robot makes itself; owned by the mapping module, which maps until it comes."""
+
+    @property
+    def fault(self) -> str:
+        """Why there is no map, or no newer one, in a sentence; empty: all is well."""
+
+    def advance(self, now: float) -> None:
+        """Read its port, without waiting; `now` is monotonic [s]."""
+
+    def take(self) -> OccupancyMap | None:
+        """The map, in the frame of the body's places; None: it is as at the last call."""
+
+    def close(self) -> None:
+        """Release it."""

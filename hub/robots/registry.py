@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hub.errors import CameraError, UnknownKindError
 from hub.gcm.battery import BATTERY
@@ -17,10 +17,14 @@ from hub.ipc.definition import MessageDefinition
 from hub.nearest import did_you_mean
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import AUTOPILOT_KIND, SIMULATED_AUTOPILOT_KIND, Base, RobotDescription
-from hub.robots.interfaces import Body, Camera
+from hub.robots.interfaces import Body, Camera, OwnMap
 from hub.robots.messages_of import described
 from hub.robots.robot_file import shipped_bodies
+from hub.robots.ros_table import ROS_KIND
 from hub.values import dataclass
+
+if TYPE_CHECKING:
+    from hub.robots.ros.line import RosLine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,6 +35,7 @@ class RobotKind:
         open_body: Opens wheels, range sensors, bumpers, battery.
         open_camera: Opens a camera of its own, by its table in the robot file; None: it has none.
             Use the function `open_camera`.
+        open_map: Opens the map that the robot makes itself; None: it makes none.
         measures: The messages of what the hardware measures besides the described parts.
         modes: Whether the body is a `BodyModes`.
         imports: Python modules that the two functions import. The daemon imports them once, for
@@ -39,6 +44,7 @@ class RobotKind:
 
     open_body: Callable[[RobotDescription], Body]
     open_camera: Callable[[RobotDescription, CameraTable], Camera] | None = None
+    open_map: Callable[[RobotDescription], OwnMap | None] = lambda _: None
     measures: Callable[[RobotDescription], tuple[MessageDefinition[Any], ...]] = lambda _: ()
     modes: bool = False
     imports: tuple[str, ...] = ()
@@ -108,6 +114,41 @@ def _simulated_autopilot_body(robot: RobotDescription) -> Body:
     return SimulatedAutopilotBody(robot)
 
 
+def _line_of(robot: RobotDescription) -> RosLine:
+    from hub.robots.ros.address import ros_address
+    from hub.robots.ros.opening import line_to
+
+    return line_to(ros_address(robot.ros.address))
+
+
+def _ros_body(robot: RobotDescription) -> Body:
+    from hub.robots.ros.body import RosBody
+
+    return RosBody(robot, _line_of(robot))
+
+
+def _ros_camera(robot: RobotDescription, table: CameraTable) -> Camera:
+    from hub.robots.ros.camera import RosCamera
+
+    return RosCamera(_line_of(robot), table)
+
+
+def _ros_map(robot: RobotDescription) -> OwnMap | None:
+    from hub.robots.ros.own_map import RosMap
+
+    return RosMap(_line_of(robot), robot.ros) if robot.ros.map else None
+
+
+def _ros_measures(robot: RobotDescription) -> tuple[MessageDefinition[Any], ...]:
+    measures: dict[MessageDefinition[Any], object] = {
+        BATTERY: robot.ros.battery,
+        IMU: robot.ros.imu,
+        FLUID_PRESSURE: robot.ros.pressure,
+        ALTITUDE: robot.heave_limit,
+    }
+    return tuple(message for message, given in measures.items() if given)
+
+
 def _autopilot_measures(robot: RobotDescription) -> tuple[MessageDefinition[Any], ...]:
     return BATTERY, IMU, *((ALTITUDE, FLUID_PRESSURE) if robot.heave_limit else ())
 
@@ -125,6 +166,13 @@ _SIMULATED_AUTOPILOT = RobotKind(
     modes=True,
     imports=("hub.robots.simulated_autopilot.body", "hub.robots.simulated_camera", "numpy.random"),
 )
+_ROS = RobotKind(
+    open_body=_ros_body,
+    open_camera=_ros_camera,
+    open_map=_ros_map,
+    measures=_ros_measures,
+    imports=("hub.robots.ros.body", "hub.robots.ros.camera", "hub.robots.ros.opening"),
+)
 _SIMULATED = RobotKind(
     open_body=_simulated_body,
     open_camera=_simulated_camera,
@@ -135,6 +183,7 @@ KINDS = {
     "simulated-wheels": _SIMULATED,
     AUTOPILOT_KIND: _AUTOPILOT,
     SIMULATED_AUTOPILOT_KIND: _SIMULATED_AUTOPILOT,
+    ROS_KIND: _ROS,
     **dict.fromkeys(shipped_bodies(), _SIMULATED),
 }
 """Each kind that Rune ships; a kind with a file of its own in `bodies/` has that body."""

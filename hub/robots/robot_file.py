@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hub import toml_reader as toml
-from hub.errors import RobotFileError
+from hub.errors import EndpointError, RobotFileError
 from hub.gcm.body import MOST_PARTS, USUAL_RADIUS, BodyFrame
 from hub.nearest import did_you_mean
 from hub.recording.live.settings import RecordingTable
@@ -26,6 +26,8 @@ from hub.robots.body_tables import (
     read_each,
 )
 from hub.robots.description import RobotDescription
+from hub.robots.fleet_table import FleetTable
+from hub.robots.ros_table import RosTable
 from hub.robots.vehicle_tables import VEHICLE, read_vehicle
 
 SHIPPED = Path(__file__).parent / "files"
@@ -77,7 +79,11 @@ def read_description(
     tables = dict(toml.tables_of(RobotDescription))
     top = tables.pop("")
     fields = toml.read_table(
-        top, data, toml.TOP, problems, tables=[*tables, *_BODY, "recording", "modules"]
+        top,
+        data,
+        toml.TOP,
+        problems,
+        tables=[*tables, *_BODY, "recording", "ros", "fleet", "modules"],
     )
     for name, keys in tables.items():
         fields |= toml.read_table(keys, data.get(name, {}), f"[{name}]", problems)
@@ -91,6 +97,9 @@ def read_description(
     for name in ("folder", "file"):
         recording[name] = _located(recording[name], beside)
     fields["recording"] = RecordingTable(**recording)
+    ros = toml.read_table(toml.keys_of(RosTable), data.get("ros", {}), "[ros]", problems)
+    fields["ros"] = RosTable(**ros)
+    fields["fleet"] = _fleet(data, beside, problems)
     modules = data.get("modules", {})
     if not isinstance(modules, dict):
         problems.add(toml.TOP, "modules has to be tables: [modules.NAME]", "modules")
@@ -112,6 +121,8 @@ def read_description(
 
 _BODY = ("frame", "range", "bumper", "camera", *VEHICLE)
 """The tables of the body that may occur several times."""
+_APART = ("recording", "ros", "fleet")
+"""The tables with a dataclass of their own."""
 
 
 def _add_body_of_kind(data: dict[str, Any]) -> None:
@@ -176,6 +187,20 @@ def _cameras(values: object, problems: toml.Problems) -> dict[str, CameraTable]:
     before = len(problems)
     fields = toml.read_table(toml.keys_of(CameraTable), values, "[camera]", problems)
     return {"[camera]": CameraTable(**fields)} if len(problems) == before else {}
+
+
+def _fleet(data: dict[str, Any], folder: Path, problems: toml.Problems) -> FleetTable | None:
+    """The table [fleet]; None: the robot joins none."""
+    if "fleet" not in data:
+        return None
+    fields = toml.read_table(toml.keys_of(FleetTable), data["fleet"], "[fleet]", problems)
+    fields["certificates"] = _located(fields["certificates"], folder)
+    table = FleetTable(**fields)
+    try:
+        table.client_settings(table.name)
+    except EndpointError as error:
+        problems.add("[fleet]", f"[fleet], key 'router': {error}", "router")
+    return table
 
 
 def _enclosing(

@@ -57,22 +57,38 @@ def read_urdf(path: Path) -> UrdfModel:
         RobotFileError: It cannot be read, is no URDF, or has no outline.
     """
     try:
-        return _model(_parsed(path))
+        raw = read_regular(path, _MOST_BYTES)
+    except (OSError, ValueError) as fault:
+        reason = f"cannot be read: {fault.strerror}" if isinstance(fault, OSError) else str(fault)
+        raise RobotFileError(str(path), [reason]) from fault
+    return _model_in(raw, str(path))
+
+
+def urdf_model(text: str, name: str) -> UrdfModel:
+    """The model in the text of a file; errors name it by `name`.
+
+    Raises:
+        RobotFileError: It is no URDF, or has no outline.
+    """
+    raw = text.encode(errors="replace")
+    if len(raw) > _MOST_BYTES:
+        raise RobotFileError(name, [f"has {len(raw)} bytes, more than {_MOST_BYTES}"])
+    return _model_in(raw, name)
+
+
+def _model_in(raw: bytes, name: str) -> UrdfModel:
+    try:
+        return _model(_parsed(raw))
     except ValueError as error:
-        raise RobotFileError(str(path), [str(error)]) from error
+        raise RobotFileError(name, [str(error)]) from error
 
 
-def _parsed(path: Path) -> Any:  # noqa: ANN401 - an element of lxml
+def _parsed(raw: bytes) -> Any:  # noqa: ANN401 - an element of lxml
     try:
         from lxml import etree  # noqa: TID251 - the only XML of the hub, read if it is asked for
     except ImportError as error:
         reason = "lxml is not installed, which reads URDF files; pip install lxml"
         raise ValueError(reason) from error
-    try:
-        raw = read_regular(path, _MOST_BYTES)
-    except OSError as fault:
-        reason = f"cannot be read: {fault.strerror}"
-        raise ValueError(reason) from fault
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
     )

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from hub import toml_reader as toml
 from hub.gcm.body import HoldBody, HoldKind, JointBody, LightBody
 from hub.robots.body_tables import CameraTable, read_each
+from hub.robots.ros_table import ros_name
 from hub.toml_reader import choice, degrees, key, number, text
 from hub.values import dataclass
 
@@ -55,6 +56,7 @@ class LightTable:
     """A `[[light]]`: a light that the driver switches."""
 
     name: str = key(_NAME, meaning="its name")
+    topic: str = key(ros_name, "", "of a robot with ROS: its topic of std_msgs, or SetBool service")
 
     @property
     def light(self) -> LightBody:
@@ -78,6 +80,7 @@ class JointTable:
         at="speed_deg",
         without="45",
     )
+    topic: str = key(ros_name, "", "of a robot with ROS: topic of its angle, a Float64")
 
     @property
     def joint(self) -> JointBody:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import threading
 import time
@@ -180,10 +181,13 @@ class VideoReader:
         import av
 
         count = 0
+        source = self._source
+        device = "v4l2" if source.kind is SourceKind.DEVICE else None
         with av.open(
-            self._source.address,
-            format="v4l2" if self._source.kind is SourceKind.DEVICE else None,
-            options=_OPTIONS[self._source.kind],
+            io.BytesIO(source.session.encode()) if source.session else source.address,
+            "r",
+            format="sdp" if source.session else device,
+            options={**_OPTIONS[source.kind], **source.options},
             timeout=(_OPEN_S, _READ_S),
         ) as container:
             if not container.streams.video:

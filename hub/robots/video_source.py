@@ -4,13 +4,32 @@ from __future__ import annotations
 
 import enum
 import errno
+import ipaddress
 import math
 import re
+from collections.abc import Mapping
+from dataclasses import field
+from typing import Final
+from urllib.parse import urlsplit
 
 from hub.errors import CameraError
 from hub.values import dataclass
 
-_SCHEMES = ("rtsp", "rtsps", "http", "https")
+_SCHEMES = ("rtsp", "rtsps", "http", "https", "rtp", "udp")
+_DATAGRAMS = ("rtp", "udp")
+_LOOPBACK: Final = "127.0.0.1"
+_CODECS: Final[Mapping[str, str]] = {"": "H264", "codec=h264": "H264", "codec=h265": "H265"}
+"""Names of codecs in session descriptions, by what stands after the ? of an address."""
+_SESSION: Final = """\
+v=0
+o=- 0 0 IN IP{version} {host}
+s=-
+c=IN IP{version} {host}
+t=0 0
+m=video {port} RTP/AVP 96
+a=rtpmap:96 {codec}/90000
+"""
+"""RTP has no announcement of its own: vehicles send payload type 96."""
 _FIX = "correct 'source' under [camera] in the robot file"
 _PLUG_IN = f"is not there; plug it in, or {_FIX}"
 _DEVICE_FAULTS = {
@@ -21,6 +40,8 @@ _DEVICE_FAULTS = {
     "usually 'video', and log in again",
     errno.EBUSY: "is used by another program; end that program",
 }
+_INTERRUPTED: Final = "Immediate exit requested"
+"""FFmpeg's words where its owner ended the wait."""
 _LONGEST_STEP = 1.0
 """Longest gap between two pictures of a file that is played [s]."""
 _LATE = 0.25
@@ -43,11 +64,15 @@ class VideoSource:
         kind: Its kind.
         address: Its address for opening.
         shown: Its name in messages, without a password.
+        session: Its pictures as SDP describes them, where RTP has them; else empty.
+        options: For opening it.
     """
 
     kind: SourceKind
     address: str
     shown: str
+    session: str = ""
+    options: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def live(self) -> bool:
@@ -73,7 +98,39 @@ def video_source(text: str) -> VideoSource:
             f"begins with one of {', '.join(f'{known}://' for known in _SCHEMES)}"
         )
         raise CameraError(text)
+    if scheme in _DATAGRAMS:
+        return _datagrams(text, scheme)
     return VideoSource(kind=SourceKind.STREAM, address=text, shown=shown)
+
+
+def _datagrams(text: str, scheme: str) -> VideoSource:
+    """The source of datagrams that are sent to this machine."""
+    try:
+        parts = urlsplit(text)
+        own = ipaddress.ip_address(parts.hostname or _LOOPBACK)
+        port, codec = parts.port, _CODECS[parts.query]
+    except (ValueError, KeyError) as fault:
+        raise CameraError(_no_datagrams(text)) from fault
+    more = parts.path or parts.username or parts.fragment or (scheme == "udp" and parts.query)
+    if not port or more:
+        raise CameraError(_no_datagrams(text))
+    host = f"[{own}]" if own.version == 6 else str(own)
+    session = _SESSION.format(version=own.version, host=own, port=port, codec=codec)
+    everywhere = own.is_unspecified or own.is_multicast
+    return VideoSource(
+        kind=SourceKind.STREAM,
+        address=f"{scheme}://{host}:{port}",
+        shown=text,
+        session=session if scheme == "rtp" else "",
+        options={} if everywhere else {"localaddr": str(own)},
+    )
+
+
+def _no_datagrams(text: str) -> str:
+    return (
+        f"no pictures can come to {text}: give an address of this machine and a port, such as "
+        "udp://0.0.0.0:5600 for MPEG-TS, rtp://0.0.0.0:5600 or rtp://0.0.0.0:5600?codec=h265"
+    )
 
 
 def why_not(source: VideoSource, fault: Exception) -> str:
@@ -81,6 +138,7 @@ def why_not(source: VideoSource, fault: Exception) -> str:
     number = (fault.errno if isinstance(fault, OSError) else None) or 0
     reason = getattr(fault, "strerror", None) or str(fault) or type(fault).__name__
     shown = source.shown
+    reason = "nothing came for some seconds" if reason == _INTERRUPTED else reason
     reason = reason.replace(source.address, shown)
     if source.kind is SourceKind.STREAM:
         return (

@@ -131,6 +131,7 @@ def parser() -> CommandParser:
     replay = _add_replay(commands)
     terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
     terminal.add_argument("--json", action="store_true", help="in one line, for machines")
+    _add_fleet(run, shot)
     _add_operator_and_record(run, demo, drive)
     for command in (run, demo, drive, shot, replay, terminal):
         command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
@@ -155,16 +156,32 @@ def parser() -> CommandParser:
 def _add_drive(commands: Commands) -> CommandParser:
     drive = commands.add_parser(
         "drive",
-        help="find a vehicle, start its hub here, and open the console on it",
-        description="Find a vehicle with an autopilot, say what is unsafe in it, start a hub for "
-        "it on this machine, and open the console with a layout made for it. The hub ends with "
-        "the console. Nothing in the vehicle changes, and it is armed only when you arm it.",
-        epilog="Exit codes: 0 ended by you, 1 a fault, 2 wrong usage, 3 there is no vehicle.",
+        help="find a vehicle or a robot with ROS, start its hub, and open the console on it",
+        description="Find a vehicle with an autopilot or a robot with ROS, say what is unsafe in "
+        "it, start a hub for it on this machine, and open the console with a layout made for it. "
+        "The hub ends with the console. Nothing in the robot changes, and a vehicle is armed only "
+        "when you arm it.",
+        epilog="Exit codes: 0 ended by you, 1 a fault, or it cannot be driven, 2 wrong usage, 3 "
+        "there is no vehicle or robot.",
     )
     drive.add_argument(
         "address",
-        metavar="mavlink:ADDRESS",
-        help="mavlink:udp://:14550, mavlink:tcp://HOST:5760, mavlink:/dev/ttyACM0",
+        metavar="ADDRESS",
+        help="mavlink:udp://:14550, mavlink:tcp://HOST:5760, mavlink:/dev/ttyACM0; with ROS: "
+        "ws://HOST:8765 of a bridge for Foxglove, zenoh+tcp://HOST:7447 of a Zenoh router",
+    )
+    drive.add_argument(
+        "--ssh",
+        default="",
+        metavar="[USER@]HOST[:PORT]",
+        help="of a robot with ROS: go there by ssh; ADDRESS is as the robot sees it. Where Rune is "
+        "installed there, its hub runs there",
+    )
+    drive.add_argument(
+        "--namespace",
+        default="",
+        metavar="/NAME",
+        help="of several robots with ROS, the one whose topics begin so",
     )
     drive.add_argument("-o", "--output", type=Path, metavar="FILE.toml", help="keep its robot file")
     system = number_type(int, 0, 255, "number from 0 to 255")
@@ -243,6 +260,31 @@ def _add_operator_and_record(*commands: CommandParser) -> None:
         command.add_argument("--conductor", type=int, help=argparse.SUPPRESS)
         # What it limits: `rune_tui/model/operating_limits.py`.
         command.add_argument("--limits", type=_limits, help=argparse.SUPPRESS)
+
+
+def _add_fleet(*commands: CommandParser) -> None:
+    place = "a router of the robots' fleet, tcp/HOST:PORT or tls/HOST:PORT; with tls, --keys is "
+    for command in commands:
+        command.add_argument(
+            "--fleet", metavar="PLACE", help=f"{place}the folder of your certificate"
+        )
+        command.add_argument(
+            "--fleet-name", default="rune", metavar="NAME", help="its name, for auto (%(default)s)"
+        )
+        command.add_argument(
+            "--as",
+            dest="fleet_operator",
+            default="",
+            metavar="ROLE:NAME",
+            help="who you are in the fleet, as in your certificate (operate: and your login)",
+        )
+        command.add_argument(
+            "--only",
+            action="append",
+            default=[],
+            metavar="ROBOT",
+            help="with auto and --fleet: this robot; once for each; default: all that are there",
+        )
 
 
 def _add_without_options(commands: Commands) -> None:

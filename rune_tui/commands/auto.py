@@ -22,12 +22,16 @@ _LOOK_S = 0.1
 """Time between two looks whether all modules have said what they can do [s]."""
 
 
-def auto_layout(hub: str, keys: Path | None = None) -> str:
+def auto_layout(
+    hub: str, keys: Path | None = None, *, robot: str = "robot", fleet: str = ""
+) -> str:
     """The text of a layout for the robot at a hub.
 
     Args:
         hub: Its endpoint.
         keys: The file of the operator's key, for a hub on another machine.
+        robot: Name of the robot in the layout.
+        fleet: The fleet in which it has that name; empty: the layout names the hub.
 
     Raises:
         HubError: No hub answers there, or it does not describe its robot.
@@ -37,7 +41,7 @@ def auto_layout(hub: str, keys: Path | None = None) -> str:
     )
     try:
         client.wait_connected(_ANSWER_S)
-        return layout_text(*_described(client), hub)
+        return layout_text(*_described(client), hub, robot=robot, fleet=fleet)
     finally:
         client.close()
 

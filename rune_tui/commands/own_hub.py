@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from rune_tui.commands.own_program import OwnProgram
+from rune_tui.commands.own_program import OwnProgram, hub_command
 
 
 class OwnHub(OwnProgram):
@@ -32,7 +32,7 @@ class OwnHub(OwnProgram):
         # A demo's data end with it, so that the next one begins with an empty map.
         self._data = tempfile.TemporaryDirectory(prefix="rune-demo-", ignore_cleanup_errors=True)
         folder = {} if keeps else {"STATE_DIRECTORY": self._data.name}
-        super().__init__("the robot's hub", command, log, folder)
+        super().__init__("the robot's hub", hub_command(*command), log, folder)
 
     def endpoint(self) -> str:
         """Wait until the hub listens; returns its endpoint.
@@ -65,7 +65,7 @@ class OwnAutopilot(OwnProgram):
             OwnHubError: The process cannot be started.
         """
         command = ["sim-autopilot", kind, "--arena", arena, "--tcp", "0", "--fast-boot"]
-        super().__init__("the simulated autopilot", command, log, {})
+        super().__init__("the simulated autopilot", hub_command(*command), log)
 
     def robot(self) -> tuple[str, list[str]]:
         """Wait until it listens; returns its robot file, and the setting with its address.

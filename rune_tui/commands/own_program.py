@@ -1,14 +1,15 @@
-"""A program that the console starts: it says when it is ready, and ends with the console."""
+"""Programs that the console starts: they say when they are ready, and end with the console."""
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import selectors
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,19 +23,31 @@ _START_S = 10.0
 _STOP_S = 8.0
 
 
+def hub_command(*words: str) -> list[str]:
+    """The command of a `rune-hub` that says what happens, and ends with its standard input."""
+    return [sys.executable, "-m", "hub", *words, "--json", "--stop-with-stdin"]
+
+
 class OwnProgram:
-    """A command of `rune-hub`; it ends with this process at any kind of end."""
+    """A program that ends with its standard input: with this process at any kind of end."""
 
     def __init__(
-        self, what: str, command: Sequence[str], log: Path, environment: Mapping[str, str]
+        self,
+        what: str,
+        command: Sequence[str],
+        log: Path,
+        environment: Mapping[str, str] | None = None,
+        *,
+        asks: bool = False,
     ) -> None:
         """Start the process; its start continues in parallel with the console's.
 
         Args:
             what: What it is, in the words of errors.
-            command: The command, without `rune-hub`.
+            command: The command.
             log: File for what it writes.
             environment: Further variables of its environment.
+            asks: Whether it may ask the operator at the terminal.
 
         Raises:
             OwnHubError: The process cannot be started.
@@ -44,12 +57,13 @@ class OwnProgram:
             with log.open("ab") as file:
                 self._written = file.tell()
                 self._process = subprocess.Popen(
-                    [sys.executable, "-m", "hub", *command, "--json", "--stop-with-stdin"],
+                    command,
+                    bufsize=0,  # what it says in one go is not kept from the selector
                     stdin=subprocess.PIPE,
                     stdout=subprocess.PIPE,
                     stderr=file,
-                    process_group=0,
-                    env={**os.environ, **environment},
+                    process_group=None if asks else 0,
+                    env={**os.environ, **(environment or {})},
                 )
         except OSError as error:
             text = f"{what} cannot be started: {error}"
@@ -61,32 +75,54 @@ class OwnProgram:
         Raises:
             OwnHubError: It ended, or takes too long.
         """
+        said = self.said(lambda said: said.get("event") == "listening", _START_S)
+        if said is None:
+            reason = self.reason
+            why = f": {reason}" if reason else f"; {self._log} says why"
+            text = f"{self._what} did not start{why}"
+            raise OwnHubError(text)
+        return said
+
+    def said(
+        self, wanted: Callable[[dict[str, Any]], bool], within: float
+    ) -> dict[str, Any] | None:
+        """Wait until it says something wanted; None: it ended, or takes longer than this [s]."""
         pipe = self._process.stdout
         if pipe is None:
-            text = f"{self._what} has no output"
-            raise OwnHubError(text)
-        deadline = time.monotonic() + _START_S
+            return None
+        deadline = time.monotonic() + within
         with selectors.DefaultSelector() as selector:
             selector.register(pipe, selectors.EVENT_READ)
             while selector.select(max(0.0, deadline - time.monotonic())):
                 line = pipe.readline()
                 if not line:
                     break
-                said: dict[str, Any] = json.loads(line)
-                if said["event"] == "listening":
-                    return said
-        reason = self._reason()
-        why = f": {reason}" if reason else f"; {self._log} says why"
-        text = f"{self._what} did not start{why}"
-        raise OwnHubError(text)
+                with contextlib.suppress(ValueError):  # a login may print something of its own
+                    said = json.loads(line)
+                    if isinstance(said, dict) and wanted(said):
+                        return said
+        return None
 
-    def _reason(self) -> str:
+    def code(self, within: float = _STOP_S) -> int | None:
+        """Its exit code; None: it runs longer than this [s]."""
+        try:
+            return self._process.wait(within)
+        except subprocess.TimeoutExpired:
+            return None
+
+    @property
+    def reason(self) -> str:
         """What it said before it ended; empty: nothing."""
-        with self._log.open("rb") as file:
-            file.seek(self._written)
-            lines = file.read(_LONGEST_LOG).decode(errors="replace").splitlines()
+        lines = self.written
         said = (line.removeprefix(_SAID) for line in lines if line.startswith(_SAID))
         return plain(next(said, ""))
+
+    @property
+    def written(self) -> list[str]:
+        """The lines that it wrote to its log."""
+        with self._log.open("rb") as file:
+            file.seek(self._written)
+            return file.read(_LONGEST_LOG).decode(errors="replace").splitlines()
 
     def begin_end(self) -> None:
         """Have it end, and do not wait."""

@@ -51,6 +51,7 @@ class ControlEvent:
         timed: Whether its release is not reported, so that a time limit ends it.
         must_release_first: Whether it must not drive before it was released, as after a stop.
         proven: Whether this press was reported before with `must_release_first` and drives now.
+        second: Whether this press was reported before as a repeat, and is known as a press now.
         stale: Whether it may have been typed during a pause of the console; then it must not
             move a robot.
     """
@@ -64,4 +65,5 @@ class ControlEvent:
     timed: bool = False
     must_release_first: bool = False
     proven: bool = False
+    second: bool = False
     stale: bool = False

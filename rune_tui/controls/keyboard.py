@@ -1,7 +1,8 @@
 """Which keys count as held down, with and without reported releases; pure.
 
 A key drives while it is HELD. `release_guard` decides whether a press drives: after a stop, no key
-drives until all keys that may be down were seen up. The states of one key:
+drives until all keys that may be down were seen up. Where releases are not reported, `press_runs`
+has the keys that drive nothing. The states of one key:
 
 | state | event | terminal reports releases | terminal does not |
 | --- | --- | --- | --- |
@@ -40,6 +41,7 @@ from collections.abc import Callable, Collection, Iterable
 
 from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
+from rune_tui.controls.press_runs import PressRuns
 from rune_tui.controls.release_guard import GuardAction, GuardState, ReleaseGuard
 from rune_tui.controls.repeat_rate import FIRST_HOLD_S, RepeatRate
 from rune_tui.layout.names import canonical_key
@@ -128,6 +130,8 @@ class KeyboardHold:
         """Start without keys; `drives` says whether a key drives a robot."""
         self.drives = drives
         self._guard = ReleaseGuard()
+        self._others = PressRuns(self._guard)
+        """Keys that do not drive, where releases are not reported."""
         self._holds: dict[str, _Hold] = {}
         self._paused: dict[str, tuple[float, float]] = {}
         self._resumable = False
@@ -136,7 +140,8 @@ class KeyboardHold:
     @property
     def held(self) -> tuple[str, ...]:
         """Keys that are HELD, in the order of their presses."""
-        return tuple(key for key, hold in self._holds.items() if not hold.must_release)
+        driving = (key for key, hold in self._holds.items() if not hold.must_release)
+        return (*driving, *self._others.keys)
 
     @property
     def must_release(self) -> tuple[str, ...]:
@@ -173,8 +178,10 @@ class KeyboardHold:
         key = canonical_key(key)
         read = now if read is None else read
         due = [*self._due(now), *self._proven(read)]
+        if not self.drives(key):
+            return (*due, self._others.report(key, read, fine=fine, stale=stale))
         hold = self._holds.get(key)
-        if stale and self.drives(key):
+        if stale:
             self._guard.saw(key, read)
             self.stop({key}, now)
         if hold is None:
@@ -188,11 +195,10 @@ class KeyboardHold:
             hold.at_once, hold.live_from = 0, math.inf
             hold.fine = fine
             return (*due, hold.proven_press(key))
-        if self.drives(key):
-            if hold.must_release:
-                self._guard.key(key, read)
-            else:
-                self._guard.saw(key, read)
+        if hold.must_release:
+            self._guard.key(key, read)
+        else:
+            self._guard.saw(key, read)
         if hold.at_once >= _LATE_REPEATS and not hold.must_release:
             due += self._end_late(key, hold, now)
         return (
@@ -279,14 +285,13 @@ class KeyboardHold:
     @property
     def needs_answers(self) -> bool:
         """Whether keys are HELD or waited for until the terminal answers."""
-        return self._guard.needs_answers or any(
-            hold.releases_reported for hold in self._holds.values()
-        )
+        reported = any(hold.releases_reported for hold in self._holds.values())
+        return reported or self._guard.needs_answers or self._others.awaits_proof
 
     @property
     def hurries(self) -> bool:
-        """Whether a key waits for the next answer of the terminal to drive."""
-        return self._guard.hurries
+        """Whether a key waits for the next answer of the terminal to drive, or to count."""
+        return self._guard.hurries or self._others.awaits_proof
 
     @property
     def hold_s(self) -> float:
@@ -304,7 +309,7 @@ class KeyboardHold:
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
         """Releases that are due, the earliest first; then the press that is proven now, if any."""
-        return (*self._due(now), *self._proven(now))
+        return (*self._due(now), *self._others.expire(now), *self._proven(now))
 
     def _due(self, now: float) -> tuple[ControlEvent, ...]:
         ends = ((min(hold.deadline, hold.silent_at), key) for key, hold in self._holds.items())
@@ -328,7 +333,7 @@ class KeyboardHold:
     def release_all(self, now: float) -> tuple[ControlEvent, ...]:
         """Release all keys: the terminal lost the focus, the console was suspended, or it ends."""
         self.stop(None, now)
-        return self._ended(tuple(self._holds))
+        return (*self._ended(tuple(self._holds)), *self._others.release_all())
 
     def stop(self, keys: Collection[str] | None, now: float) -> None:
         """A robot was stopped or its owner changed: its keys that are down must be released.
@@ -348,10 +353,7 @@ class KeyboardHold:
     def _first(self, key: str, read: float, now: float, *, fine: bool, stale: bool) -> ControlEvent:
         """The press of a key that was UP, on a terminal that reports no releases."""
         hold = _Hold(last=read, deadline=now + FIRST_HOLD_S, ended=stale, fine=fine)
-        hold.must_release = stale
-        if self.drives(key):
-            action = self._guard.key(key, read)
-            hold.must_release = action is not GuardAction.DRIVE
+        hold.must_release = self._guard.key(key, read) is not GuardAction.DRIVE
         until, live_from = self._paused.pop(key, (read, math.inf))
         hold.live_from = math.inf if hold.must_release or read > until else live_from
         self._holds[key] = hold
@@ -366,8 +368,6 @@ class KeyboardHold:
 
     def _end_late(self, key: str, hold: _Hold, now: float) -> tuple[ControlEvent, ...]:
         """End the hold of a late press."""
-        if not self.drives(key):
-            return ()
         free = self._guard.state is GuardState.FREE
         self._guard.stop({key}, now)
         self._resumable = free or self._resumable

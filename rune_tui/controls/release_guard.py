@@ -206,7 +206,7 @@ class ReleaseGuard:
         timed = {
             key
             for key, last in self._came.items()
-            if (keys is None or key in keys) and not self._quiet(last, self._needed, now)
+            if (keys is None or key in keys) and not self.quiet(last, self._needed, now)
         }
         self._reported |= reported
         self._timed |= timed
@@ -289,15 +289,26 @@ class ReleaseGuard:
     def update(self, now: float) -> str:
         """Apply the time limits; returns the key that is proven now and drives, or ""."""
         if self.state is GuardState.PROVING:
-            proof = PROOF_S if self.answers else SLOW_PROOF_S
-            if self._quiet(self._last, proof, now):
+            if self.quiet(self._last, self.proof_s, now):
                 self._follow(GuardEvent.QUIET)
                 return self._candidate
         elif self.state is GuardState.WAITING:
-            quiet = not self._timed or self._quiet(self._last, self._needed, now)
+            quiet = not self._timed or self.quiet(self._last, self._needed, now)
             if quiet and not (self._reported or self._outstanding):
                 self._follow(GuardEvent.QUIET)
         return ""
+
+    @property
+    def proof_s(self) -> float:
+        """Time without a report that proves a press [s]."""
+        return PROOF_S if self.answers else SLOW_PROOF_S
+
+    def quiet(self, since: float, needed: float, now: float) -> bool:
+        """Whether no key came for the needed time after a moment [s]."""
+        if not self.answers:
+            return now - _SETTLED_S - since >= needed
+        settled = (asked for read, asked in self._answered if now - read >= _SETTLED_S)
+        return max(settled, default=-math.inf) - since >= needed
 
     def _follow(self, event: GuardEvent) -> GuardAction:
         action, self.state = TABLE[self.state, event]
@@ -314,10 +325,3 @@ class ReleaseGuard:
     def _outstanding(self) -> bool:
         """Whether keys from before the last stop may still be on the line."""
         return self.answers and all(asked < self._stopped for _, asked in self._answered)
-
-    def _quiet(self, since: float, needed: float, now: float) -> bool:
-        """Whether no key came for the needed time after a moment [s]."""
-        if not self.answers:
-            return now - _SETTLED_S - since >= needed
-        settled = (asked for read, asked in self._answered if now - read >= _SETTLED_S)
-        return max(settled, default=-math.inf) - since >= needed

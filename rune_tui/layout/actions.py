@@ -72,10 +72,11 @@ def inputs_of(layout: LayoutSpec) -> dict[tuple[Purpose, str], str]:
     found: dict[tuple[Purpose, str], str] = {}
     for robot, widgets in owners:
         for widget in widgets:
-            purpose = layout.vocabulary.widgets[widget.handler].rule.purpose
+            rule, chosen = layout.vocabulary.widgets[widget.handler].rule, widget.options.values
+            purpose = rule.purpose if rule.purpose_with.items() <= chosen.items() else None
             if purpose is not None and widget.events:
                 said, _ = next(ways(widget.events[0], layout.joysticks))
-                meant = widget.options.values.get("robot", robot)
+                meant = chosen.get("robot", robot)
                 found.setdefault((purpose, str(meant)), said)
     return found
 

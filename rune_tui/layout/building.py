@@ -98,6 +98,7 @@ class SpecBuilder:
             name=name,
             hub=endpoint_of(self._text(node, "hub")),
             keys=self._file(self._text(node, "keys")),
+            fleet=self._text(node, "fleet"),
             capabilities=tuple(map(self._capability, node.of("capability"))),
             messages=frozenset(drawn.union(*(rule.uses for rule in rules))),
             commands=frozenset().union(*(rule.sends for rule in rules)),

@@ -44,6 +44,8 @@ class Purpose(enum.Enum):
         MISSION: Begins, names or ends a mission.
         CHOOSE_ROBOT: Chooses the robot of the option `robot`.
         NEXT_ALARM: Chooses the robot that needs the operator next.
+        FOLLOW: Asks an autopilot to follow the operator.
+        DISARM: Takes the power from the motors. Its keys do so under any page.
     """
 
     DRIVE = enum.auto()
@@ -56,6 +58,8 @@ class Purpose(enum.Enum):
     MISSION = enum.auto()
     CHOOSE_ROBOT = enum.auto()
     NEXT_ALARM = enum.auto()
+    FOLLOW = enum.auto()
+    DISARM = enum.auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -266,6 +270,7 @@ class HandlerRule:
         says: The action of its inputs, in a few plain words, by control. In braces are `direction`
             and names of options, for their values. Empty: made of its meaning.
         purpose: Its meaning for the rest of the console; None for most.
+        purpose_with: Values of options without which it does not have that purpose.
     """
 
     meaning: str
@@ -282,6 +287,7 @@ class HandlerRule:
     section: Section | None = None
     says: Mapping[str, str] = field(default_factory=dict)
     purpose: Purpose | None = None
+    purpose_with: Mapping[str, str] = field(default_factory=dict)
 
 
 class RuledVisualizer(Protocol):

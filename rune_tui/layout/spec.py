@@ -37,6 +37,7 @@ class RobotSpec:
         messages: Names of the messages that its viewports and widgets make use of.
         commands: Names of the messages that its widgets send.
         keys: File of the operator's key for it; empty: the one of the command line, if any.
+        fleet: The fleet in which its hub is found under its name; empty: the hub is at `hub`.
     """
 
     name: str
@@ -45,6 +46,7 @@ class RobotSpec:
     messages: frozenset[str] = frozenset()
     commands: frozenset[str] = frozenset()
     keys: str = ""
+    fleet: str = ""
 
 
 class ControlKind(enum.Enum):

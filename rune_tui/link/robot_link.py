@@ -47,8 +47,8 @@ from rune_tui.link.pictures import picture_of
 from rune_tui.link.record_line import RecordLine
 from rune_tui.link.streams import Streams
 from rune_tui.link.traffic import Traffic
-from rune_tui.link.tunnel import Tunnel
 from rune_tui.link.wants_line import WantsLine
+from rune_tui.link.way import Way
 from rune_tui.model.console_state import PictureWish
 from rune_tui.model.robot_state import (
     LinkPhase,
@@ -95,7 +95,7 @@ class RobotLink:
         keys: Path | None = None,
         operator: str = "",
         near: bool = True,
-        tunnel: Tunnel | None = None,
+        way: Way | None = None,
         pads: FarPads | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -107,7 +107,7 @@ class RobotLink:
             keys: File of the operator's key, for a hub on another machine.
             operator: Operator of this console.
             near: Whether messages may pass the endpoint by, from modules of this machine.
-            tunnel: The tunnel to the hub, if there is one; then `hub` is its end.
+            way: The way to the hub, if it is no plain address; then `hub` is its end.
             pads: Gets the states of gamepads at other machines.
             clock: Monotonic time [s].
 
@@ -124,7 +124,7 @@ class RobotLink:
         self._control: ControlLine | None = None
         self._mission: MissionLine | None = None
         self.recorder: RecordLine | None = None  # a key that only watches has none
-        self._tunnel = tunnel
+        self._way = way
         self._stopping = threading.Event()
         own_keys = read_client_keys(keys) if keys else None
         name = f"rune-{os.getpid()}-{spec.name}"
@@ -133,7 +133,7 @@ class RobotLink:
         link = LinkState(
             phase=LinkPhase.CONNECTING,
             since=clock(),
-            endpoint=f"ssh {tunnel.destination}" if tunnel else self._client.endpoint,
+            endpoint=way.shown if way else self._client.endpoint,
             may_command=own_keys is None or may_publish(own_keys.role, VELOCITY_COMMAND.name),
         )
         self._state = RobotState(name=spec.name, link=link)
@@ -333,8 +333,8 @@ class RobotLink:
 
     def _why_not(self) -> str:
         """The reason for the missing connection, if known."""
-        tunnel = self._tunnel.trouble if self._tunnel else ""
-        return tunnel or str(self._client.refusal or "")
+        trouble = self._way.trouble if self._way else ""
+        return trouble or str(self._client.refusal or "")
 
     def _set_link(self, phase: LinkPhase, detail: str) -> None:
         link, detail = self._state.link, detail[:_MOST_LETTERS]

@@ -10,6 +10,7 @@ from rune_tui.errors import HubChoiceError
 from rune_tui.layout.spec import LayoutSpec, RobotSpec
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.tunnel import Tunnel
+from rune_tui.link.way import FleetWays, Way
 
 
 class RobotLinks(Mapping[str, RobotLink]):
@@ -27,6 +28,7 @@ class RobotLinks(Mapping[str, RobotLink]):
         keys: Path | None = None,
         operator: str = "",
         tunnels: Sequence[Tunnel] = (),
+        fleets: FleetWays | None = None,
     ) -> None:
         """Prepare them.
 
@@ -37,13 +39,15 @@ class RobotLinks(Mapping[str, RobotLink]):
             keys: File of the operator's key, for hubs on other machines.
             operator: The operator's name, as robots get it.
             tunnels: Open tunnels to the hubs, instead of `hubs`.
+            fleets: The ways to robots that name a fleet.
 
         Raises:
             HubChoiceError: There are not as many endpoints as robots.
             EndpointError: An endpoint is not one, or on another machine and there are no keys.
             KeyFileError: The keys cannot be used.
         """
-        self._tunnels = {tunnel.endpoint: tunnel for tunnel in tunnels}
+        self._tunnels: dict[str, Way] = {tunnel.endpoint: tunnel for tunnel in tunnels}
+        self._fleets = fleets
         self._hubs = tuple(self._tunnels or hubs)
         self._keys = keys
         self._operator = operator
@@ -102,14 +106,17 @@ class RobotLinks(Mapping[str, RobotLink]):
         return self.pads if layout.joysticks else None
 
     def _link(self, robot: RobotSpec, hub: str, pads: FarPads | None) -> RobotLink:
-        tunnel = self._tunnels.get(hub)
+        way = self._tunnels.get(hub)
+        keys = self._keys or (Path(robot.keys) if robot.keys else None)
+        if robot.fleet and not self._hubs and self._fleets is not None:
+            way, keys = self._fleets.way(robot), None
         return RobotLink(
             robot,
             hub,
-            keys=self._keys or (Path(robot.keys) if robot.keys else None),
+            keys=keys,
             operator=self._operator,
-            near=tunnel is None,
-            tunnel=tunnel,
+            near=way is None,
+            way=way,
             pads=pads,
         )
 
@@ -121,5 +128,10 @@ class RobotLinks(Mapping[str, RobotLink]):
             there = f"{layout.path} names {count} robots, and {option} names {len(self._hubs)}"
             text = f"{there}; give {option} once for each robot, in the order of the layout"
             raise HubChoiceError(text)
-        hubs = self._hubs or tuple(robot.hub for robot in layout.robots)
+        hubs = self._hubs or tuple(self._endpoint(robot) for robot in layout.robots)
         return dict(zip((robot.name for robot in layout.robots), hubs, strict=True))
+
+    def _endpoint(self, robot: RobotSpec) -> str:
+        if robot.fleet and self._fleets is not None:
+            return self._fleets.way(robot).endpoint
+        return robot.hub

@@ -1,7 +1,7 @@
-"""The tunnel to a robot's hub through ssh, restarted when ssh ends, closed with the console.
+"""Tunnels to a robot through ssh, restarted when ssh ends, closed with the console.
 
-The hub's sockets appear as files in a folder that only this user may enter, without a port. So no
-other user of this machine can drive the robot.
+A hub's sockets appear as files in a folder that only this user may enter, without a port. So no
+other user of this machine can drive the robot. A bridge's port appears as a port of loopback.
 """
 
 from __future__ import annotations
@@ -10,11 +10,12 @@ import contextlib
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -31,8 +32,9 @@ OPEN_WITHIN_S: Final = 60.0
 """Time for a connection, and for the operator to type a password [s]."""
 _END_WITHIN_S: Final = 3.0
 _LOOK_S: Final = 0.05
+_LOOPBACK: Final = "127.0.0.1"
 _RETRY_S, _LONGEST_RETRY_S = 1.0, 15.0
-_OPTIONS: Final = {
+SSH_OPTIONS: Final = {
     # A connection of its own: a shared one would end with, and outlive, another program's.
     "ControlMaster": "no",
     "ControlPath": "none",
@@ -71,48 +73,63 @@ _MOST_WORDS: Final = 500
 _DESTINATION: Final = re.compile(r"([^\s:@-][^\s:]*?)(?::([0-9]{1,5}))?")
 
 
-class Tunnel:
-    """A tunnel to one robot, kept open by a thread.
+def ssh_command(destination: str, *options: str) -> list[str]:
+    """The command that goes to a robot, without what it does there.
+
+    Args:
+        destination: Destination of ssh, [USER@]HOST[:PORT].
+        options: Of ssh.
+
+    Raises:
+        TunnelError: This is no destination, or there is no ssh.
+    """
+    matched = _DESTINATION.fullmatch(destination)
+    if matched is None:
+        text = f"{destination!r} is no USER@HOST or USER@HOST:PORT to go to by ssh"
+        raise TunnelError(text)
+    if not (shutil.which("ssh") and shutil.which("sh")):
+        text = "--ssh needs ssh, which is not installed here; install OpenSSH's client"
+        raise TunnelError(text)
+    host, port = matched.groups()
+    return [
+        *("ssh", "-T"),
+        *(f"-o{name}={value}" for name, value in SSH_OPTIONS.items()),
+        *options,
+        *(("-p", port) if port else ()),
+        *("--", host),
+    ]
+
+
+class SshTunnel:
+    """Ends on this machine that lead to ends on a robot, kept open by a thread.
 
     Attributes:
         destination: As the operator wrote it: USER@HOST, HOST, with :PORT behind it if needed.
-        endpoint: Where the hub is found on this machine.
     """
 
-    def __init__(self, destination: str, hub: str = DEFAULT_ENDPOINT) -> None:
+    def __init__(self, destination: str, ends: Callable[[Path], Mapping[str, str]]) -> None:
         """Prepare.
 
         Args:
             destination: Destination of ssh, [USER@]HOST[:PORT].
-            hub: The hub's endpoint on the robot itself.
+            ends: The ends here, as files in a folder or as PORT, and where each leads.
 
         Raises:
             TunnelError: This is no destination, or there is no ssh.
         """
-        matched = _DESTINATION.fullmatch(destination)
-        if matched is None:
-            text = f"{destination!r} is no USER@HOST or USER@HOST:PORT to go to by ssh"
-            raise TunnelError(text)
-        if not (shutil.which("ssh") and shutil.which("sh")):
-            text = "--ssh needs ssh, which is not installed here; install OpenSSH's client"
-            raise TunnelError(text)
-        far_ends = _far_ends(hub)
+        ssh_command(destination)
         self.destination = destination
         self._folder = Path(tempfile.mkdtemp(prefix="rune-"))  # mkdtemp admits only this user
-        self._socket = self._folder / "hub"
-        self.endpoint = f"ipc://{self._socket}"
-        host, port = matched.groups()
-        self._target = ("--", host)
-        self._command = [
-            *("ssh", "-N", "-T"),
-            *(f"-o{name}={value}" for name, value in _OPTIONS.items()),
-            *(f"-L{near}:{far}" for near, far in zip(self._sockets(), far_ends, strict=True)),
-            *(("-p", port) if port else ()),
-        ]
+        self._ends = ends(self._folder)
         self._process: subprocess.Popen[bytes] | None = None
         self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._keep, name=f"ssh {host}", daemon=True)
+        self._thread = threading.Thread(target=self._keep, name="ssh", daemon=True)
         self._trouble = ""
+
+    @property
+    def shown(self) -> str:
+        """What it is, for people."""
+        return f"ssh {self.destination}"
 
     @property
     def trouble(self) -> str:
@@ -143,14 +160,17 @@ class Tunnel:
 
     def _start(self, *options: str) -> None:
         self._stop()
-        for path in self._sockets():
-            path.unlink(missing_ok=True)
+        for end in self._ends:
+            if end.startswith("/"):
+                Path(end).unlink(missing_ok=True)
+        forwards = [f"-L{_address(near)}:{far}" for near, far in self._ends.items()]
+        command = ssh_command(self.destination, "-N", *forwards, *options)
         with (self._folder / "ssh.log").open("wb") as log:
             # The shell has this thread's signals, and misses the end of ssh if they are blocked.
             if hasattr(signal, "pthread_sigmask"):
                 signal.pthread_sigmask(signal.SIG_UNBLOCK, signal.valid_signals())
             self._process = subprocess.Popen(
-                ["sh", "-c", _GUARD, str(self._folder), *self._command, *options, *self._target],
+                ["sh", "-c", _GUARD, str(self._folder), *command],
                 stdin=subprocess.PIPE,
                 bufsize=0,
                 stdout=subprocess.DEVNULL,
@@ -171,13 +191,13 @@ class Tunnel:
             process.wait()
 
     def _wait(self, seconds: float) -> None:
-        """Wait until all sockets are there.
+        """Wait until all ends are there.
 
         Raises:
             TunnelError: Ssh ended, or it took too long.
         """
         end = time.monotonic() + seconds
-        while not all(path.exists() for path in self._sockets()):
+        while not all(map(_is_there, self._ends)):
             if self._process is None or self._process.poll() is not None:
                 text = f"ssh to {self.destination} failed: {self._last_words()}"
                 raise TunnelError(text)
@@ -211,9 +231,6 @@ class Tunnel:
             self._process.wait()
         return not self._ending.is_set()
 
-    def _sockets(self) -> list[Path]:
-        return [Path(f"{self._socket}{end}") for end in _ENDS]
-
     def _last_words(self) -> str:
         try:
             said = (self._folder / "ssh.log").read_text(errors="replace").split("\n")
@@ -221,6 +238,71 @@ class Tunnel:
             said = []
         words = [line.strip() for line in said if line.strip()]
         return plain(words[-1])[:_MOST_WORDS].rstrip(".") if words else "it says nothing of why"
+
+
+class Tunnel(SshTunnel):
+    """A tunnel to one robot's hub.
+
+    Attributes:
+        endpoint: Where the hub is found on this machine.
+    """
+
+    def __init__(self, destination: str, hub: str = DEFAULT_ENDPOINT) -> None:
+        """Prepare.
+
+        Args:
+            destination: Destination of ssh, [USER@]HOST[:PORT].
+            hub: The hub's endpoint on the robot itself.
+
+        Raises:
+            TunnelError: This is no destination, or there is no ssh.
+        """
+        far_ends = _far_ends(hub)
+
+        def ends(folder: Path) -> dict[str, str]:
+            near = (f"{folder}/hub{end}" for end in _ENDS)
+            return dict(zip(near, far_ends, strict=True))
+
+        super().__init__(destination, ends)
+        self.endpoint = f"ipc://{self._folder}/hub"
+
+
+class PortTunnel(SshTunnel):
+    """A tunnel to a port on a robot, or on a machine that the robot reaches.
+
+    Attributes:
+        port: The port of loopback on this machine.
+    """
+
+    def __init__(self, destination: str, host: str, port: int) -> None:
+        """Prepare.
+
+        Args:
+            destination: Destination of ssh, [USER@]HOST[:PORT].
+            host: Where the port is, as seen from the robot.
+            port: The port.
+
+        Raises:
+            TunnelError: This is no destination, or there is no ssh.
+        """
+        with socket.socket() as probe:
+            probe.bind((_LOOPBACK, 0))
+            self.port: int = probe.getsockname()[1]
+        far = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+        super().__init__(destination, lambda _: {str(self.port): far})
+
+
+def _address(end: str) -> str:
+    """An end here as ssh has it."""
+    return end if end.startswith("/") else f"{_LOOPBACK}:{end}"
+
+
+def _is_there(end: str) -> bool:
+    """Whether ssh has opened an end here."""
+    if end.startswith("/"):
+        return Path(end).exists()
+    with socket.socket() as probe:
+        return probe.connect_ex((_LOOPBACK, int(end))) == 0
 
 
 @contextlib.contextmanager

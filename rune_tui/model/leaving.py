@@ -1,4 +1,4 @@
-"""Reasons against the end of the console: unsaved data, and robots that move by themselves."""
+"""Reasons against the end of the console: unsaved data, and robots that move or stay armed."""
 
 from __future__ import annotations
 
@@ -8,10 +8,13 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from hub.gcm.navigation import MotionState
+from hub.gcm.vehicle import Arming
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, standing
 from rune_tui.model.effects import Effect
 from rune_tui.model.mission import mission_of
+from rune_tui.model.vehicle import autopilot_of, vehicle_of
 
 ORDERED_S: Final = 3.0
 """Time after an order to go in which a robot counts as moving, even without a report [s]."""
@@ -51,6 +54,17 @@ def _moving_robots(state: ConsoleState) -> Iterator[str]:
             yield f"{state.title(robot.name)} goes on by itself, and nobody watches it"
 
 
+def _armed_vehicles(state: ConsoleState) -> Iterator[str]:
+    """Vehicles of this console whose autopilot has armed motors."""
+    for robot in state.robots.values():
+        autopilot, vehicle = autopilot_of(robot), vehicle_of(robot)
+        armed = vehicle is not None and vehicle.arming is Arming.ARMED
+        if autopilot is not None and armed and standing(robot) is not Standing.OTHERS:
+            key = state.input_of(Purpose.DISARM, robot.name)
+            disarms = f" ({key.upper()} disarms it)" if key else ""
+            yield f"{state.title(robot.name)} STAYS ARMED, and nobody drives it{disarms}"
+
+
 def _unsaved(state: ConsoleState) -> Iterator[str]:
     """Marks without confirmation, and missions that robots cannot save."""
     waiting = sum(state.unconfirmed.values())
@@ -67,6 +81,7 @@ def _unsaved(state: ConsoleState) -> Iterator[str]:
 _REASONS: tuple[Callable[[ConsoleState], Iterator[str]], ...] = (
     _recording,
     _moving_robots,
+    _armed_vehicles,
     _unsaved,
 )
 """Functions that give reasons against the end."""

@@ -10,13 +10,13 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image as PillowImage
 
-from hub.errors import RecordingError
+from hub.errors import RosMessageError
 from hub.gcm.vision import CameraState
-from hub.recording.ros.clouds import from_above, points_of
-from hub.recording.ros.images import LONGEST_SIDE, MOST_PIXELS, Pixels, pixels_of, shaded
 from hub.recording.ros.robot import RosPicture
 from hub.recording.ros.topic_roles import RosRole
-from hub.recording.ros.values import RosValue
+from hub.ros.clouds import from_above, points_of
+from hub.ros.images import LONGEST_SIDE, MOST_PIXELS, Pixels, pixels_of, shaded
+from hub.ros.values import RosValue
 from rune_tui.model.robot_state import Picture
 
 _FORMATS: Final = ("JPEG", "PNG", "WEBP")
@@ -73,7 +73,7 @@ class BagPicture(Picture):
             return self._pixels
         try:
             found = decoded(self._source)
-        except RecordingError as error:
+        except RosMessageError as error:
             found, fault = _GREY, f"{self._source.camera}: {error}"
             if fault not in self._faults:
                 self._faults.append(fault)
@@ -85,18 +85,18 @@ def decoded(picture: RosPicture) -> Pixels:
     """The pixels of a picture, shape (height, width, 3).
 
     Raises:
-        RecordingError: It cannot be decoded, and why.
+        RosMessageError: It cannot be decoded, and why.
     """
     value = picture.decoder.as_ros(picture.message.payload)
     try:
         if picture.role is RosRole.CLOUD:
             return from_above(points_of(value))
         return pixels_of(value) if picture.role is RosRole.PICTURE else _packed(value)
-    except RecordingError:
+    except RosMessageError:
         raise
     except (TypeError, ValueError, OverflowError) as error:  # fields of other types
         text = f"a picture cannot be decoded: {error}"
-        raise RecordingError(text) from error
+        raise RosMessageError(text) from error
 
 
 def _packed(value: RosValue) -> Pixels:
@@ -109,7 +109,7 @@ def _packed(value: RosValue) -> Pixels:
             across, down = opened.size
             if across * down > MOST_PIXELS or max(across, down) > LONGEST_SIDE:
                 text = f"a picture of {across}x{down} pixels is not shown"
-                raise RecordingError(text)
+                raise RosMessageError(text)
             if opened.mode.startswith(("I", "F")):
                 return shaded(np.asarray(opened))
             opened.draft("RGB", _DRAFT)
@@ -117,4 +117,4 @@ def _packed(value: RosValue) -> Pixels:
             return np.asarray(opened.convert("RGB"), np.uint8)[::every, ::every]
     except (OSError, ValueError, SyntaxError, PillowImage.DecompressionBombError) as error:
         text = f"a picture in the format {kind[:40]!r} cannot be decoded: {error}"
-        raise RecordingError(text) from error
+        raise RosMessageError(text) from error

@@ -15,10 +15,10 @@ from typing import Final
 from hub.gcm.diagnostics import Severity
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
-from hub.recording.ros import messages
 from hub.recording.ros.topic_roles import RosRole
 from hub.recording.ros.topic_values import TopicMessages, TopicValues
-from hub.recording.ros.values import RosValue
+from hub.ros import messages
+from hub.ros.values import RosValue
 from rune_tui.replay.source import EventKind, Overview, ReplayEvent, Span
 from rune_tui.replay.survey import AGAIN_NS, GAP_NS, SECOND
 from rune_tui.visualizers.words.status_words import LOW_BATTERY

@@ -114,14 +114,24 @@ class _Panel:
     title: str = ""
 
 
-def layout_text(body: RobotBody, capabilities: Collection[str], hub: str) -> str:
+def layout_text(
+    body: RobotBody,
+    capabilities: Collection[str],
+    hub: str,
+    *,
+    robot: str = "robot",
+    fleet: str = "",
+) -> str:
     """The layout for a robot.
 
     Args:
         body: What its hub describes.
         capabilities: Names of the capabilities that it has.
         hub: The hub's endpoint.
+        robot: Its name in the layout.
+        fleet: The fleet in which it has that name; empty: the layout names the hub.
     """
+    where = f"fleet={quoteattr(fleet)}" if fleet else f"hub={quoteattr(hub)}"
     panels = [*_panels(body, capabilities)]
     large, *beside = panels
     legend = quoteattr(_legend(body, capabilities))
@@ -129,7 +139,7 @@ def layout_text(body: RobotBody, capabilities: Collection[str], hub: str) -> str
         '<?xml version="1.0" encoding="UTF-8"?>',
         f"<!-- Made by `rune layout auto` for {_comment(body.name)}, a {_comment(body.kind)}. -->",
         '<rune run="1">',
-        f'  <robot name="robot" hub={quoteattr(hub)}>',
+        f"  <robot name={quoteattr(robot)} {where}>",
         *_wanted(capabilities),
         "  </robot>",
         '  <joystick name="pad"/>',
@@ -378,9 +388,9 @@ def _legend(body: RobotBody, capabilities: Collection[str]) -> str:
         drives[:2] = ["WASD drive"]
     sideways = [_KEYS[Freedom.SWAY][3]] * (Freedom.SWAY in bound)
     autopilot = "DRV_MODE" in capabilities
-    armed = ["F8 F8 arm", "F follow"] * (autopilot and body.arms)
-    parts = ["Space STOP", *drives, *armed, "T control", *sideways]
-    parts += ["F9 disarm", "H hold", "F2 F3 mode"] * autopilot
+    armed = ["F8 F8 arm, F9 off", "F follow"] * (autopilot and body.arms)
+    parts = ["Space STOP", *drives, *armed, *["H hold"] * autopilot, "T control", *sideways]
+    parts += ["F2 F3 mode"] * autopilot
     if _looks(body) and "VIS_PTZ" in capabilities:
         parts.append("IJKL look")
     if len(body.cameras) > 1:

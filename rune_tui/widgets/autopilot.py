@@ -8,7 +8,7 @@ from typing import ClassVar
 from hub.gcm.autopilot import AUTOPILOT_STATE, AutopilotPhase
 from hub.gcm.vehicle import VEHICLE_COMMAND, VehicleCommand, VehicleOrder
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, Section
+from rune_tui.layout.rules import ChoiceOption, HandlerRule, Purpose, Section
 from rune_tui.layout.spec import EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify, SendEffect
@@ -21,21 +21,26 @@ _SENDS = (VEHICLE_COMMAND.name,)
 _NONE = "it has no autopilot with modes"
 
 
-def _mode(robot: RobotState, state: ConsoleState, name: str) -> tuple[Effect, ...]:
-    command = VehicleCommand(order=VehicleOrder.MODE, name=name)
+def _asked(
+    robot: RobotState, state: ConsoleState, command: VehicleCommand, text: str
+) -> tuple[Effect, ...]:
+    """The order, and the notice of it."""
     send = SendEffect(robot=robot.name, definition=VEHICLE_COMMAND, value=command)
-    return (send, Notify.now(state, f"it is asked for the mode {name}", robot=robot.name))
+    return (send, Notify.now(state, text, robot=robot.name))
 
 
 class AutopilotWidget(OrderWidget):
     """Asks an autopilot to follow the operator, or to stay where it is."""
 
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.FOLLOW,
+        purpose_with={"order": "drive"},
         section=Section.DRIVE,
         says={"": "Autopilot: {order}"},
         meaning=(
             "Asks a vehicle's autopilot for the mode that follows your commands, or for the one "
-            "in which it stays where it is. Sticks and keys have to be let go before they drive."
+            "in which it stays where it is and nothing drives it. Sticks and keys have to be let "
+            "go before they drive."
         ),
         options={
             "order": ChoiceOption(
@@ -56,13 +61,13 @@ class AutopilotWidget(OrderWidget):
             return (Notify.now(state, _NONE, robot=robot.name),)
         if self.spec.options.word("order") == "hold":
             if autopilot.holds:
-                return _mode(robot, state, autopilot.holds)
+                text = f"it is asked to stay, in the mode {autopilot.holds}"
+                return _asked(robot, state, VehicleCommand(order=VehicleOrder.STAY), text)
             return (Notify.now(state, "it has no mode that stays here", robot=robot.name),)
         if autopilot.phase is AutopilotPhase.DISARMED:
             return (Notify.now(state, "it is disarmed: arm it first", robot=robot.name),)
         command = VehicleCommand(order=VehicleOrder.DRIVE)
-        send = SendEffect(robot=robot.name, definition=VEHICLE_COMMAND, value=command)
-        return (send, Notify.now(state, "it is asked to follow you", robot=robot.name))
+        return _asked(robot, state, command, "it is asked to follow you")
 
 
 class ModeWidget(PressWidget):
@@ -100,8 +105,11 @@ class ModeWidget(PressWidget):
         if event_spec.control == "set":
             self._since = -math.inf
             if shown in autopilot.modes:
-                return _mode(robot, state, shown)
-            return (Notify.now(state, "show a mode first", robot=robot.name),)
+                command = VehicleCommand(order=VehicleOrder.MODE, name=shown)
+                return _asked(robot, state, command, f"it is asked for the mode {shown}")
+            keys = (each.name for each in self.spec.events if each.control == "next")
+            text = f"{next(keys, 'another key').upper()} shows a mode first"
+            return (Notify.now(state, text, robot=robot.name),)
         modes = [each for each in autopilot.modes if each != autopilot.mode]
         place = modes.index(shown) + 1 if shown in modes else 0
         self._robot, self._since = robot.name, state.now

@@ -106,7 +106,9 @@ def passed_while_peeking(event: ControlEvent, listeners: Iterable[Listener]) -> 
     return [
         each
         for each in listeners
-        if not each.widget.rule.needs_robot or each.widget.rule.under_help or _harmless(event, each)
+        if not each.widget.rule.needs_robot
+        or (each.widget.rule.under_help and each.widget.rule.purpose is not Purpose.DISARM)
+        or _harmless(event, each)
     ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar, Final
 
+from hub.gcm.autopilot import AutopilotPhase
 from hub.gcm.body import ROBOT_DESCRIPTION, HoldKind, JointBody
 from hub.gcm.joints import JOINT_STATES
 from hub.gcm.vehicle import (
@@ -17,13 +18,21 @@ from hub.gcm.vehicle import (
 )
 from hub.gcm.vision import CAMERA_STATE
 from rune_tui.controls.events import ControlEvent
-from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section, TextOption
+from rune_tui.layout.rules import (
+    ChoiceOption,
+    HandlerRule,
+    NumberOption,
+    Purpose,
+    Section,
+    TextOption,
+)
 from rune_tui.layout.spec import ControlKind, EventSpec, WidgetSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify, SendEffect, TrimSpeed
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.vehicle import (
     VERTICAL,
+    autopilot_of,
     brightness,
     hold_named,
     hold_state,
@@ -135,7 +144,7 @@ class ArmWidget(OrderWidget):
             return (Notify.now(state, why, robot=robot.name),)
         known = vehicle_of(robot)
         if known is not None and known.arming is Arming.ARMED:
-            return (Notify.now(state, "it is armed", robot=robot.name),)
+            return (Notify.now(state, _armed_words(robot, state), robot=robot.name),)
         asked, since = self._asked
         left = state.looked.get(robot.name, -math.inf) >= since
         if asked != robot.name or left or state.now - since > AGAIN_S:
@@ -151,12 +160,14 @@ class DisarmWidget(OrderWidget):
     """Takes the power from the motors, at once."""
 
     rule: ClassVar = HandlerRule(
+        purpose=Purpose.DISARM,
         section=Section.ROBOT,
         says={"": "Disarm the motors"},
         meaning=(
             "Disarms the motors at once, even if another operator has control: a blimp sinks "
             "then, an underwater robot rises."
         ),
+        under_help=True,
         sends=_SENDS,
         uses=(VEHICLE_STATE.name, ROBOT_DESCRIPTION.name),
     )
@@ -167,6 +178,13 @@ class DisarmWidget(OrderWidget):
             return (Notify.now(state, why, robot=robot.name),)
         send = _order(robot, VehicleCommand(order=VehicleOrder.DISARM))
         return (send, Notify.now(state, "motors off", robot=robot.name))
+
+
+def _armed_words(robot: RobotState, state: ConsoleState) -> str:
+    """That it is armed, and the key that asks its autopilot to follow, if it does not."""
+    autopilot, key = autopilot_of(robot), state.input_of(Purpose.FOLLOW, robot.name)
+    follows = autopilot is None or autopilot.phase is AutopilotPhase.DRIVING
+    return "it is armed already" + ("" if follows or not key else f": {key} asks it to follow you")
 
 
 def _why_no_arming(robot: RobotState) -> str:

@@ -96,7 +96,8 @@ class PressWidget(ABC):
     ) -> tuple[Effect, ...]:
         """Effects of the press or of the release, as the layout says; the other has none."""
         again = event.pressed and event.repeat
-        if event.pressed == event_spec.released or (again and not self.repeats):
+        known = self.repeats if event.second else again and not self.repeats
+        if event.pressed == event_spec.released or known:
             return ()
         return self.press(event, event_spec, state)
 

@@ -179,4 +179,4 @@ def test_a_vehicle_with_an_autopilot_has_its_pane_and_keys(tmp_path: Path) -> No
     text = layout_text(body, every, HUB)
     for key in ("f8", "f9", "f", "h", "f2", "f3"):
         assert text.count(f'<event key="{key}"') == 1
-    assert "F8 F8 arm · F follow" in text
+    assert "F8 F8 arm, F9 off · F follow" in text

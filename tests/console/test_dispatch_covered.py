@@ -46,10 +46,40 @@ def test_asked_about_the_end_the_same_key_and_enter_confirm(two_robots: LayoutSp
         assert Dispatch(two_robots).handle(down(key), ASKED) == (QuitEffect(),)
 
 
+def test_a_quick_second_press_answers_and_a_page_takes_it_once(two_robots: LayoutSpec):
+    quick = dataclasses.replace(down("q"), second=True)
+    assert Dispatch(two_robots).handle(quick, ASKED) == (QuitEffect(),)
+    assert Dispatch(two_robots).handle(quick, HELPED) == ()
+
+
 def test_asked_about_the_end_the_stop_stops_and_the_question_stays(two_robots: LayoutSpec):
     effects = Dispatch(two_robots).handle(down("space"), ASKED)
     assert stops(effects) == ["robot"]
     assert not any(isinstance(each, AskToLeave) for each in effects)
+
+
+def test_the_key_that_disarms_does_so_under_a_page_and_asked_about_the_end(tmp_path: Path):
+    path, stop = tmp_path / "layout.xml", '<widget handler="widgetStop">'
+    disarm = '<widget handler="widgetDisarm"><event key="f9"/></widget>'
+    arms = '<capability name="DRV_ARM"/><capability name="NAV_MOVE"/>'
+    made = TWO_ROBOTS.replace(stop, disarm + stop)
+    path.write_text(made.replace('<capability name="NAV_MOVE"/>', arms, 1))
+    dispatch = Dispatch(open_layout(path))
+    known = dataclasses.replace(
+        at(0.0),
+        robots={
+            "robot": robot_of(
+                name="robot", link=LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="")
+            )
+        },
+    )
+    for covered, before in (({"help": True}, 0), ({"leaving": ASKED.leaving}, 1)):
+        effects = dispatch.handle(down("f9"), dataclasses.replace(known, **covered))
+        assert [type(each) for each in effects] == [AskToLeave] * before + [Notify]
+    peeks = dataclasses.replace(known, peeked="blimp")
+    (said,) = dispatch.handle(down("f9"), peeks)
+    assert isinstance(said, Notify)
+    assert "while you peek" in said.notice.text
 
 
 def test_asked_about_the_end_an_enter_that_stops_does_nothing_else(tmp_path: Path):

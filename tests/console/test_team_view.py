@@ -166,7 +166,7 @@ def test_the_keys_that_the_console_waits_for_are_said_at_every_size(
     chosen: str, size: tuple[int, int]
 ) -> None:
     keys = "LET GO OF pageup w"
-    whole = {False: f"{keys} FIRST", True: f"{keys}, TAP, THEN HOLD"}
+    whole = {False: f"{keys} FOR 1 s FIRST", True: f"{keys}, TAP, THEN HOLD"}
     for tap_first, words in whole.items():
         shown = dataclasses.replace(
             changed(CALM, ChooseRobot(robot=chosen)),

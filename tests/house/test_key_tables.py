@@ -15,6 +15,7 @@ from hub.recording.live.settings import PictureSettings, RecordingTable
 from hub.robomon.module_table import ModuleSpec
 from hub.robots.body_tables import BumperTable, CameraTable, FrameTable, RangeTable
 from hub.robots.description import RobotDescription
+from hub.robots.ros_table import RosTable
 from hub.robots.vehicle_tables import HoldTable, JointTable, LightTable
 from hub.shaper.profile import (
     BurstsSpec,
@@ -75,6 +76,7 @@ def _pages() -> Iterator[tuple[str, str, Mapping[str, Key]]]:
         yield "writing-a-robot.md", heading, keys
     for heading, kind in _BODY.items():
         yield "writing-a-robot.md", heading, keys_of(kind)
+    yield "writing-a-robot.md", "`[ros]`", keys_of(RosTable)
     yield "writing-a-robot.md", "`[recording]`", keys_of(RecordingTable)
     yield "writing-a-robot.md", "Its `pictures`", keys_of(PictureSettings)
     yield "writing-a-robot.md", "`[modules.NAME]`", keys_of(ModuleSpec)

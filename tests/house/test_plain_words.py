@@ -31,6 +31,7 @@ NAMES = (
     "docs/hub-guide",
     "docs/layout-reference",
     "docs/protocol",
+    "docs/ros",
     "docs/security",
     "docs/studies",
     "docs/writing-a-module",

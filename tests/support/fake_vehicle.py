@@ -27,6 +27,7 @@ class FakeVehicle:
         kind: Its MAV_TYPE.
         parameters: Value and MAV_PARAM_TYPE of each parameter, in their order.
         streams: Address of the video stream of each camera component.
+        stream_fields: Further fields of these streams.
         missions: Items of each mission type.
         armed: Whether it is armed.
         lost: Messages, by name and place among those of the name, that do not reach anybody.
@@ -41,6 +42,7 @@ class FakeVehicle:
         self.kind, self.system = kind, system
         self.parameters: dict[str, tuple[float, int]] = {}
         self.streams: dict[int, str] = {}
+        self.stream_fields: dict[str, int] = {}
         self.missions: dict[int, list[dict[str, Any]]] = {}
         self.armed = False
         self.lost: set[tuple[str, int]] = set()
@@ -118,7 +120,8 @@ class FakeVehicle:
             yield component, asked.name, {"flight_sw_version": 4 << 24 | 7 << 16}
         elif asked.name == "VIDEO_STREAM_INFORMATION" and component in self.streams:
             uri = self.streams[component]
-            yield component, asked.name, {"stream_id": 1, "name": "main", "uri": uri}
+            said = {"stream_id": 1, "name": "main", "uri": uri, **self.stream_fields}
+            yield component, asked.name, said
         yield (
             component,
             "COMMAND_ACK",

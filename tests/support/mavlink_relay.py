@@ -111,7 +111,7 @@ class MavlinkRelay:
             for key, _ in self._selector.select(0.05):
                 if key.data is None:
                     self._accept()
-                elif key.fileobj in self._selector.get_map():
+                elif key.data[0].fileno() >= 0:  # not closed with the other end just now
                     self._pass(key.data)
         for key in list(self._selector.get_map().values()):
             assert isinstance(key.fileobj, socket.socket)

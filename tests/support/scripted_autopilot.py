@@ -45,6 +45,9 @@ class ScriptedAutopilot:
         forgets: How many accepted modes it forgets.
         parameters: Its parameters.
         position: Whether it knows its place.
+        booted: When it was booted [s].
+        silent: Names of streams that it does not send.
+        moves: Its speed to the north [m/s].
     """
 
     def __init__(self, kind=ROVER, *, autopilot=3, system=0, mode=0, armed=False, status=3):
@@ -60,7 +63,9 @@ class ScriptedAutopilot:
         self.forgets = 0
         self.parameters = dict(PARAMETERS.get(kind, {}))
         self.position = True
-        self._booted = self.now - 60.0
+        self.silent: set[str] = set()
+        self.booted = self.now - 60.0
+        self.moves = 0.0
         self._parser = FrameParser()
         self._inbox: list[MavlinkFrame] = []
         self._streams: dict[str, float] = {}
@@ -113,7 +118,7 @@ class ScriptedAutopilot:
 
     def boot(self):
         """Start anew: disarmed, without streams."""
-        self._booted = self.now
+        self.booted = self.now
         self.armed = False
         self._streams.clear()
 
@@ -201,15 +206,19 @@ class ScriptedAutopilot:
             self.heartbeat()
         if self.bare:
             return
-        boot_ms = int((self.now - self._booted) * 1e3)
+        boot_ms = int((self.now - self.booted) * 1e3)
         contents = {
             "ATTITUDE": {"time_boot_ms": boot_ms},
-            "LOCAL_POSITION_NED": {"time_boot_ms": boot_ms},
+            "LOCAL_POSITION_NED": {"time_boot_ms": boot_ms, "vx": self.moves},
             "SYS_STATUS": {"onboard_control_sensors_health": READY},
             "EKF_STATUS_REPORT": {"flags": 831 if self.position else 167},
         }
         for name, every in list(self._streams.items()):
-            if name in contents and self.now >= self._due.get(name, 0.0):
+            if (
+                name in contents
+                and name not in self.silent
+                and self.now >= self._due.get(name, 0.0)
+            ):
                 self._due[name] = self.now + every
                 self.tell(name, **contents[name])
 

@@ -24,7 +24,15 @@ from hub.gcm.control import (
 )
 from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.geometry import Twist, TwistStamped
-from hub.gcm.navigation import ROBOT_STATE, VELOCITY_COMMAND, RobotState
+from hub.gcm.navigation import (
+    GOAL_COMMAND,
+    NAVIGATION_STATUS,
+    ROBOT_STATE,
+    STOP,
+    VELOCITY_COMMAND,
+    NavigationStatus,
+    RobotState,
+)
 from hub.gcm.vehicle import VEHICLE_COMMAND, VEHICLE_STATE, VehicleCommand, VehicleOrder
 from hub.ipc.client import Client
 from tests.support import warm_start
@@ -40,6 +48,11 @@ address = "tcp://127.0.0.1:{port}"
 [body]
 arming = "disarmed"
 radius = 0.4
+"""
+_SAFETY = """
+[safety]
+left_alone = "{}"
+surface_after_s = 0.5
 """
 _LIMITS = {
     "rover": "linear = 1.0\nangular = 1.0",
@@ -94,7 +107,7 @@ class Operator:
     def __init__(self, endpoint: str, name: str) -> None:
         self.client = Client(name, endpoint)
         self.client.wait_connected(5.0)
-        self.client.define(VEHICLE_COMMAND, VELOCITY_COMMAND, CONSOLE_HEARTBEAT)
+        self.client.define(VEHICLE_COMMAND, VELOCITY_COMMAND, CONSOLE_HEARTBEAT, GOAL_COMMAND, STOP)
         self.client.wait_defined(5.0)
         self.twist: Twist | None = None
         self.sent = 0
@@ -135,17 +148,24 @@ class AutopilotSite:
         operator: Who drives.
     """
 
-    def __init__(self, folder: Path, kind: str = "rover", parameters: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        kind: str = "rover",
+        parameters: Sequence[str] = (),
+        left_alone: str = "stand",
+    ) -> None:
         self._kind, self._parameters = kind, parameters
         self.vehicle = SimulatedVehicle(kind, parameters)
         self._closing: list[Callable[[], None]] = [self._end_vehicle]
         try:
             self.relay = MavlinkRelay(self.vehicle.port)
             self._closing.append(self.relay.close)
-            tables = vehicle_tables(kind, self.relay.port)
+            tables = vehicle_tables(kind, self.relay.port) + _SAFETY.format(left_alone)
             self.hub = HubProcess(folder, kind="mavlink", modules=_MODULES, tables=tables)
             self._closing.append(self.hub.close)
-            definitions = (AUTOPILOT_STATE, ROBOT_STATE, VEHICLE_STATE, DIAGNOSTICS)
+            states = AUTOPILOT_STATE, ROBOT_STATE, VEHICLE_STATE, NAVIGATION_STATUS
+            definitions = (*states, DIAGNOSTICS)
             self.observer = Observer(self.hub.endpoint, *definitions)
             self._closing.append(self.observer.close)
             self.operator = Operator(self.hub.endpoint, "operator")
@@ -182,6 +202,11 @@ class AutopilotSite:
     def robot(self) -> RobotState:
         state: RobotState = self.newest(ROBOT_STATE)
         return state
+
+    @property
+    def task(self) -> NavigationStatus:
+        status: NavigationStatus = self.newest(NAVIGATION_STATUS)
+        return status
 
     @property
     def phase(self) -> AutopilotPhase:

@@ -134,7 +134,7 @@ class RecordedAutopilot(Recording):
         self.hub = {"kind": "mavlink", "tables": vehicle_tables(self.kind, self.relay.port)}
 
     def rows(self) -> list[Row]:
-        """All since `forget`."""
+        """All since `forget`; of the rows of one moment the last, as frames come together."""
         events = [(at, speed, turn, -1) for at, speed, turn in list(self.station.motions)]
         events = [each for each in events if each[0] >= self._since]
         events += [
@@ -158,6 +158,7 @@ class RecordedAutopilot(Recording):
             rows.append(Row(at, wanted, 0.0, 0.0, 0.0, speed, 0.0, 0.0, turn))
             if wanted and after - moving_at >= _ENDS_S:  # nothing came for so long
                 rows.append(Row(moving_at + _ENDS_S, *(0.0,) * 4, speed, 0.0, 0.0, turn))
+        rows = list({row.at: row for row in rows}.values())
         return rows or [Row(time.monotonic(), *(0.0,) * 8)]
 
     def cut(self, *ways: str) -> None:

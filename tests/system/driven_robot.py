@@ -21,6 +21,7 @@ from tests.support.fake_hid import VirtualBed, VirtualDevice
 from tests.support.ports import free_port
 from tests.support.waiting import until
 from tests.system.driven_autopilot import DOOR, RecordedAutopilot
+from tests.system.driven_ros import WITH_ROS, RecordedRos
 from tests.system.harness import DELAY_S, ConsoleProcess, HubProcess
 from tests.system.recorded_robot import Recording, Row
 
@@ -108,9 +109,16 @@ def layout(hub: str, body: str, *, pad: bool) -> str:
 
 
 def _own_keys(body: str) -> list[tuple[str, str]]:
-    if body.startswith(DOOR):
+    if body.startswith((DOOR, WITH_ROS)):
         return []
     return [_KEYS[each.freedom] for each in robot_of(body).body.motions if each.freedom in _KEYS]
+
+
+def recording(folder: Path, body: str) -> Recording:
+    """What records the robot with this body."""
+    if body.startswith(WITH_ROS):
+        return RecordedRos(folder, body)
+    return (RecordedAutopilot if body.startswith(DOOR) else Recording)(folder, body)
 
 
 class Finger:
@@ -184,8 +192,7 @@ class DrivenRobot:
             programs: Folder of programs that consoles find before all others.
         """
         self.chance = random.Random(1)
-        opened = RecordedAutopilot if body.startswith(DOOR) else Recording
-        self.record: Recording = opened(folder, body)
+        self.record = recording(folder, body)
         self.console: ConsoleProcess
         self.rival: ConsoleProcess | None = None
         self.pad: VirtualDevice | None = None
@@ -409,7 +416,8 @@ class DrivenRobot:
 
     def _at_rest(self) -> bool:
         shown = [line.split() for line in self.console.screen.display]
-        axes = [words[2] for words in shown if words[:1] and words[0].endswith(("x", "y"))]
+        whole = (words for words in shown if len(words) > 2)
+        axes = [words[2] for words in whole if words[0].endswith(("x", "y"))]
         seen = self.pad is None or (axes and set(axes) <= {"+0.00", "-0.00"})
         text = self.console.text
         ready = any(word in text for word in _READY)

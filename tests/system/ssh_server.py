@@ -49,7 +49,7 @@ def missing() -> str:
 class SshServer:
     """It lets in whoever has the key in `folder`; `ssh` on `path` has it."""
 
-    def __init__(self, folder: Path, *, forwarding: str = "yes") -> None:
+    def __init__(self, folder: Path, *, forwarding: str = "yes", programs: str = "") -> None:
         self._sshd = _found("sshd")
         self._ssh = _found("ssh")  # before `path` may come first
         self.folder = folder
@@ -60,6 +60,8 @@ class SshServer:
             subprocess.run(command, check=True)
         (folder / "authorized").write_text((folder / "key.pub").read_text())
         config = _CONFIG.format(port=self.port, folder=folder, forwarding=forwarding)
+        if programs:  # what commands there find, besides the system's
+            config += f"SetEnv PATH={programs}:/usr/bin:/bin\n"
         (folder / "config").write_text(config)
         self.path = folder / "bin"
         self.path.mkdir()

@@ -14,8 +14,18 @@ import pytest
 
 from hub.gcm.autopilot import AutopilotPhase
 from hub.gcm.geometry import Twist, Vector3
-from hub.gcm.navigation import MotionState
+from hub.gcm.navigation import (
+    GOAL_COMMAND,
+    STOP,
+    Cause,
+    GoalCommand,
+    MotionState,
+    Point,
+    Stop,
+    Task,
+)
 from hub.gcm.vehicle import VehicleOrder
+from hub.pose import Pose
 from hub.robots.mavlink.wire.frames import FramePacker
 from tests.system.autopilot_site import AutopilotSite, Operator
 from tests.system.harness import in_soak
@@ -60,16 +70,29 @@ def stands(site: AutopilotSite) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "wanted", "rest_s"),
+    ("kind", "wanted", "rest_s", "left_alone", "mode"),
     [
-        ("sub", Twist(linear=Vector3(x=0.25, y=0.15, z=-0.15)), 4.0),
-        ("blimp", Twist(linear=Vector3(x=0.1, y=0.08, z=0.1), angular=Vector3(z=0.15)), 4.0),
+        (
+            "sub",
+            Twist(linear=Vector3(x=0.25, y=0.15, z=-0.15)),
+            4.0,
+            "surface",
+            "surface",
+        ),
+        (
+            "blimp",
+            Twist(linear=Vector3(x=0.1, y=0.08, z=0.1), angular=Vector3(z=0.15)),
+            4.0,
+            "hold height",
+            "loiter",
+        ),
     ],
 )
-def test_a_vehicle_that_floats_follows_each_velocity_and_stops(
-    tmp_path: Path, kind: str, wanted: Twist, rest_s: float
+def test_a_vehicle_that_floats_follows_each_velocity_and_stops_without_an_operator(
+    tmp_path: Path, kind: str, wanted: Twist, rest_s: float, left_alone: str, mode: str
 ) -> None:
-    with closing(AutopilotSite(tmp_path, kind, _PARAMETERS[kind])) as site:
+    with closing(AutopilotSite(tmp_path, kind, _PARAMETERS[kind], left_alone)) as site:
+        site.operator.takes_control()
         site.drive()
         site.move(wanted)
         site.wait(
@@ -85,6 +108,11 @@ def test_a_vehicle_that_floats_follows_each_velocity_and_stops(
         stands(site)
         assert told_after(site, silent) < TOLD_S
         assert time.monotonic() - silent < TOLD_S + rest_s
+        assert site.phase is AutopilotPhase.DRIVING, "its operator still has control"
+        site.operator.client.close()
+        site.operator = Operator(site.hub.endpoint, "another")
+        site.wait(lambda: site.autopilot.mode == mode, why="it was not left alone:")
+        assert site.phase is AutopilotPhase.ELSEWHERE
 
 
 def test_a_rover_follows_a_velocity_and_a_turn(rover: AutopilotSite) -> None:
@@ -151,6 +179,44 @@ def test_another_station_that_changes_the_mode_is_not_fought(rover: AutopilotSit
     rover.go_on(0.5)
     assert not rover.relay.moving(elsewhere), "the stick was deflected all the time"
     rover.move(AHEAD)
+
+
+def go_ahead(site: AutopilotSite, metres: float) -> None:
+    """Give a goal ahead of the vehicle."""
+    at = site.robot
+    x, y = Pose(x=at.x, y=at.y, theta=at.theta).outward(metres, 0.0)
+    site.operator.client.publish(GOAL_COMMAND, GoalCommand(points=(Point(x=x, y=y),)))
+
+
+@pytest.mark.soak
+def test_a_goal_drives_it_and_a_vehicle_that_does_not_follow_waits_for_the_next_one(
+    lasting: AutopilotSite,
+) -> None:
+    site = lasting
+    site.drive()
+    go_ahead(site, 1.5)
+    site.wait(lambda: site.task.task is Task.REACHED, why="the goal was not reached:")
+    go_ahead(site, 20.0)
+    site.wait(lambda: site.speed > 0.3)
+    stopped = time.monotonic()
+    site.operator.client.publish(STOP, Stop(reason="space"))
+    stands(site)
+    assert told_after(site, stopped) < TOLD_S
+    assert site.task.cause is Cause.STOP
+    go_ahead(site, 20.0)
+    site.wait(lambda: site.speed > 0.3)
+    left = time.monotonic()
+    site.operator.order(VehicleOrder.MODE, "hold")
+    site.wait(lambda: "the driver does not follow" in site.task.why)
+    assert told_after(site, left) < TOLD_S
+    site.operator.order(VehicleOrder.DRIVE)
+    site.wait(lambda: site.phase is AutopilotPhase.DRIVING)
+    site.go_on(1.0)
+    assert told_after(site, left) < TOLD_S, "the old goal waits for another one"
+    site.operator.client.publish(GOAL_COMMAND, GoalCommand())
+    site.wait(lambda: site.robot.motion is MotionState.STANDING, why="it was not ended:")
+    go_ahead(site, 1.5)
+    site.wait(lambda: site.task.task is Task.REACHED, why=f"it does not go again: {site.task}")
 
 
 def test_who_has_no_control_may_disarm_it_and_do_no_more(rover: AutopilotSite) -> None:

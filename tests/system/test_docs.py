@@ -30,7 +30,9 @@ from tests.console.replay.logged_session import logged_session
 from tests.support import warm_start
 from tests.support.command_line import rune, rune_hub
 from tests.support.recorded_drive import write_drive
+from tests.support.ros_robot import SimulatedRos
 from tests.support.waiting import until
+from tests.support.zenoh_router import zenoh_router
 from tests.system.autopilot_site import SimulatedVehicle
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.ssh_server import SshServer, missing
@@ -69,6 +71,8 @@ STUDY = [command for command in EVERY if command.startswith("rune study ")]
 """These are about one study, and come in the order of the page."""
 AUTOPILOT = [*commands(ROOT / "docs" / "autopilots.md")]
 """These are about one vehicle, and come in the order of the page."""
+ROS = [*commands(ROOT / "docs" / "ros.md")]
+"""These are about one robot, and come in the order of the page."""
 ALONE = ("run", "keys", "check", "doctor", "service", "arena", "completion")
 """Commands of `rune-hub` that ask no hub."""
 
@@ -85,9 +89,9 @@ def named(found: Iterable[str]) -> list[Any]:
     return [pytest.param(command, id=f"{EVERY[command]}: {command}") for command in found]
 
 
-_IN_ORDER = [*CHANGING, *MISSION, *RECORDING, *LOG, *STUDY, *AUTOPILOT]
+_IN_ORDER = [*CHANGING, *MISSION, *RECORDING, *LOG, *STUDY, *AUTOPILOT, *ROS]
 ON_A_HUB = [each for each in EVERY if each not in _IN_ORDER and asks_a_hub(each)]
-BY_ITSELF = [each for each in EVERY if not (each in (*STUDY, *AUTOPILOT) or asks_a_hub(each))]
+BY_ITSELF = [each for each in EVERY if not (each in (*STUDY, *AUTOPILOT, *ROS) or asks_a_hub(each))]
 
 
 def test_there_are_commands() -> None:
@@ -170,6 +174,26 @@ def test_commands_of_autopilots_work(
         elif words[:2] == ["rune-hub", "run"]:
             _starts_and_ends([*words[:2], str(tmp_path / words[2])], tmp_path)
         elif words[0] != "pip":
+            done = rune_hub(*words[1:])
+            assert done.returncode == 0, f"{command}: {done.stderr}"
+
+
+def test_commands_of_robots_with_ros_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stack: contextlib.ExitStack
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    address = ""
+    for command in ROS:
+        words = shlex.split(command.replace("ws://127.0.0.1:8765", address))
+        if words[:2] == ["rune-hub", "sim-ros"]:
+            address = stack.enter_context(closing(SimulatedRos(tmp_path, *words[2:]))).address
+        elif words[:2] == ["rune", "drive"]:
+            with closing(ConsoleProcess(words[1:], columns=120, rows=40)) as console:
+                console.wait_for_picture()
+                assert console.quit() == 0
+        elif words[:2] == ["rune-hub", "run"]:
+            _starts_and_ends([*words[:2], str(tmp_path / words[2])], tmp_path)
+        else:
             done = rune_hub(*words[1:])
             assert done.returncode == 0, f"{command}: {done.stderr}"
 
@@ -336,7 +360,13 @@ def _connects_until_ended(words: list[str]) -> None:
 def _asks(words: list[str], hub: HubProcess, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It says something of the hub, until Ctrl-C if it repeats."""
     words += ["--hub", hub.endpoint]
-    if "-r" in words or words[1:3] == ["shape", "--profile"]:
+    if words[1:3] == ["serve", "foxglove"]:
+        words += ["--port", "0"]
+    if words[1:3] == ["serve", "ros2"]:
+        with zenoh_router() as router:
+            _repeats_until_ended([*words, "--connect", router.endpoint], folder)
+        return
+    if "-r" in words or words[1] == "serve" or words[1:3] == ["shape", "--profile"]:
         _repeats_until_ended(words, folder)
         return
     monkeypatch.chdir(folder)

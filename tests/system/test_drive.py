@@ -44,11 +44,26 @@ def test_it_says_what_is_unsafe_opens_the_console_and_ends_its_hub(
     assert tomllib.loads(path.read_text())["mavlink"]["address"] == address
 
 
-@pytest.mark.parametrize("address", ["udp://:14550", "ws://robot", "mavlink", "mavlink:", "hub:a"])
+@pytest.mark.parametrize("address", ["udp://:14550", "ws:robot", "mavlink", "mavlink:", "hub:a"])
 def test_an_address_without_a_kind_of_link_is_refused(address: str) -> None:
     with closing(ConsoleProcess(["drive", address])) as console:
         assert console.wait_ended() == ExitCode.USAGE
-        assert "has no kind of link: write mavlink:udp://:14550" in " ".join(console.text.split())
+        said = " ".join(console.text.split())
+        assert "has no kind of link: write mavlink:udp://:14550 for an autopilot, ws://HOST" in said
+
+
+def test_a_host_without_a_kind_of_link_gets_both() -> None:
+    with closing(ConsoleProcess(["drive", "robot:8765"])) as console:
+        assert console.wait_ended() == ExitCode.USAGE
+        said = "".join(console.text.split())
+        assert "writemavlink:tcp://robot:8765foranautopilot,ws://robot:8765forROS" in said
+
+
+def test_an_address_without_a_kind_of_network_gets_both() -> None:
+    with closing(ConsoleProcess(["drive", "mavlink:127.0.0.1:5760"])) as console:
+        assert console.wait_ended() == ExitCode.USAGE
+        said = "".join(console.text.split())
+        assert "mavlink:tcp://127.0.0.1:5760ormavlink:udp://127.0.0.1:5760" in said
 
 
 def test_without_a_vehicle_it_says_so_and_starts_nothing() -> None:
@@ -95,7 +110,7 @@ def test_keys_arm_drive_hold_and_disarm_and_another_station_takes_the_vehicle(
 
     shows("arm it", 40.0)
     press(console, KEYS["arm"])
-    shows("press again to arm")
+    shows("ARM the motors?")
     press(console, KEYS["arm"])
     shows("ARMED · guided · follows you")
     console.hold_until("w", lambda: "MOVING" in console.text)
@@ -119,7 +134,7 @@ def test_a_vehicle_that_refuses_to_arm_says_why(stack: ExitStack) -> None:
     console = stack.enter_context(closing(driven(vehicle)))
     console.wait(lambda: "DOES NOT KNOW ITS PLACE" in console.text, 40.0)
     press(console, KEYS["arm"])
-    console.wait(lambda: "press again to arm" in console.text, 5.0)
+    console.wait(lambda: "ARM the motors?" in console.text, 5.0)
     press(console, KEYS["arm"])
     console.wait(lambda: "was refused" in " ".join(console.text.split()), 10.0)
     assert "DISARMED ·" in console.text

@@ -47,12 +47,12 @@ class Site:
         self.hub.close()
         self.vehicle.close()
 
-    def wait(self, condition: Callable[[], object], why: str) -> None:
+    def wait(self, condition: Callable[[], object], why: str, seconds: float = 15.0) -> None:
         def both() -> bool:
             self.operator.client.listen(0.0)
             return bool(condition())
 
-        self.observer.wait(both, 15.0, lambda: f"{why}\n{self.hub.log.read_text()[-3000:]}")
+        self.observer.wait(both, seconds, lambda: f"{why}\n{self.hub.log.read_text()[-3000:]}")
 
     def reports_again(self) -> None:
         """The driver lives, and says so."""
@@ -61,7 +61,7 @@ class Site:
 
     def go_on(self, seconds: float) -> None:
         end = time.monotonic() + seconds
-        self.wait(lambda: time.monotonic() >= end, "time stands still")
+        self.wait(lambda: time.monotonic() >= end, "time stands still", seconds + 15.0)
 
     def harm(self) -> list[str]:
         """What should not have happened."""

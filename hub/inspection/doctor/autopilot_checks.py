@@ -13,6 +13,7 @@ from hub.robots.description import RobotDescription
 from hub.robots.mavlink import adopting
 from hub.robots.mavlink.asking.findings import VehicleFinder
 from hub.robots.mavlink.asking.search import find_vehicle
+from hub.robots.mavlink.profiles.stop_times import stop_times
 
 _LISTENING_S = 3.0
 
@@ -50,11 +51,12 @@ def _stopping(finder: VehicleFinder, robot: RobotDescription) -> Iterator[Findin
     """How long the vehicle moves on with its parameters, at the limits of the robot file."""
     if finder.profile is None:
         return
-    speed = math.hypot(robot.linear_limit, robot.sway_limit)
-    zero, cut = finder.profile.stops(finder.parameters, speed, receiver=False)
+    receiver = bool(finder.receiver)
+    zero, cut = stop_times(finder.profile, finder.parameters, robot, receiver=receiver)
+    having = f"{'with' if receiver else 'without'} a radio receiver"
     if cut == math.inf:
         remedy = f"rune-hub vehicle parameters {robot.path} --write-safe"
-        yield problem("without a radio receiver it never stops after the link is cut", remedy)
+        yield problem(f"{having} it never stops after the link is cut", remedy)
     elif not math.isnan(zero + cut):
         text = f"stops {zero:.1f} s after zero, {cut:.1f} s after the link is cut"
-        yield ok(f"from {speed:g} m/s, without a radio receiver, it {text}")
+        yield ok(f"at the limits of the robot file, {having}, it {text}")

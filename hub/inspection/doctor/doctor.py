@@ -13,6 +13,7 @@ from hub.inspection.doctor import (
     machine_checks,
     port_checks,
     robot_checks,
+    ros_checks,
 )
 from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
 from hub.inspection.output import put
@@ -46,6 +47,7 @@ ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
     "devices": robot_checks.devices,
     "extras": library_checks.extras,
     "autopilot": autopilot_checks.autopilot,
+    "ros": ros_checks.ros,
 }
 
 

@@ -14,6 +14,7 @@ from hub.command_line import ExitCode
 from hub.errors import KeyFileError
 from hub.inspection.output import print_error, put
 from hub.inspection.vehicle.vehicle_link import (
+    claimed,
     find_at,
     hub_with_autopilot,
     open_session,
@@ -69,8 +70,12 @@ def _set_up(options: argparse.Namespace, key: bytes) -> int:
     with contextlib.closing(open_session(place.address, old, place.station)) as session:
         finder = find_at(session, place, options.seconds)
         setup = SigningSetup(_system(finder), key, stamp)
-        if not (armed := finder.vehicle is not None and finder.vehicle.armed):
-            session.ask(setup, _PROOF_S)
+        with claimed(session, _system(finder)) as rival:
+            if rival:
+                print_error(f"{rival} has this vehicle: end it first; the vehicle has no new key")
+                return ExitCode.FAULT
+            if not (armed := finder.vehicle is not None and finder.vehicle.armed):
+                session.ask(setup, _PROOF_S)
     if armed or setup.armed:
         print_error("it is armed: disarm it first; a vehicle takes a key only while disarmed")
         return ExitCode.FAULT

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hub.command_line import CommandParser, Commands, number_type
 from hub.inspection.record_options import reader
+from hub.inspection.ros.options import add_ros
 from hub.ipc.endpoints import endpoint_of
 from hub.robots.mavlink.profiles.profile import STATION
 from hub.toml_reader import plain_name
@@ -20,10 +21,10 @@ def add_adopt(commands: Commands) -> None:
     """Add `adopt`."""
     adopt = commands.add_parser(
         "adopt",
-        help="write the robot file of a vehicle with an autopilot",
-        description="Find a vehicle and write its robot file. Nothing in the vehicle changes. "
-        "Exit codes: 0 written, 1 the file is there or cannot be written, 2 wrong usage, 3 there "
-        "is no vehicle.",
+        help="write the robot file of a vehicle with an autopilot, or of a robot with ROS",
+        description="Find a vehicle or a robot and write its robot file. Nothing in it changes. "
+        "Exit codes: 0 written, 1 it cannot be driven, or the file is there or cannot be written, "
+        "2 wrong usage, 3 there is no vehicle or robot.",
     )
     kinds = adopt.add_subparsers(dest="task", required=True, metavar="KIND")
     mavlink = kinds.add_parser(
@@ -46,6 +47,7 @@ def add_adopt(commands: Commands) -> None:
     )
     mavlink.add_argument("--force", action="store_true", help="replace a file of this name")
     mavlink.add_argument("--json", action="store_true", help="what was found, as JSON on one line")
+    add_ros(kinds)
 
 
 def vehicle_options() -> CommandParser:
@@ -80,6 +82,10 @@ def vehicle_options() -> CommandParser:
 
 def run_adopt(options: argparse.Namespace) -> int:
     """Carry out `adopt`; returns the exit code."""
+    if options.task == "ros":
+        from hub.inspection.ros import adopt_command as of_ros
+
+        return of_ros.run(options)
     from hub.inspection.vehicle import adopt_command
 
     return adopt_command.run(options)
@@ -99,7 +105,11 @@ def add_vehicle(commands: Commands) -> None:
     which.add_argument("vehicle", help="a robot file (TOML), or an address such as udp://:14550")
     _add_parameters(tasks, which)
     mission = tasks.add_parser(
-        "mission", parents=[which], help="show its mission items, geofence and rally points"
+        "mission",
+        parents=[which],
+        help="show its mission items, geofence and rally points",
+        description="Ask the vehicle for its mission items, geofence and rally points, and show "
+        "them. Nothing in the vehicle changes. Its hub may not run meanwhile: it has the link.",
     )
     mission.add_argument("--json", action="store_true", help="JSON, one line an item")
     _add_forward(tasks, which)

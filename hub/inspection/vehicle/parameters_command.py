@@ -13,6 +13,7 @@ from hub.gcm.autopilot import UnsafeParameter
 from hub.inspection.output import print_error, put, table
 from hub.inspection.vehicle.vehicle_link import (
     VehiclePlace,
+    claimed,
     find_at,
     hub_with_autopilot,
     open_session,
@@ -59,7 +60,11 @@ def run(options: argparse.Namespace) -> int:
     with contextlib.closing(open_session(place.address, place.key_file, place.station)) as session:
         finder = find_at(session, place, options.seconds)
         if writes:
-            return _write(session, finder, place, changes, safe=options.write_safe)
+            with claimed(session, _system(finder)) as rival:
+                if rival:
+                    print_error(f"{rival} has this vehicle: end it first; nothing was changed")
+                    return ExitCode.FAULT
+                return _write(session, finder, place, changes, safe=options.write_safe)
         return _show(session, finder, place, options)
 
 
@@ -117,6 +122,9 @@ def _missing(reading: ParameterReading, *, named: bool) -> int:
         return ExitCode.FAULT if named else ExitCode.OK
     if not reading.complete:
         print_error(f"only {len(reading.values)} of {reading.total} parameters came")
+        return ExitCode.FAULT
+    if reading.has_more:
+        print_error(f"the vehicle says it has more: only {reading.total} parameters are read")
         return ExitCode.FAULT
     return ExitCode.OK
 
@@ -199,8 +207,7 @@ def _written(
     """Keep the old values, set the new ones, and say which failed; returns the exit code."""
     kept = keep_parameters(place.name, adopting.title(finder), [present[e.name] for e in wanted])
     put(f"the old values are in {kept}; --restore {kept} sets them again")
-    system = finder.vehicle.system if finder.vehicle is not None else 0
-    writing = ParameterWriting(system, wanted)
+    writing = ParameterWriting(_system(finder), wanted)
     ended = session.ask(writing, 5.0 + 3.0 * len(wanted))
     for each in wanted:
         if each.name in writing.written:
@@ -209,6 +216,10 @@ def _written(
             why = writing.failed.get(each.name, "" if ended else "the time was over")
             print_error(f"{each.name} was not set: {why}")
     return ExitCode.OK if len(writing.written) == len(wanted) else ExitCode.FAULT
+
+
+def _system(finder: VehicleFinder) -> int:
+    return finder.vehicle.system if finder.vehicle is not None else 0
 
 
 def _refusal(finder: VehicleFinder, place: VehiclePlace) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import dataclasses
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 from hub.errors import HubError, RobotFileError, VehicleSilentError
@@ -14,12 +16,19 @@ from hub.robots.description import RobotDescription
 from hub.robots.mavlink.asking.findings import VehicleFinder
 from hub.robots.mavlink.asking.search import find_vehicle
 from hub.robots.mavlink.asking.session import VehicleSession
+from hub.robots.mavlink.link.vehicle_claim import VehicleClaim
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from hub.robots.mavlink.wire.signing_key import read_signing_key
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.values import dataclass
 
 _ANSWER_S = 1.0
+_COMMAND_LINK = 1
+"""Number of a command's link in signatures: the stamps of a hub are those of link 0.
+
+The vehicle keeps the last stamp of each link. With one number, it would ignore the hub for as long
+as the stamps of the command are ahead.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,6 +109,13 @@ def hub_with_autopilot(place: VehiclePlace) -> str:
     return "" if kinds and kinds[-1] != "mavlink" else endpoint
 
 
+@contextlib.contextmanager
+def claimed(session: VehicleSession, system: int) -> Iterator[str]:
+    """Have the vehicle alone on this machine, to change it; yields who has it else, or nothing."""
+    with contextlib.closing(VehicleClaim(session.address, system)) as claim:
+        yield "" if claim.take() else claim.owner()
+
+
 def find_at(session: VehicleSession, place: VehiclePlace, seconds: float) -> VehicleFinder:
     """The vehicle at a place.
 
@@ -140,4 +156,5 @@ def signer_of(key_file: str) -> Signer | None:
     """
     if not key_file:
         return None
-    return Signer(read_signing_key(Path(key_file)), SigningClock(Path(f"{key_file}.stamp")))
+    clock = SigningClock(Path(f"{key_file}.stamp"))
+    return Signer(read_signing_key(Path(key_file)), clock, _COMMAND_LINK)

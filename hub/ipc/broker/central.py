@@ -64,6 +64,7 @@ class Central:
         gateways: Sequence[GatewayOpener] = (),
         reserved: frozenset[str] = frozenset(),
         clock: Callable[[], float] = time.monotonic,
+        line_delay: Callable[[], float] = lambda: 0.0,
     ) -> None:
         """Bind and start.
 
@@ -73,6 +74,8 @@ class Central:
             gateways: Openers of the gateways for other machines.
             reserved: Names that only the robot's own modules may have.
             clock: Monotonic time [s].
+            line_delay: Round trip of a line behind this central, which its clients have to allow
+                for [s]: PING is answered later by it.
 
         Raises:
             EndpointError: An address is malformed, not allowed, or busy.
@@ -82,6 +85,7 @@ class Central:
         file_descriptors.allow_many()
         self.faults = FaultCounter(_logger, clock)
         self._clock = clock
+        self._line_delay = line_delay
         self._reserve = file_descriptors.Reserve(self.faults)
         # The second thread serves gateways: other machines take no time from local modules.
         self._context: sockets.Context = zmq.Context(2 if gateways else 1)
@@ -113,6 +117,10 @@ class Central:
     def connected(self) -> tuple[str, ...]:
         """Names of the modules and consoles that are connected now."""
         return self.registry.connected()
+
+    def numbers(self) -> tuple[int, ...]:
+        """Numbers in frame headers of the modules and consoles that are connected now."""
+        return self.registry.peers.numbers()
 
     def peer_of(self, publisher: int) -> Peer | None:
         """The module or console of this number in frame headers; None if it is not connected."""
@@ -316,7 +324,11 @@ class Central:
         attached = body[1].buffer if len(body) == 2 else None
         descriptor = sockets.descriptor_of(body[0])
         caller = Caller(identity, descriptor, principal, entrance.ports, entrance.paths)
-        self._send(self.registry.handle(caller, message, attached))
+        outgoing = self.registry.handle(caller, message, attached)
+        if isinstance(message, control.Ping) and (delay := self._line_delay()) > 0.0:
+            self.loop.after(delay, lambda: self._send(outgoing))
+        else:
+            self._send(outgoing)
 
     def _send(self, outgoing: Sequence[Outgoing]) -> None:
         pending = list(outgoing)

@@ -87,7 +87,7 @@ class Peer:
 
 
 class Peers:
-    """All connected peers. Any thread may call `names` and `numbered`."""
+    """All connected peers. Any thread may call `names`, `numbers` and `numbered`."""
 
     def __init__(self) -> None:
         self._by_identity: dict[bytes, Peer] = {}
@@ -115,6 +115,10 @@ class Peers:
     def names(self) -> tuple[str, ...]:
         """The names of all peers."""
         return tuple(self._by_name)
+
+    def numbers(self) -> tuple[int, ...]:
+        """The numbers of all peers."""
+        return tuple(self._by_number)
 
     def new_number(self) -> int:
         """A random number that no peer has."""

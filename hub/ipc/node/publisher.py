@@ -88,18 +88,15 @@ class Publisher:
         return self.held is not None and self._open_by == 0.0
 
     @property
-    def _wanted_at_central(self) -> bool:
-        return self.topic in self._queue.topics
-
-    @property
     def holding(self) -> bool:
         """Whether messages are held back."""
         return bool(self.held)
 
     @property
     def wanted(self) -> bool:
-        """Whether the message has known subscribers."""
-        return bool(self.direct or self.direct_in_ring) or self._wanted_at_central
+        """Whether the message has subscribers that it reaches by now."""
+        known = self.direct or self.direct_in_ring or self.topic in self._queue.topics
+        return self._open and bool(known)
 
     def publish(self, value: Any, measured: float | None) -> None:
         """Send to all subscribers.
@@ -140,12 +137,9 @@ class Publisher:
     def publish_payload(self, payload: Sequence[Buffer], measured: float | None) -> None:
         """Send a payload, given in pieces, to all subscribers."""
         now = self._clock()
-        when = now if measured is None else measured
-        stamp = int((when + self._hub_time.offset) * 1e9)
-        self.sequence += 1
-        self._published = now
+        stamp = int(((now if measured is None else measured) + self._hub_time.offset) * 1e9)
         length = frames.size(payload)
-        self._bytes += length
+        self.count(length, now)
         queue = self._queue
         burst = now - queue.second_last < self._burst and length <= _MAX_ITEM
         if self._open and burst:
@@ -158,11 +152,17 @@ class Publisher:
             self._emit(self.sequence, stamp, payload)
         queue.second_last, queue.last = queue.last, now
 
+    def count(self, length: int, now: float) -> None:
+        """Count a message of this length [bytes], sent now [s]."""
+        self.sequence += 1
+        self._published = now
+        self._bytes += length
+
     def advertised(self, *, subscribed: bool, now: float) -> None:
         """Handle the answer to ADVERTISE; wait for an announced subscription."""
         if self.held is None:
             return
-        if not subscribed or self._wanted_at_central:
+        if not subscribed or self.topic in self._queue.topics:
             self._release()
         else:
             self._open_by = now + _HOLD_S
@@ -174,7 +174,7 @@ class Publisher:
             if late:
                 text = f"{self.definition.name}: a subscription was announced and did not come"
                 self._faults.count("subscription missing", text)
-            if late or self._wanted_at_central:
+            if late or self.topic in self._queue.topics:
                 self._release()
 
     def begin(self) -> None:
@@ -260,9 +260,9 @@ class Publisher:
     ) -> None:
         if held.maxlen == len(held):
             self._not_sent("central does not list the subscribers")
-        whole = b"".join(payload)  # the pieces may be views of changing data
-        self._last = (self.sequence, stamp, whole)
-        held.append(self._last)
+        # Joined: the pieces may be views of changing data.
+        held.append(last := (self.sequence, stamp, b"".join(payload)))
+        self._last = last
 
     def _not_sent(self, why: str) -> None:
         """Count a lost message here: subscribers cannot, because the client's number changes."""
@@ -277,7 +277,7 @@ class Publisher:
     def _emit(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:
         if self.direct_in_ring:
             self._emit_in_ring(sequence, stamp, payload)
-            if not self.direct and not self._wanted_at_central:
+            if not self.direct and self.topic not in self._queue.topics:
                 return
         frame = self._frame(sequence, stamp, payload)
         self._last, self._last_is_item = frame, False
@@ -313,8 +313,7 @@ class Publisher:
         try:
             return self.ring.write(payload, frames.size(payload))
         except OSError as error:
-            text = f"{self.definition.name} cannot use shared memory: {error}"
-            self._faults.count("no shared memory", text)
+            self._faults.count("no shared memory", f"{self.definition.name}: {error}")
             return None
 
     def _frame(

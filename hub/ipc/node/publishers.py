@@ -79,6 +79,25 @@ class Publishers:
                 self._advertise(publisher)
         return publisher
 
+    def forward(self, definition: MessageDefinition[Any], frame: frames.Frame) -> None:
+        """Send a message of another hub under the numbers that it has there."""
+        publisher = self.of(definition)
+        publisher.count(len(frame.payload), self._clock())
+        kind = b"" if self._connection.near else frames.FAR
+        packed = functools.partial(
+            frames.pack,
+            publisher=frame.publisher,
+            fingerprint=frame.fingerprint,
+            sequence=frame.sequence,
+            stamp_ns=frame.stamp_ns,
+        )
+        if publisher.direct_in_ring:  # they ask for the payload then
+            prefix = frames.prefix(definition.name, frames.RING)
+            nothing = packed(prefix, payload=(), kind=frames.NO_RING)
+            self.queue.send(nothing, publisher.direct_in_ring, b"", definition.plane)
+        whole = packed(frames.prefix(definition.name, kind), payload=(frame.payload,))
+        self.queue.send(whole, publisher.direct, publisher.topic, definition.plane)
+
     def connect(self, addresses: Sequence[str]) -> None:
         """Connect to the input of each plane at a new central."""
         for plane, address in zip(sockets.PLANES, addresses, strict=True):

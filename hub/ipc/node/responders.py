@@ -52,13 +52,40 @@ class Reply(Generic[R]):
         self._fail("HandlerFailedError", why)
 
 
+class FrameReply:
+    """Ends one query with a frame or an error, once, at any time before it times out.
+
+    Attributes:
+        timeout: How long the asker waits [s].
+    """
+
+    def __init__(self, number: int, timeout: float, send: SendControl) -> None:
+        self.timeout = timeout
+        self._number = number
+        self._send = send
+
+    def answer(self, frame: bytes) -> None:
+        """Answer with a whole frame."""
+        self._send(control.Response(number=self._number), frame)
+
+    def fail(self, error: str, text: str) -> None:
+        """Answer with an error: its class in `hub.errors`, and a sentence."""
+        _fail(self._send, self._number, error, text)
+
+
 Fail = Callable[[str, str], None]
 SendControl = Callable[[Any, bytes | None], object]
-_Responder = Callable[[frames.Frame, int, float, SendControl], None]
+_Responder = Callable[[frames.Frame, control.Query, float, SendControl], None]
+AnswerLast = Callable[[str, FrameReply], None]
+"""Answers a question for the last value of the message of this name."""
 
 
 class Responders:
-    """All queries that one client answers."""
+    """All queries that one client answers.
+
+    Attributes:
+        last_by: Answers questions for last values; None: the client's own publishers do.
+    """
 
     def __init__(
         self,
@@ -82,6 +109,7 @@ class Responders:
         self._pack = pack
         self._last = last
         self._clock = clock
+        self.last_by: AnswerLast | None = None
         self._responders: dict[str, _Responder] = {}
         self._direct_responder: DirectResponder | None = None
 
@@ -93,7 +121,11 @@ class Responders:
     ) -> None:
         """Let `handler` answer queries of `request`, at once or later."""
 
-        def answer(frame: frames.Frame, number: int, asked: float, send: SendControl) -> None:
+        def answer(
+            frame: frames.Frame, query: control.Query, asked: float, send: SendControl
+        ) -> None:
+            number = query.number
+
             def respond(value: R, measured: float | None) -> None:
                 when = asked if measured is None else measured
                 send(control.Response(number=number), self._pack(response, value, when))
@@ -103,6 +135,13 @@ class Responders:
 
         self._responders[request.name] = answer
         self._announce(request.name)
+
+    def add_frames(self, name: str, handler: Callable[[frames.Frame, FrameReply], None]) -> None:
+        """Let `handler` answer queries of this name, undecoded."""
+        self._responders[name] = lambda frame, query, _, send: handler(
+            frame, FrameReply(query.number, query.timeout_s, send)
+        )
+        self._announce(name)
 
     def announce_all(self) -> None:
         """Announce all at a central that has the definitions."""
@@ -129,7 +168,7 @@ class Responders:
             if responder is None or attached is None:
                 text = f"{self._name} does not answer {query.name}"
                 raise HandlerFailedError(text)
-            responder(frames.unpack(attached), query.number, asked, send)
+            responder(frames.unpack(attached), query, asked, send)
         except HubError as error:
             _fail(send, query.number, "HandlerFailedError", str(error))
         except Exception as error:
@@ -138,7 +177,11 @@ class Responders:
             raise
 
     def answer_last(self, query: control.Last) -> None:
-        """Answer with the last value that this client published."""
+        """Answer with the last value that this client published, or as `last_by` says."""
+        if self.last_by is not None:
+            reply = FrameReply(query.number, query.timeout_s, self._connection.send)
+            self.last_by(query.name, reply)
+            return
         frame = self._last(query.name)
         if frame is None:
             text = f"{self._name} has published no {query.name} yet"

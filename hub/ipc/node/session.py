@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import collections
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from hub.errors import CodecError, HubError, NotAllowedError, RedefinedMessageError
 from hub.ipc import endpoints
 from hub.ipc.definition import MessageDefinition
+from hub.ipc.formats.codegen import Buffer
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.connection import LOST_S, Connection
 from hub.ipc.node.direct_queries import DirectRequester, DirectResponder
@@ -294,7 +295,16 @@ class Session:
         Raises:
             CodecError: The value does not fit the format, or is too long for a frame.
         """
-        payload = definition.encode(value)
+        return self.pack_payload(definition, definition.encode(value), measured)
+
+    def pack_payload(
+        self, definition: MessageDefinition[Any], payload: Sequence[Buffer], measured: float
+    ) -> bytes:
+        """As `pack`, of an encoded payload.
+
+        Raises:
+            CodecError: It is too long for a frame.
+        """
         self._attached[definition.name] += 1
         frame = frames.pack(
             frames.prefix(definition.name),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import secrets
 import sys
 import time
@@ -71,6 +72,7 @@ class Driver:
         self._navigator = Navigator()
         self._stepped = time.monotonic()
         self._silence = client.alarm(self._watch)
+        self._base_measured = math.nan
         self._measured: list[Time] = []
         self._due: dict[str, float] = {}
         # Each process has its own number: after a crash the dead reckoning starts elsewhere.
@@ -174,14 +176,17 @@ class Driver:
         now = time.monotonic()
         stamp = time.time()
         sensors = self._body.sensors(stamp)
-        if sensors.known:
-            state = reports.drive_state(sensors, stamp, self._reckoning)
-            self._client.publish(navigation.DRIVE_STATE, state, measured=now)
+        if sensors.known and sensors.measured != self._base_measured:  # NaN is always new
+            self._base_measured = sensors.measured
+            at = now if math.isnan(sensors.measured) else sensors.measured
+            state = reports.drive_state(sensors, stamp - (now - at), self._reckoning)
+            self._client.publish(navigation.DRIVE_STATE, state, measured=at)
         measured = [scan.header.stamp for scan in sensors.scans]
         if measured != self._measured:
             self._measured = measured
             readings = ranges.RangeReadings(scans=sensors.scans)
-            self._client.publish(ranges.RANGES, readings, measured=now)
+            at = now if math.isnan(sensors.scanned) else sensors.scanned
+            self._client.publish(ranges.RANGES, readings, measured=at)
         self._publish_measurements(sensors, stamp, now)
         self._publish_vehicle(sensors, stamp, now)
         truth = self._body.ground_truth()

@@ -5,10 +5,10 @@
 | DISARM | any operator | motors off, joints stop |
 | ARM | the owner of control | motors on; they wait for a neutral command |
 | HOLD, RELEASE, LIGHT | the owner of control | the body does it |
-| DRIVE, MODE | the owner of control | the autopilot is asked; motion waits for a neutral command |
+| DRIVE, MODE, STAY | the owner of control | the autopilot is asked; motion waits for neutral |
 | JOINT | the owner of control | the joint turns, if `CommandWatchdog` allows it |
 | no fresh JOINT for 0.3 s | | the joint stops, and waits for a 0 |
-| `GCM_Stop` | any client | the joints stop; holds that are on keep the place of now |
+| `GCM_Stop` | any client | joints stop, holds keep the place of now; a body's own stop acts |
 | another owner of control | | as after `GCM_Stop` |
 | an order that switches on, older than 1 s | any | refuse: the operator saw something else |
 | an order for a part that the body lacks | any | refuse; say so in the log |
@@ -47,6 +47,7 @@ from hub.robots.interfaces import (
     BodyJoints,
     BodyLights,
     BodyModes,
+    BodyStops,
 )
 
 _logger = logging.getLogger(__name__)
@@ -147,8 +148,8 @@ class VehicleOrders:
             self._hold(command.hold, on=order is VehicleOrder.HOLD, target=command.value)
         elif order is VehicleOrder.LIGHT:
             self._light(command.name, command.value)
-        elif order in (VehicleOrder.DRIVE, VehicleOrder.MODE):
-            self._mode(command.name if order is VehicleOrder.MODE else "")
+        elif order in (VehicleOrder.DRIVE, VehicleOrder.MODE, VehicleOrder.STAY):
+            self._mode(order, command.name)
         else:
             self._joint(command, time.monotonic(), reception.age)
 
@@ -166,16 +167,19 @@ class VehicleOrders:
         if armed:
             self._arms.arm(armed=True)
 
-    def _mode(self, name: str) -> None:
-        """Ask an autopilot for a mode; without a name, for the one that follows velocities."""
+    def _mode(self, order: VehicleOrder, name: str) -> None:
+        """Ask an autopilot for a mode."""
         if not isinstance(self._body, BodyModes):
             _logger.warning("an order is refused: this body has no modes")
             return
         self.stop_joints()
         self._stop()
-        if name:
+        if order is VehicleOrder.MODE:
             _logger.warning("asks the autopilot for the mode %r", name)
             self._body.set_mode(name)
+        elif order is VehicleOrder.STAY:
+            _logger.warning("asks the autopilot to stay where it is")
+            self._body.stay()
         else:
             _logger.warning("asks the autopilot for the mode that follows velocities")
             self._body.drive()
@@ -235,10 +239,11 @@ class VehicleOrders:
                 stack.callback(self._turn, name, 0.0)
 
     def _on_stop(self, _message: Stop, _reception: MessageInfo) -> None:
-        try:
-            self._stopped()
-        finally:
-            self._after_stop()
+        with contextlib.ExitStack() as stack:
+            stack.callback(self._after_stop)
+            stack.callback(self._stopped)
+            if isinstance(self._body, BodyStops):
+                self._body.stop()
 
     def _stopped(self) -> None:
         try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import logging
 import math
 import sys
@@ -24,9 +25,11 @@ from hub.missions.folder import MissionFolder
 from hub.missions.keeper import MissionKeeper, MissionLimits
 from hub.modules.mapping.grid import LOADED, MAX_EDGE_CELLS, OccupancyGrid
 from hub.modules.mapping.mission_desk import MissionDesk
+from hub.modules.mapping.painted_map import PaintedMap
 from hub.modules.mapping.scans import ScanSelector
 from hub.paths import for_maps, for_missions
 from hub.robots.description import RobotDescription
+from hub.robots.registry import kind_of
 from hub.runtime import run_module
 
 _logger = logging.getLogger(__name__)
@@ -38,6 +41,8 @@ MARKED_S = 0.5
 ORDERS_PER_S, ORDERS_AT_ONCE = 0.2, 20.0
 """Largest rate of orders to save, load or clear maps, and their largest burst [1/s]."""
 _UPDATE_S = 0.25
+_OWN_S = 0.2
+"""Time between two looks at the map that the robot makes itself [s]."""
 _REST = 20.0
 """After a mission could not be resumed, mapping waits this multiple of the time that it took."""
 
@@ -62,6 +67,7 @@ class Mapping:
         self._changed = False
         self._saved = -math.inf
         self._open_again = -math.inf
+        self._painted: PaintedMap | None = None
         self._orders = Bucket(ORDERS_PER_S, ORDERS_AT_ONCE)
         self._keeper = MissionKeeper(
             MissionFolder(for_missions(robot.mission_folder), robot.name),
@@ -79,8 +85,12 @@ class Mapping:
             ending=self._save,
         )
         client.subscribe(navigation.ROBOT_STATE, self._state)
+        own = kind_of(robot).open_map(robot)
+        self._painted = PaintedMap(own, self._grid) if own is not None else None
         client.subscribe(imu.IMU, self._attitude)
         client.subscribe(ranges.RANGES, self._ranges)
+        if self._painted is not None:
+            client.every(_OWN_S, functools.partial(self._follow_own, self._painted))
         client.respond(mapping.MAP_REQUEST, mapping.MAP, self._map)
         client.respond(mapping.MAP_COMMAND, COMMON_RESULT, self._command)
         client.every(_UPDATE_S, self._update)
@@ -89,6 +99,8 @@ class Mapping:
         """Save the rest, and log what was left out."""
         self._save()
         self._keeper.close()
+        if self._painted is not None:
+            self._painted.close()
         if self._tilted:
             _logger.warning("%d scans were made while the robot was tilted", self._tilted)
         if self._grid.outside:
@@ -143,6 +155,8 @@ class Mapping:
         self._reader.tilted(value, reception.measured)
 
     def _ranges(self, readings: ranges.RangeReadings, reception: MessageInfo) -> None:
+        if self._painted is not None and self._painted.counts:
+            return
         scan = self._reader.read(readings, reception.measured)
         if self._reader.tilt:
             self._tilted += 1
@@ -156,6 +170,12 @@ class Mapping:
             self._changed = True
         elif self._grid.outside == 1:
             _logger.warning("the robot has left the map, which ends %.1f m away", -self._grid.low)
+
+    def _follow_own(self, painted: PaintedMap) -> None:
+        """Take the map that the robot makes itself in the place of the grid's."""
+        if painted.follow(time.monotonic()):
+            self._stamp = time.time()
+            self._changed = True
 
     def _map(self, request: mapping.MapRequest) -> mapping.Map:
         picture: OccupancyMap | None
@@ -232,6 +252,8 @@ class Mapping:
         self._scans = ScanSelector(self._reader.beams)
         self._reader.restart()
         self._changed = True
+        if self._painted is not None:
+            self._painted.paint()
 
 
 def default_name(robot: RobotDescription) -> str:

@@ -13,7 +13,6 @@ import contextlib
 import json
 import logging
 import math
-import os
 import secrets
 from dataclasses import field
 from pathlib import Path
@@ -102,16 +101,10 @@ class FrameMemory:
 def _read(path: Path) -> MapFrame:
     """The frame in a file; none if another user wrote it, or if it is not valid."""
     with contextlib.suppress(OSError, ValueError, TypeError, OverflowError, RecursionError):
-        file = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
-        try:
-            own = os.fstat(file).st_uid == os.getuid()
-            raw = os.read(file, _MAX_BYTES)
-        finally:
-            os.close(file)
-        reckoning, number, x, y, theta = json.loads(raw)
+        reckoning, number, x, y, theta = json.loads(files.read_own(path, _MAX_BYTES))
         numbers = all(type(each) is int and 0 < each <= _MOST for each in (reckoning, number))
         places = all(math.isfinite(each) and abs(each) <= _FARTHEST for each in (x, y, theta))
-        if own and numbers and places:
+        if numbers and places:
             odom = Pose(x=float(x), y=float(y), theta=float(theta))
             return MapFrame(reckoning=reckoning, number=number, odom=odom)
     return MapFrame()

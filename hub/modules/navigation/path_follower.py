@@ -237,6 +237,7 @@ class PathFollower:
         ):
             self._plan(now)
         given = self._heading_for(aim, drive)
+        self.task.followed(by_driver=not any(given) or not drive.commanded.neutral)
         self._check_for_blockage(aim, drive, given, now)
         return given
 

@@ -57,6 +57,9 @@ FARTHEST = 1e4
 LARGEST_TURN = 100.0
 """A turn by more than this [rad] is refused."""
 
+_NOT_FOLLOWED = (Cause.DRIVER, "the driver does not follow: see whether it is armed, and its mode")
+"""The driver has another velocity than it was given: an autopilot has the vehicle, for instance."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Aim:
@@ -215,6 +218,13 @@ class NavigationTask:
             self._rounds += 1
             self._closely_until = now + CLOSELY_S
             self._best, self._best_at = math.inf, now
+
+    def followed(self, *, by_driver: bool) -> None:
+        """Note whether the driver follows the velocity that it was given."""
+        if not by_driver:
+            self._held_for = _NOT_FOLLOWED
+        elif self._held_for == _NOT_FOLLOWED:
+            self._held_for = None
 
     def has_left_path(self, pose: Pose) -> bool:
         """Whether the robot has left its path."""

@@ -1,4 +1,4 @@
-"""Pictures to bytes: run lengths, files, or the values themselves; the hub's only use of Pillow."""
+"""Pictures to bytes: run lengths, files by Pillow, or the values themselves."""
 
 from __future__ import annotations
 

@@ -53,10 +53,16 @@ class RepeatedQuestion:
         self._client, self._request, self._response = client, request, response
         self._make, self._period, self._keep = ask, period, keep
         self._due = 0.0
+        self._ended = False
         client.define(request, response)
         self._timer = client.alarm(self._ask)
         self._timer.due = time.monotonic()
         self._fault = ""
+
+    def end(self) -> None:
+        """Ask no more; an answer under way is dropped."""
+        self._ended = True
+        self._timer.cancel()
 
     def _ask(self) -> None:
         self._due = time.monotonic() + self._period
@@ -73,11 +79,15 @@ class RepeatedQuestion:
         )
 
     def _answered(self, value: Any, info: MessageInfo) -> None:  # noqa: ANN401 - any message
+        if self._ended:
+            return
         self._fault = ""
         self._wait(0.0)
         self._keep(self._response, value, info)
 
     def _failed(self, error: QueryError) -> None:
+        if self._ended:
+            return
         if not isinstance(error, NoHandlerError) and not self._fault:
             self._fault = str(error)
             _logger.info("no answer to %s: %s", self._request.name, error)

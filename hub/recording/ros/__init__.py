@@ -1,1 +1,1 @@
-"""What others record: messages of ROS and Foxglove by their definition, folders of rosbag2."""
+"""What others record: folders and databases of rosbag2, and the robot in their topics."""

@@ -11,12 +11,12 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from hub.errors import RecordingError
+from hub.errors import RosMessageError
 from hub.plain_text import plain
-from hub.recording.ros.decoding import RosDecoder
-from hub.recording.ros.schema import TEXT, RosType
 from hub.recording.ros.topic_values import TopicMessages
-from hub.recording.ros.values import RosValue
+from hub.ros.decoding import RosDecoder
+from hub.ros.schema import TEXT, RosType
+from hub.ros.values import RosValue
 from hub.values import dataclass
 
 MOST_ROWS: Final = 1000
@@ -74,7 +74,7 @@ def first_field(bag: TopicMessages, channel: int, decoder: RosDecoder | None) ->
     message = bag.newest(bag.end, {channel}).get(channel)
     try:
         rows = field_rows(decoder.decode(message.payload)) if message is not None else ()
-    except RecordingError:
+    except RosMessageError:
         return ""
     numbers = (each.path for each in rows if math.isfinite(each.number))
     return next((path for path in numbers if not _TIME.search(path)), "")
@@ -202,5 +202,5 @@ class FieldSeries:
     def _number(self, payload: bytes) -> float:
         try:
             return number_at(self._decoder.decode(payload), self._path)
-        except RecordingError:
+        except RosMessageError:
             return math.nan

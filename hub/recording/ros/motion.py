@@ -7,14 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from hub.errors import RecordingError
+from hub.errors import RosMessageError
 from hub.gcm.navigation import MotionState, NavigationStatus, RobotState, Task
 from hub.gcm.standard import BASE_LINK
-from hub.recording.ros import messages
-from hub.recording.ros.frame_tree import HERE, FramePlace, FrameTree, plain_frame, pose_of
 from hub.recording.ros.topic_roles import RosRole
 from hub.recording.ros.topic_values import ShownMessage, TopicValues, whole
-from hub.recording.ros.values import RosValue
+from hub.ros import messages
+from hub.ros.frame_tree import HERE, FramePlace, FrameTree, plain_frame, pose_of
+from hub.ros.values import RosValue
 
 _FIXED: Final = ("map", "odom", "world", "earth")
 """Names of frames that do not move with the robot, the best first (REP 105)."""
@@ -125,7 +125,7 @@ def _place(
         return HERE, -1
     try:
         reckoned = pose_of(odometry.value.get("pose.pose"))
-    except RecordingError:
+    except RosMessageError:
         return HERE, -1
     outer = frames.place(str(odometry.value.get("header.frame_id")), fixed) if fixed else None
     return reckoned.after(outer or HERE), odometry.stamp

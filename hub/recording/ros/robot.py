@@ -29,12 +29,13 @@ from hub.gcm.navigation import NAVIGATION_STATUS, ROBOT_STATE
 from hub.gcm.ranges import RANGES, LaserScan, RangeReadings
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
-from hub.recording.ros import messages, motion
-from hub.recording.ros.decoding import RosDecoder
-from hub.recording.ros.frame_tree import FrameTree, plain_frame
+from hub.recording.ros import motion
 from hub.recording.ros.topic_roles import RosRole
 from hub.recording.ros.topic_values import ShownMessage, TopicMessages, TopicValues
-from hub.recording.ros.values import RosValue
+from hub.ros import messages
+from hub.ros.decoding import RosDecoder
+from hub.ros.frame_tree import FrameTree, plain_frame
+from hub.ros.values import RosValue
 from hub.values import dataclass
 
 MOST_CAMERAS: Final = 8

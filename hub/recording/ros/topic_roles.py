@@ -8,10 +8,10 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from hub.plain_text import plain
-from hub.recording.ros.decoding import READABLE
-from hub.recording.ros.foxglove import ros_name
-from hub.recording.ros.schema import full_name
 from hub.recording.topics import RecordedTopic
+from hub.ros.decoding import READABLE
+from hub.ros.foxglove import ros_name
+from hub.ros.schema import full_name
 from hub.values import dataclass
 
 

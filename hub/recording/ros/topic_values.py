@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from typing import Any, Final, Protocol
 
-from hub.errors import RecordingError
+from hub.errors import RosMessageError
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
-from hub.recording.ros.decoding import RosDecoder
 from hub.recording.ros.topic_roles import RosRole, TopicRole, roles_of
-from hub.recording.ros.values import RosValue
 from hub.recording.topics import RecordedTopic
+from hub.ros.decoding import RosDecoder
+from hub.ros.values import RosValue
 from hub.values import dataclass
 
 Convert = Callable[[RosValue], Any]
 
-_UNFIT: Final = (RecordingError, TypeError, ValueError, IndexError, OverflowError)
+_UNFIT: Final = (RosMessageError, TypeError, ValueError, IndexError, OverflowError)
 """Faults of messages: a definition may have fields of the usual names and other types."""
 
 
@@ -91,7 +91,7 @@ class TopicValues:
         for channel, topic in bag.channels.items():
             try:
                 decoders[channel] = RosDecoder.of(topic)
-            except RecordingError as error:
+            except RosMessageError as error:
                 unreadable[channel] = str(error)
         self.unreadable: Mapping[int, str] = unreadable
         self.decoders: Mapping[int, RosDecoder] = decoders
@@ -113,7 +113,7 @@ class TopicValues:
         decoder = self.decoders.get(message.channel)
         try:
             return decoder.decode(message.payload) if decoder is not None else None
-        except RecordingError as error:
+        except RosMessageError as error:
             self.note(message.channel, error)
             return None
 

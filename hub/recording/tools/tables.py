@@ -21,14 +21,14 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from hub.errors import RecordingError
+from hub.errors import RecordingError, RosMessageError
 from hub.recording.chunks import LoggedMessage
 from hub.recording.recording_set import RecordingSet
-from hub.recording.ros.decoding import RosDecoder
-from hub.recording.ros.schema import RosType
-from hub.recording.ros.values import RosValue
 from hub.recording.tools.selection import Selection
 from hub.recording.topics import RecordedTopic
+from hub.ros.decoding import RosDecoder
+from hub.ros.schema import RosType
+from hub.ros.values import RosValue
 from hub.values import dataclass
 
 _COMMON = ("log_time_s", "publish_time_s", "sequence")
@@ -118,7 +118,7 @@ class _TopicTable:
             self._decoder = RosDecoder.of(topic)
             kind = self._decoder.type
             columns = list(_columns(kind)) if kind is not None else ["json"]
-        except RecordingError:  # a type that is not known: its bytes
+        except RosMessageError:  # a type that is not known: its bytes
             columns = ["payload"]
         self._file = self._partial.open("w", newline="", encoding="utf-8")
         self._rows_of = csv.writer(self._file)
@@ -127,7 +127,7 @@ class _TopicTable:
     def add(self, message: LoggedMessage) -> None:
         try:
             values = self._values(message.payload)
-        except RecordingError:
+        except RosMessageError:
             self._unreadable += 1
             return
         stamps = _seconds(message.stamp), _seconds(message.published)

@@ -144,6 +144,8 @@ def remarks(finder: VehicleFinder, *, station: int, signs: bool) -> Iterator[str
     for each in finder.components.values():
         yield from _component(each, vehicle)
     for stream in finder.streams.values():
+        if stream.address.startswith(("rtp:", "udp:")):
+            yield f"its stream {stream.name!r} has to be sent to this machine: {stream.address}"
         if not _readable(stream):
             address = stream.address or "no address"
             yield f"no pictures can be read from its stream {stream.name!r} at {address}"

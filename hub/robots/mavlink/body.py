@@ -30,13 +30,15 @@ from hub.robots.mavlink.link.answer_watch import AnswerWatch
 from hub.robots.mavlink.link.byte_link import MOST_READ, ByteLink
 from hub.robots.mavlink.link.opening import link_to
 from hub.robots.mavlink.link.tap import LinkTap
-from hub.robots.mavlink.problems import vehicle_problems
+from hub.robots.mavlink.link.vehicle_claim import VehicleClaim
+from hub.robots.mavlink.problems import rival_words, vehicle_problems
 from hub.robots.mavlink.profiles.profile import Setpoint
+from hub.robots.mavlink.profiles.stop_times import stop_times
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
 from hub.robots.mavlink.ranges import ranges_of
 from hub.robots.mavlink.reckoning import VehicleReckoning
+from hub.robots.mavlink.vehicle.other_stations import STATION_COMPONENT
 from hub.robots.mavlink.vehicle.reasons import why
-from hub.robots.mavlink.vehicle.sender import STATION_COMPONENT
 from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
@@ -44,6 +46,8 @@ from hub.robots.mavlink.wire.signing_key import read_signing_key
 
 _NOT_KNOWN: Final = (AutopilotPhase.LINKING, AutopilotPhase.LEARNING, AutopilotPhase.GONE)
 """Phases in which a place that the vehicle knows may be missing."""
+_CLAIM_S: Final = 0.5
+"""Time between two attempts to claim the vehicle [s]."""
 _WORDS: Final = {
     AutopilotPhase.LINKING: "links",
     AutopilotPhase.LEARNING: "learns",
@@ -55,7 +59,8 @@ _WORDS: Final = {
 class MavlinkBody:
     """Implements `Body`, `BodyArms`, `BodyModes`, `BodyWakes` and `BodyLeftAlone`.
 
-    Its light and its joint, `BodyLights` and `BodyJoints`, are a Sub's lights and camera.
+    Its lights and its joint, `BodyLights` and `BodyJoints`, are those of a Sub and its camera: the
+    first light of the robot file is the vehicle's Lights1, the second its Lights2.
     Where the vehicle does not know its place, the dead reckoning adds up the commanded velocity.
     """
 
@@ -73,12 +78,15 @@ class MavlinkBody:
             KeyFileError: Its signing key cannot be used.
         """
         self._clock, self._robot = clock, robot
-        self._link: ByteLink = link_to(vehicle_address(robot.vehicle_address))
+        self._address = vehicle_address(robot.vehicle_address)
+        self._link: ByteLink = link_to(self._address)
+        self._claim: VehicleClaim | None = None
+        self._rival = ""
+        self._claimed_at = -math.inf
         signer = _signer(robot.signing_key)
         self._parser = FrameParser(signer)
         self._signs = signer is not None
         self._station = robot.vehicle_station
-        self._speed = math.hypot(robot.linear_limit, robot.sway_limit)
         limits = Setpoint(
             ahead=robot.linear_limit,
             left=robot.sway_limit,
@@ -92,6 +100,7 @@ class MavlinkBody:
             robot.vehicle_system,
         )
         self._tap = LinkTap()
+        self._peers = 0
         self._answers: AnswerWatch | None = None
         self._reckoning = VehicleReckoning()
         self._left_alone = robot.left_alone
@@ -123,6 +132,10 @@ class MavlinkBody:
         """Ask for the mode that follows velocities."""
         self.vehicle.drive(self._clock())
 
+    def stay(self) -> None:
+        """Ask for the mode in which it stays."""
+        self.vehicle.stay(self._clock())
+
     def set_mode(self, name: str) -> None:
         """Ask for a mode by its name."""
         self.vehicle.set_mode(name, self._clock())
@@ -131,9 +144,10 @@ class MavlinkBody:
         """Ask for the mode of this action."""
         self.vehicle.left_alone(action, self._clock())
 
-    def set_light(self, name: str, brightness: float) -> None:  # noqa: ARG002 - it has one
-        """Set the brightness of the lights, step by step."""
-        self.vehicle.lights.set(brightness, self._clock())
+    def set_light(self, name: str, brightness: float) -> None:
+        """Set the brightness of a light, step by step."""
+        names = [each.name for each in self._robot.lights]
+        self.vehicle.lights.set(names.index(name) + 1, brightness, self._clock())
 
     def turn_joint(self, name: str, rate: float) -> None:
         """Turn the camera up or down [rad/s]."""
@@ -155,6 +169,7 @@ class MavlinkBody:
             vehicle,
             self._link.state,
             self._clock(),
+            rival=self._rival,
             stops_after_cut=self._stops()[1],
             left_alone=self._left_alone,
         )
@@ -163,7 +178,7 @@ class MavlinkBody:
             known=self._reckoning.number > 0 and not gone,
             x=pose.x,
             y=pose.y,
-            z=_or_zero(read.z) if afloat else 0.0,
+            z=_or_zero(read.z if math.isfinite(read.z) else -read.depth) if afloat else 0.0,
             theta=pose.theta,
             velocity=_known(read.velocity, commanded, place=self._reckoning.has_place),
             scans=tuple(
@@ -181,7 +196,7 @@ class MavlinkBody:
             height=read.z if afloat and not under_water else math.nan,
             above_ground=read.below if afloat else math.nan,
             depth=read.depth if under_water else math.nan,
-            turning=read.rates if not math.isnan(read.rates.z) else None,
+            turning=read.rates if _is_measured(read.rates) else None,
             pressure=read.pressure,
             climb=read.climb if afloat else math.nan,
             reckoning=self._reckoning.number,
@@ -191,8 +206,8 @@ class MavlinkBody:
                 activity=_WORDS.get(vehicle.phase, ""),
                 arming=Arming.ARMED if vehicle.armed else Arming.DISARMED,
                 lights=tuple(
-                    LightState(name=each.name, brightness=_or_zero(read.brightness))
-                    for each in self._robot.lights
+                    LightState(name=each.name, brightness=_or_zero(read.brightness(number)))
+                    for number, each in enumerate(self._robot.lights, 1)
                 ),
             ),
         )
@@ -205,9 +220,9 @@ class MavlinkBody:
         return AutopilotState(
             stamp=stamp,
             phase=vehicle.phase,
-            why=why(vehicle, now),
+            why=rival_words(self._rival) or why(vehicle, now),
             vehicle=profile.name if profile is not None else "",
-            firmware=firmware_name(profile.autopilot if profile else "", vehicle.learning.firmware),
+            firmware=firmware_name(profile.autopilot if profile else "", vehicle.heard.firmware),
             verified=int(profile is not None and profile.verified),
             mode=profile.mode_name(vehicle.mode) if profile and vehicle.mode >= 0 else "",
             modes=tuple(profile.modes[each] for each in profile.offered) if profile else (),
@@ -244,28 +259,48 @@ class MavlinkBody:
         """
         if not self._signs:
             for frame in passable(frames, self.vehicle.system):
-                self._send(frame)
+                if frame.name.startswith("COMMAND"):
+                    self.vehicle.stations.commanded(frame["command"])
+                self._send(frame.raw)
 
     def close(self) -> None:
         """Release the link."""
         self._link.close()
+        if self._claim is not None:
+            self._claim.close()
 
     def _listen(self) -> None:
         """Read the link, and send what is due."""
         now = self._clock()
         find = self._parser.datagram if self._link.datagrams else self._parser.feed
+        openings = self._link.state.openings
         pieces = self._link.read(now)
+        if self._link.state.openings != openings:
+            self.vehicle.stop_driving(now)  # however short the gap was
+        if self._link.peers != self._peers:
+            self._peers = self._link.peers
+            self.vehicle.another_sender(now)
         self._tap.came(pieces)
         flooded = sum(map(len, pieces)) >= MOST_READ
         for piece in pieces:
             for frame in find(piece):
                 self.vehicle.received(frame, now)
+        if self.vehicle.system:
+            self._take_claim(now)
         self.vehicle.step(now)
         if self._answers is not None:
             self._answers.follow(awaits=not flooded and self.vehicle.awaits(now))
 
+    def _take_claim(self, now: float) -> None:
+        """Claim the vehicle; while another process has it, nothing is sent, so it is GONE."""
+        if self._claim is None:
+            self._claim = VehicleClaim(self._address, self.vehicle.system)
+        if now - self._claimed_at >= _CLAIM_S:
+            self._claimed_at = now
+            self._rival = "" if self._claim.take() else self._rival or self._claim.owner()
+
     def _send(self, frame: bytes) -> None:
-        if self._link.write(frame):
+        if not self._rival and self._link.write(frame):
             self._tap.sent(frame)
 
     @property
@@ -287,7 +322,7 @@ class MavlinkBody:
         vehicle, values = self.vehicle, self.vehicle.parameters.values
         if vehicle.profile is None or not values:
             return math.nan, math.nan
-        return vehicle.profile.stops(values, self._speed, receiver=vehicle.telemetry.receiver)
+        return stop_times(vehicle.profile, values, self._robot, receiver=vehicle.telemetry.receiver)
 
     def _unsafe(self) -> Iterator[UnsafeParameter]:
         profile, values = self.vehicle.profile, self.vehicle.parameters.values
@@ -304,6 +339,10 @@ def _signer(path: str) -> Signer | None:
 
 def _or_zero(value: float) -> float:
     return value if math.isfinite(value) else 0.0
+
+
+def _is_measured(vector: Vector3) -> bool:
+    return all(map(math.isfinite, (vector.x, vector.y, vector.z)))
 
 
 def _known(measured: Twist, commanded: Twist, *, place: bool) -> Twist:

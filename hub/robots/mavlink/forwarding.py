@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from hub.robots.mavlink.wire.frames import FrameParser
+from hub.robots.mavlink.wire.frames import FrameParser, MavlinkFrame
 
 PASSED: Final = frozenset(
     {
@@ -37,6 +37,8 @@ PASSED: Final = frozenset(
 """Messages of another ground station that may reach the vehicle."""
 _INTERVAL: Final = 511
 """MAV_CMD_SET_MESSAGE_INTERVAL: the streams of this link are the hub's."""
+NOT_PASSED: Final = frozenset({_INTERVAL, 181, 182, 183, 184, 187, 209, 310})
+"""It, and commands that drive outputs directly: relays, servos, actuators, motor tests."""
 _MOST_FRAMES: Final = 64
 """Most frames that are passed on at once."""
 _DATAGRAM: Final = 1400
@@ -70,10 +72,10 @@ class FrameForwarder:
     def came_back(self, datagram: bytes) -> bytes:
         """Count the frames in a datagram of the station; returns those that may be passed on."""
         self.returned += len(self._station.datagram(datagram))
-        return b"".join(passable(datagram))
+        return b"".join(frame.raw for frame in passable(datagram))
 
 
-def passable(datagram: bytes, system: int = 0) -> Iterator[bytes]:
+def passable(datagram: bytes, system: int = 0) -> Iterator[MavlinkFrame]:
     """The frames of another ground station that may reach a vehicle.
 
     Args:
@@ -84,5 +86,5 @@ def passable(datagram: bytes, system: int = 0) -> Iterator[bytes]:
         target = frame.fields.get("target_system")
         if frame.name not in PASSED or (system and target not in (0, system)):
             continue
-        if frame.fields.get("command") != _INTERVAL:
-            yield frame.raw
+        if frame.fields.get("command") not in NOT_PASSED:
+            yield frame

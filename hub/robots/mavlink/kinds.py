@@ -24,6 +24,12 @@ KINDS: Final[Mapping[int, str]] = {
     30: "camera",
 }
 """By MAV_TYPE."""
+_AUTOPILOT: Final = 1
+"""The component that is the autopilot."""
+_NO_AUTOPILOT: Final = 8
+"""MAV_AUTOPILOT_INVALID."""
+_NO_VEHICLES: Final = frozenset({5, 6, 18, 26, 27, *range(30, 35), *range(36, 43), 44})
+"""MAV_TYPE of stations, companion computers, gimbals, cameras and other parts of vehicles."""
 AUTOPILOTS: Final[Mapping[int, str]] = {3: "ArduPilot", 12: "PX4"}
 """By MAV_AUTOPILOT."""
 
@@ -31,6 +37,17 @@ AUTOPILOTS: Final[Mapping[int, str]] = {3: "ArduPilot", 12: "PX4"}
 def kind_name(number: int) -> str:
     """The name of a MAV_TYPE."""
     return KINDS.get(number, f"type {number}")
+
+
+def is_vehicle(component: int, autopilot: int, kind: int) -> bool:
+    """Whether a heartbeat is that of a vehicle's autopilot.
+
+    Args:
+        component: Number of the sender.
+        autopilot: Its MAV_AUTOPILOT.
+        kind: Its MAV_TYPE.
+    """
+    return component == _AUTOPILOT and autopilot != _NO_AUTOPILOT and kind not in _NO_VEHICLES
 
 
 def firmware_name(autopilot: str, version: int) -> str:

@@ -2,8 +2,11 @@
 
 | problem | severity | when |
 | --- | --- | --- |
-| autopilot | ERROR | it is silent |
+| autopilot | ERROR | it is silent, or another process of this machine has it |
 | autopilot | WARN | it is in a mode of another, or its link or its rules are in doubt |
+| twins | ERROR | two vehicles answer with its number |
+| stations | ERROR; WARN if it only is connected | another ground station is on its link |
+| link | WARN | datagrams of another sender are dropped |
 | failsafe | ERROR | one of its failsafes acts while it is armed |
 | stops | ERROR; WARN while it is disarmed | it never stops by itself after the link is cut |
 | left alone | WARN | it has no mode for what the robot file wants |
@@ -39,6 +42,7 @@ def vehicle_problems(
     link: ByteLinkState,
     now: float,
     *,
+    rival: str,
     stops_after_cut: float,
     left_alone: LeftAlone,
 ) -> Iterator[DiagnosticStatus]:
@@ -48,9 +52,14 @@ def vehicle_problems(
         vehicle: The vehicle.
         link: Its link.
         now: Monotonic time [s].
+        rival: The process of this machine that has claimed it; empty: none.
         stops_after_cut: Time until it stands after the link is cut [s]; infinite: never.
         left_alone: What the robot file wants without an operator.
     """
+    if rival:
+        text = rival_words(rival)
+        yield DiagnosticStatus(level=Severity.ERROR, name="autopilot", message=text)
+        return
     if vehicle.phase in _SILENT:
         text = f"the autopilot is silent: {why(vehicle, now)}"
         text += f"; its link: {link.why}" if link.why and not link.up else ""
@@ -58,6 +67,7 @@ def vehicle_problems(
         return
     if vehicle.phase is AutopilotPhase.ELSEWHERE:
         yield _warning("autopilot", why(vehicle, now))
+    yield from _of_link(vehicle, link, now)
     for text in warnings(vehicle):
         yield _warning("autopilot", text)
     if vehicle.failsafe and vehicle.armed:
@@ -73,6 +83,24 @@ def vehicle_problems(
         text = f"[safety] left_alone is {left_alone.value!r}, which a {profile.name} cannot"
         yield _warning("left alone", text)
     yield from _own_words(vehicle, now)
+
+
+def _of_link(
+    vehicle: MavlinkVehicle, link: ByteLinkState, now: float
+) -> Iterator[DiagnosticStatus]:
+    """Who else is on its link."""
+    if vehicle.twin:
+        yield DiagnosticStatus(level=Severity.ERROR, name="twins", message=why(vehicle, now))
+    for level, text in vehicle.stations.problems(now):
+        yield DiagnosticStatus(level=level, name="stations", message=text)
+    if link.unheard:
+        text = f"datagrams of {link.unheard} are dropped: another vehicle sent to this port first"
+        yield _warning("link", text)
+
+
+def rival_words(rival: str) -> str:
+    """What to do about another process that has the vehicle; empty: there is none."""
+    return f"{rival} has this vehicle, so nothing is sent here: end one of the two" if rival else ""
 
 
 def _own_words(vehicle: MavlinkVehicle, now: float) -> Iterator[DiagnosticStatus]:

@@ -12,7 +12,7 @@ from hub.robots.description import RobotDescription
 from hub.robots.mavlink.link.address import ADDRESS_FORMS, vehicle_address
 
 _ARMING: Final = 'an autopilot is armed by an operator, never at a start: write arming = "disarmed"'
-_ONE: Final = "the kind 'mavlink' has one only"
+_MOST: Final = "the kind 'mavlink' has {} only"
 _NONE: Final = "the kind 'mavlink' has none"
 
 
@@ -30,9 +30,9 @@ def autopilot_faults(robot: RobotDescription) -> Iterator[tuple[str, str, str]]:
     for table, described, most in (
         ("bumper", robot.bumpers, 0),
         ("hold", robot.holds, 0),
-        ("light", robot.lights, 1),
+        ("light", robot.lights, 2),
         ("joint", robot.joints, 1),
     ):
         if len(described) > most:
-            fault = _ONE if most else _NONE
+            fault = _MOST.format(("one", "two")[most - 1]) if most else _NONE
             yield toml.repeated(table, most + 1), "name", fault

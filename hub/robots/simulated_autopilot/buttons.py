@@ -15,9 +15,13 @@ _TILT_STEP: Final = math.radians(1.0)
 _TILT_MOST: Final = math.radians(45.0)
 
 
-def _brighten(vehicle: VehicleCondition, sign: float) -> None:
-    steps = max(1.0, vehicle.parameters["JS_LIGHTS_STEPS"])
-    vehicle.lights = max(0.0, min(1.0, vehicle.lights + sign / steps))
+def _brighten(vehicle: VehicleCondition, sign: float, number: int = 0) -> None:
+    step = sign / max(1.0, vehicle.parameters["JS_LIGHTS_STEPS"])
+    vehicle.lights[number] = max(0.0, min(1.0, vehicle.lights[number] + step))
+
+
+def _brighten_second(vehicle: VehicleCondition, sign: float) -> None:
+    _brighten(vehicle, sign, 1)
 
 
 def _gain(vehicle: VehicleCondition, sign: float) -> None:
@@ -37,6 +41,8 @@ _ONCE: Final[Mapping[int, tuple[Callable[[VehicleCondition, float], None], float
     21: (_center, 0.0),
     32: (_brighten, 1.0),
     33: (_brighten, -1.0),
+    35: (_brighten_second, 1.0),
+    36: (_brighten_second, -1.0),
     42: (_gain, 1.0),
     43: (_gain, -1.0),
 }

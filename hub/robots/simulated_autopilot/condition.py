@@ -56,7 +56,7 @@ class VehicleCondition:
         setpoint: Velocity ahead, right, down [m/s], and clockwise [rad/s].
         setpoint_at: Monotonic time of the last setpoint [s].
         gain: Share of the sticks' effect, of a Sub.
-        lights: Of a Sub, 0 to 1.
+        lights: The first and the second of a Sub, 0 to 1.
         tilt: Of the camera, up [rad].
         mode_shown: Whether a heartbeat has shown its mode.
     """
@@ -78,7 +78,7 @@ class VehicleCondition:
         self.setpoint = (0.0, 0.0, 0.0, 0.0)
         self.setpoint_at = -math.inf
         self.gain = max(0.0, min(1.0, parameters["JS_GAIN_DEFAULT"]))
-        self.lights, self.tilt = 0.0, 0.0
+        self.lights, self.tilt = [0.0, 0.0], 0.0
         self.mode_shown = True
         self._texts: list[tuple[int, str]] = []
         self._started = False

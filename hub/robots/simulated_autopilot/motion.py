@@ -1,7 +1,7 @@
 """How a simulated vehicle follows what its autopilot demands; pure.
 
-The responses are fitted to recordings of ArduPilot's own simulator. NED and FRD: x ahead, y right,
-z down, clockwise.
+The responses are fitted to recorded sessions of ArduPilot's own simulator, which the tests replay,
+and to stop times that were measured on it. NED and FRD: x ahead, y right, z down, clockwise.
 """
 
 from __future__ import annotations
@@ -108,6 +108,8 @@ class AxisResponse:
     Attributes:
         delay: Until anything happens [s].
         gain: Velocity per demand.
+        late: Share of the velocity that comes only in the long run.
+        creep: Time constant of that share [s].
         ramp: Largest acceleration when it speeds up [m/s^2, rad/s^2].
         braking: The same when it slows down.
         rise: Time constant when it speeds up [s].
@@ -119,6 +121,8 @@ class AxisResponse:
 
     delay: float = 0.0
     gain: float = 1.0
+    late: float = 0.0
+    creep: float = 1.0
     ramp: float = math.inf
     braking: float = math.inf
     rise: float = 0.1
@@ -140,7 +144,7 @@ class AxisFollower:
         self._response: AxisResponse | None = None
         self._demands: list[tuple[float, float]] = []
         self._demand = self._ramped = 0.0
-        self._time = 0.0
+        self._time = self._since = 0.0
 
     def step(self, response: AxisResponse, demand: float, seconds: float) -> None:
         """Follow a demand for a time [s]."""
@@ -154,16 +158,17 @@ class AxisFollower:
         elif demand != (self._demands[-1][1] if self._demands else self._demand):
             self._demands.append((self._time + response.delay, demand))
         while self._demands and self._demands[0][0] <= self._time:
-            self._demand = self._demands.pop(0)[1]
+            self._since, self._demand = self._demands.pop(0)
         drag = response.drag * self.velocity**2
         if response.push:
             thrust = response.push * self._demand
             self.velocity += (thrust - math.copysign(drag, self.velocity)) * seconds
             return
-        goal = self._demand * response.gain
+        late = response.late * math.exp((self._since - self._time) / response.creep)
+        goal = self._demand * response.gain * (1.0 - late)
         speeds_up = abs(goal) > abs(self.velocity)
         if response.drag and not speeds_up:
-            most = (drag + response.brake) * seconds
+            most = min(response.braking, drag + response.brake) * seconds
             self.velocity += max(-most, min(most, goal - self.velocity))
             self._ramped = self.velocity
             return
@@ -177,25 +182,31 @@ _LARGEST: Final = 50.0
 """Largest demand: parameters may say anything [m/s, rad/s]."""
 _AXES: Final = ("ahead", "right", "down", "turn")
 _STILL: Final = AxisResponse()
-_ROVER_TURN: Final = AxisResponse(ramp=2.5, braking=2.5, rise=0.05, fall=0.05)
-_SUB_TURN: Final = AxisResponse(delay=0.05, gain=1.05, rise=0.35, fall=0.33)
-_SUB_CLIMB: Final = AxisResponse(delay=0.1, gain=1.07, rise=0.35, fall=0.45)
-_SUB_THRUST: Final = AxisResponse(delay=0.04, push=5.08, drag=4.7)
-_SUB_PLACE: Final = AxisResponse(delay=0.14, gain=1.02, rise=0.75, drag=4.7, brake=0.03)
+_ROVER_TURN: Final = AxisResponse(ramp=2.5, braking=2.3, rise=0.05, fall=0.05)
+_SUB_TURN: Final = AxisResponse(delay=0.05, gain=1.05, rise=0.35, fall=0.31)
+_SUB_CLIMB: Final = AxisResponse(delay=0.1, gain=1.05, rise=0.35, fall=0.42)
+_SUB_DRAG: Final = 4.7
+"""Of the recorded Sub as it coasts [1/m]; all its horizontal motion has it."""
+_SUB_THRUST: Final = AxisResponse(delay=0.04, push=5.08, drag=_SUB_DRAG)
+_SUB_PLACE: Final = (
+    AxisResponse(delay=0.1, gain=1.02, rise=0.75, drag=_SUB_DRAG, brake=0.035),
+    AxisResponse(delay=0.1, gain=1.02, rise=0.75, drag=_SUB_DRAG, brake=0.015),
+)
 _SUB_GUIDED: Final = (
-    AxisResponse(delay=0.14, rise=0.75, drag=4.7, brake=0.03),
-    AxisResponse(delay=0.14, rise=0.75, drag=4.7, brake=0.03),
-    AxisResponse(delay=0.1, rise=0.35, fall=0.45),
-    AxisResponse(delay=0.05, rise=0.35, fall=0.4),
+    AxisResponse(delay=0.05, rise=0.13, late=0.22, creep=14.5, drag=_SUB_DRAG),
+    AxisResponse(delay=0.1, rise=0.13, late=0.49, creep=23.0, drag=_SUB_DRAG, brake=0.035),
+    AxisResponse(delay=0.1, rise=0.35, fall=0.37),
+    AxisResponse(delay=0.05, rise=0.35, fall=0.35),
 )
+"""Its controller reaches the speed ahead and aside late; it brakes by drag."""
 _SUB_SLOW_CLIMB: Final = AxisResponse(delay=0.3, rise=0.4, fall=0.4)
-_SUB_COASTS: Final = AxisResponse(drag=4.7)
-_BLIMP_FLAT: Final = AxisResponse(delay=0.05, gain=1.12, ramp=0.115, rise=0.1, fall=1.25)
-_BLIMP_CLIMB: Final = AxisResponse(delay=0.2, gain=0.92, rise=0.5, fall=0.7)
-_BLIMP_TURN: Final = AxisResponse(delay=0.15, gain=0.87, rise=0.3, fall=0.15)
-_BLIMP_PLACE: Final = AxisResponse(
-    delay=0.8, gain=1.05, ramp=0.075, braking=0.075, rise=0.05, fall=0.05
+_SUB_COASTS: Final = AxisResponse(drag=_SUB_DRAG)
+_BLIMP_FLAT: Final = AxisResponse(
+    delay=0.1, gain=1.12, ramp=0.115, rise=0.1, braking=0.13, drag=10.8
 )
+_BLIMP_CLIMB: Final = AxisResponse(delay=0.2, gain=0.92, rise=0.5, fall=0.62)
+_BLIMP_TURN: Final = AxisResponse(delay=0.15, gain=0.87, rise=0.3, fall=0.19)
+_BLIMP_PLACE: Final = AxisResponse(delay=0.5, ramp=0.06, braking=0.075, rise=0.3, fall=0.2)
 _BLIMP_COASTS: Final = AxisResponse(rise=15.0, fall=15.0)
 _Axes = tuple[AxisResponse, AxisResponse, AxisResponse, AxisResponse]
 RESPONSES: Final[Mapping[str, Mapping[DemandKind, _Axes]]] = {
@@ -211,7 +222,7 @@ RESPONSES: Final[Mapping[str, Mapping[DemandKind, _Axes]]] = {
     },
     "sub": {
         DemandKind.VELOCITY: _SUB_GUIDED,
-        DemandKind.PLACE: (_SUB_PLACE, _SUB_PLACE, _SUB_CLIMB, _SUB_TURN),
+        DemandKind.PLACE: (*_SUB_PLACE, _SUB_CLIMB, _SUB_TURN),
         DemandKind.THRUST: (_SUB_THRUST, _SUB_THRUST, _SUB_CLIMB, _SUB_TURN),
         DemandKind.OPEN: (_SUB_THRUST, _SUB_THRUST, _SUB_THRUST, _SUB_TURN),
         DemandKind.RISE: (_SUB_THRUST, _SUB_THRUST, _SUB_SLOW_CLIMB, _SUB_TURN),

@@ -48,7 +48,9 @@ def _attitude(vehicle: VehicleCondition) -> Fields:
 
 
 def _local_position(vehicle: VehicleCondition) -> Fields | None:
-    if not vehicle.has_origin:
+    """Of a rover, as soon as there is an origin; of others, as soon as they know their place."""
+    known = vehicle.has_origin if vehicle.kind.name == "rover" else vehicle.has_place
+    if not known:
         return None
     state = vehicle.motion
     north, east = state.ground
@@ -276,8 +278,8 @@ def named_values(vehicle: VehicleCondition) -> dict[str, float]:
         "CamTilt": 0.5 + vehicle.tilt / math.pi,
         "CamPan": 0.5,
         "TetherTrn": 0.0,
-        "Lights1": vehicle.lights,
-        "Lights2": vehicle.lights,
+        "Lights1": vehicle.lights[0],
+        "Lights2": vehicle.lights[1],
         "PilotGain": vehicle.gain,
         "InputHold": 0.0,
         "RollPitch": 0.0,
@@ -353,5 +355,7 @@ def default_rates(kind: str) -> dict[str, float]:
 
 
 def stream_messages(kind: str) -> tuple[str, ...]:
-    """The messages of REQUEST_DATA_STREAM for all streams."""
+    """The messages of REQUEST_DATA_STREAM for all streams; a blimp has no missions."""
+    if kind == "blimp":
+        return tuple(name for name in _DEFAULT if name != "MISSION_CURRENT")
     return (*_DEFAULT, *_OF_SUB) if kind == "sub" else _DEFAULT

@@ -25,6 +25,10 @@ PHASES: Final = {
     AutopilotPhase.GONE: "GONE",
 }
 """What can be done with a vehicle now; a disarmed one says so itself."""
+_SHORT_PHASES: Final = {
+    AutopilotPhase.DRIVING: "follows",
+    AutopilotPhase.ELSEWHERE: "not driven",
+}
 _SILENT_S: Final = 1.5
 """Age of a heartbeat that is a caution: they come every second [s]."""
 _NO_SATELLITES: Final = 255
@@ -49,6 +53,13 @@ def head_of(robot: RobotState, autopilot: AutopilotState) -> Part:
     return Part(" · ".join(known), 10, severity, short=" · ".join(known[:2]))
 
 
+def shorter_heads(head: Part, autopilot: AutopilotState) -> tuple[str, ...]:
+    """The words of `head_of`, and fewer of them: whether it follows is left out last."""
+    follows = _SHORT_PHASES.get(autopilot.phase, "")
+    forms = (f"{head.short} · {follows}", f"{head.short} {follows}") if follows else ()
+    return (head.text, *forms, head.short)
+
+
 def autopilot_parts(robot: RobotState, autopilot: AutopilotState) -> Iterator[Part]:
     """A row each, after `head_of`."""
     if autopilot.why:
@@ -66,7 +77,7 @@ def autopilot_parts(robot: RobotState, autopilot: AutopilotState) -> Iterator[Pa
         if math.isfinite(autopilot.gain):
             yield Part(f"sticks have {autopilot.gain:.0%} of their effect", 2)
     if autopilot.unsafe:
-        yield Part(f"{unsafe_words(autopilot)}: see the help", 6, Severity.WARNING)
+        yield Part(f"{unsafe_words(autopilot)}: see help", 6, Severity.WARNING)
     kind = autopilot.vehicle or "a vehicle of no known kind"
     named = ", ".join(filter(None, (kind, autopilot.firmware)))
     if autopilot.verified or not autopilot.vehicle:
@@ -110,13 +121,18 @@ def _change(parameter: UnsafeParameter) -> str:
 def _stops(autopilot: AutopilotState) -> Iterator[Part]:
     if never := never_words(autopilot):
         yield Part(never, 9, Severity.ALARM)
+    if autopilot.phase is AutopilotPhase.ELSEWHERE:
+        return  # in a mode of its own it stops otherwise
     times = (
-        (autopilot.stops_after_zero_s, "zero"),
-        (autopilot.stops_after_cut_s, "the link is cut"),
+        (autopilot.stops_after_zero_s, "zero", "zero"),
+        (autopilot.stops_after_cut_s, "the link is cut", "cut"),
     )
-    known = [f"{seconds:.1f} s after {what}" for seconds, what in times if math.isfinite(seconds)]
+    known = [each for each in times if math.isfinite(each[0])]
     if known:
-        yield Part(f"stops {', '.join(known)}", 7)
+        stops = "will stop" if autopilot.phase is AutopilotPhase.DISARMED else "stops"
+        after = ", ".join(f"{seconds:.1f} s after {what}" for seconds, what, _ in known)
+        short = ", ".join(f"{word} {seconds:.1f} s" for seconds, _, word in known)
+        yield Part(f"{stops} {after}", 7, short=f"stops: {short}")
 
 
 def _link(autopilot: AutopilotState) -> Part:

@@ -17,7 +17,7 @@ from rune_tui.model.vehicle import autopilot_of
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.autopilot_words import autopilot_parts, head_of
+from rune_tui.visualizers.parts.autopilot_words import autopilot_parts, head_of, shorter_heads
 from rune_tui.visualizers.parts.rows import TextRow, fitting_form, wrapped, write_rows
 from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
 from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
@@ -49,7 +49,9 @@ class VisualizeAutopilot(PlainVisualizer):
         head, *parts = _parts(robot)
         rows = [row for part in _fitting(parts, canvas) for row in _rows(part, canvas.width)]
         write_rows(canvas, [TextRow(""), *rows], state.theme)
-        _write_head(canvas, head, state.theme)
+        autopilot = autopilot_of(robot)
+        forms = shorter_heads(head, autopilot) if autopilot is not None else (head.text, head.short)
+        _write_head(canvas, head, forms, state.theme)
         known = robot.newest(AUTOPILOT_STATE)
         if known is not None:
             draw_age(canvas, known.age(state.now), state.theme, _PAUSE_S)
@@ -72,7 +74,8 @@ def _parts(robot: RobotState) -> tuple[Part, ...]:
 
 
 def _rows(part: Part, columns: int) -> list[TextRow]:
-    return [*wrapped(TextRow(part.text, part.severity), columns)]
+    text = part.short if part.short and len(part.text) > columns else part.text
+    return [*wrapped(TextRow(text, part.severity), columns)]
 
 
 def _fitting(parts: list[Part], canvas: Canvas) -> list[Part]:
@@ -99,12 +102,12 @@ def _kept(parts: list[Part], columns: int, room: int) -> list[Part]:
     return [part for place, part in enumerate(parts) if place in kept]
 
 
-def _write_head(canvas: Canvas, head: Part, theme: Theme) -> None:
-    """The first row, on a ground of its colour where it is a caution or an alarm."""
+def _write_head(canvas: Canvas, head: Part, forms: tuple[str, ...], theme: Theme) -> None:
+    """The first row, in the first form that fits, on a ground where it is a caution or an alarm."""
     grounds = {Severity.WARNING: theme.warning, Severity.ALARM: theme.alarm}
     inks = {Severity.WARNING: theme.panel, Severity.ALARM: theme.on_alarm}
     if head.severity in grounds:
         with drawing(canvas) as pen:
             pen.rectangle(0, 0, canvas.width, 2, grounds[head.severity])
     ink = inks.get(head.severity) or ink_of(head.severity, theme)
-    canvas.text(0, 0, fitting_form(canvas.width, head.text, head.short), ink)
+    canvas.text(0, 0, fitting_form(canvas.width, *forms), ink)

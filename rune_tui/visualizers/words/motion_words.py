@@ -2,8 +2,11 @@
 
 | motion | the robot | words |
 | --- | --- | --- |
-| MOVING, GOING | any | the motion |
+| NO_DRIVER | any | the motion |
 | another | is disarmed | DISARMED |
+| MOVING | does not follow, because its autopilot is in a mode of its own | DOES NOT FOLLOW |
+| MOVING, GOING | any other | the motion |
+| another | moves in a mode of its autopilot's own | MOVES BY ITSELF |
 | another | moves without a command | STOPPING |
 | STANDING | has a word of its own | that word, such as HOLDS |
 | another | none of these | the motion |
@@ -16,11 +19,13 @@ from __future__ import annotations
 
 import math
 
+from hub.gcm.autopilot import AutopilotPhase
 from hub.gcm.body import Freedom
 from hub.gcm.navigation import MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vehicle import VEHICLE_STATE, Arming, HoldPhase, VehicleState
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.vehicle import autopilot_of
 from rune_tui.visualizers.parts.staleness import Staleness, pause_of, staleness
 
 ROLLING = 0.02
@@ -64,6 +69,8 @@ def motion_words(robot: RobotState, motion: MotionState, now: float) -> str:
     """The state of motion, in the words of the table."""
     if is_disarmed(robot, motion, now):
         return "DISARMED"
+    if apart := words_apart(robot, motion, now):
+        return apart
     if moves_on(robot, motion, now):
         return _ROLLING_ON[motion]
     own = activity(robot, now)
@@ -78,8 +85,19 @@ def short_motion(words: str) -> str:
 def is_disarmed(robot: RobotState, motion: MotionState, now: float) -> bool:
     """Whether the motors are off, and the driver still reports."""
     vehicle = fresh_vehicle(robot, now)
-    driven = motion in _DRIVEN or motion is MotionState.NO_DRIVER
-    return not driven and vehicle is not None and vehicle.arming is Arming.DISARMED
+    reports = motion is not MotionState.NO_DRIVER
+    return reports and vehicle is not None and vehicle.arming is Arming.DISARMED
+
+
+def words_apart(robot: RobotState, motion: MotionState, now: float) -> str:
+    """What a vehicle does whose autopilot does not follow commands; empty: no more than others."""
+    autopilot = autopilot_of(robot)
+    if autopilot is None or autopilot.phase is AutopilotPhase.DRIVING:
+        return ""
+    if motion is MotionState.MOVING:
+        return "DOES NOT FOLLOW"
+    by_itself = motion is not MotionState.NO_DRIVER and moves_on(robot, motion, now)
+    return "MOVES BY ITSELF" if by_itself else ""
 
 
 def moves_on(robot: RobotState, motion: MotionState, now: float) -> bool:

@@ -42,6 +42,8 @@ LOW_BATTERY = 0.2
 CRITICAL_BATTERY = 0.1
 OFF_CENTRE_DEG = 5.0
 _LEAST_ZOOM = 0.01
+_LET_GO_S = 1.0
+"""Time without keys that shows that they are up, where their releases are not reported [s]."""
 _HELD_BACK = 0.05
 
 _SIDES = ("ahead", "left", "behind", "right")
@@ -316,8 +318,10 @@ def _recording(state: ConsoleState) -> Iterator[Part]:
 def _held(state: ConsoleState) -> Iterator[Part]:
     if state.must_release:
         keys = " ".join(state.must_release)
-        text = f"LET GO OF {keys}, TAP, THEN HOLD" if state.tap_first else f"LET GO OF {keys} FIRST"
-        yield Part(text, 8, Severity.WARNING, short=f"LET GO OF {keys}")
+        go = f"LET GO OF {keys}"
+        text = f"{go} FIRST" if state.releases_reported else f"{go} FOR {_LET_GO_S:.0f} s FIRST"
+        text = f"{go}, TAP, THEN HOLD" if state.tap_first else text
+        yield Part(text, 8, Severity.WARNING, short=go)
     if state.held:
         yield Part(f"keys {' '.join(state.held)}", 1)
 

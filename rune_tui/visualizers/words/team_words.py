@@ -17,7 +17,13 @@ from rune_tui.model.vehicle import vehicle_of
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import Staleness, age_text, staleness
 from rune_tui.visualizers.parts.task_words import duration, head
-from rune_tui.visualizers.words.motion_words import HOLD_FAILS, activity, is_disarmed, moves_on
+from rune_tui.visualizers.words.motion_words import (
+    HOLD_FAILS,
+    activity,
+    is_disarmed,
+    moves_on,
+    words_apart,
+)
 from rune_tui.visualizers.words.status_words import CRITICAL_BATTERY, LOW_BATTERY
 from rune_tui.visualizers.words.troubles import troubles
 from rune_tui.visualizers.words.vehicle import target_words
@@ -133,6 +139,8 @@ def does(robot: RobotState, now: float) -> Part:
         return Part(head(task).lower(), 0)
     if is_disarmed(robot, motion, now):
         return Part("disarmed", 0)
+    if apart := words_apart(robot, motion, now):
+        return Part(apart, 0)
     if motion is not MotionState.NO_DRIVER and moves_on(robot, motion, now):
         return Part("STOPPING", 0)
     if motion in _QUIET and (own := activity(robot, now)):

@@ -383,3 +383,58 @@ def test_a_key_that_is_down_has_to_go_up_after_a_long_pause_or_when_its_robot_wa
     keyboard = after_a_pause(pause, meanwhile=meanwhile)
     assert keyboard.held == ()
     assert keyboard.must_release == ("w",)
+
+
+def silent(_key: str) -> bool:
+    """No key drives."""
+    return False
+
+
+def second(key: str) -> ControlEvent:
+    return ControlEvent(name=key, pressed=True, timed=True, second=True)
+
+
+@for_each("gap", [0.05, 0.3, 0.59, 0.61, 1.09])
+def test_two_quick_presses_of_a_key_that_does_not_drive_are_two(gap: float):
+    keyboard = KeyboardHold(silent)
+    assert keyboard.press("f8", 0.0) == (press("f8"),)
+    assert keyboard.press("f8", gap) == (repeat("f8"),)
+    assert keyboard.needs_answers
+    assert keyboard.expire(gap + 0.46) == ()
+    assert keyboard.expire(gap + 0.48) == (second("f8"), release("f8"))
+    assert keyboard.expire(9.0) == ()
+    assert keyboard.press("f8", 9.0) == (press("f8"),)
+
+
+@for_each("delay", [0.2, 0.5, 0.66, 1.0])
+def test_a_held_key_that_does_not_drive_is_pressed_once(delay: float):
+    keyboard = KeyboardHold(silent)
+    assert keyboard.press("f8", 0.0) == (press("f8"),)
+    for number in range(60):
+        assert keyboard.press("f8", delay + number * 0.125) == (repeat("f8"),)
+    last = delay + 59 * 0.125
+    assert keyboard.expire(last + 0.71) == ()
+    assert keyboard.expire(last + 0.73) == (release("f8"),)
+
+
+def test_a_terminal_that_answers_proves_a_second_press_sooner():
+    keyboard = KeyboardHold(silent)
+    keyboard.answers = True
+    keyboard.press("f8", 0.0)
+    keyboard.press("f8", 0.1)
+    keyboard.heard(0.3, 0.24)
+    assert keyboard.expire(0.33) == (), "a report may still be on the line"
+    keyboard.heard(0.34, 0.26)
+    assert keyboard.expire(0.37) == (second("f8"), release("f8"))
+
+
+def test_a_pause_of_the_console_or_of_the_focus_takes_the_second_press():
+    keyboard = KeyboardHold(silent)
+    keyboard.press("f8", 0.0)
+    (event,) = keyboard.press("f8", 0.3, stale=True)
+    assert event.stale
+    assert keyboard.expire(5.0) == ()
+    keyboard.press("f8", 10.0)
+    keyboard.press("f8", 10.3)
+    assert keyboard.release_all(10.4) == (release("f8"),)
+    assert keyboard.expire(20.0) == ()

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 
+from hub.gcm.autopilot import AUTOPILOT_STATE, AutopilotState
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.navigation import MotionState
+from hub.gcm.vehicle import VEHICLE_STATE, Arming, VehicleState
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import AskToLeave
 from rune_tui.model.leaving import ORDERED_S, question, reasons_to_stay
 from rune_tui.model.robot_state import LinkPhase, LinkState, Received, RobotState
 from rune_tui.model.state_changes import changed
 from tests.console.states import robot_of
+from tests.console.visualizers.conftest import received
 from tests.support.cases import for_each
 from tests.support.messages import robot_state
 
@@ -52,6 +56,25 @@ def test_a_robot_that_its_operator_drives_stops_by_itself(motion: MotionState):
 
 def test_what_another_console_has_the_robot_do_is_its_own_matter():
     assert reasons(MotionState.GOING, OTHERS) == ()
+
+
+def armed(owner: int, **vehicle: Arming) -> tuple[str, ...]:
+    known = robot(MotionState.STANDING, owner)
+    messages = {
+        **known.messages,
+        AUTOPILOT_STATE.name: received(AutopilotState()),
+        VEHICLE_STATE.name: received(VehicleState(**vehicle)),
+    }
+    keys = {(Purpose.DISARM, "magellan"): "f9"}
+    robots = {"magellan": known.with_(messages=messages)}
+    return reasons_to_stay(ConsoleState(now=0.0, robots=robots, inputs=keys))
+
+
+def test_a_vehicle_that_stays_armed_speaks_against_the_end():
+    assert armed(MINE, arming=Arming.ARMED) == (
+        "magellan STAYS ARMED, and nobody drives it (F9 disarms it)",
+    )
+    assert armed(MINE, arming=Arming.DISARMED) == armed(OTHERS, arming=Arming.ARMED) == ()
 
 
 def test_the_question_says_what_happens_and_how_to_answer():

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from hub.recording.ros.decoding import READABLE
-from hub.recording.ros.foxglove import foxglove_names
-from hub.recording.ros.images import ENCODINGS
 from hub.recording.ros.topic_roles import ROLES, SHOWN_BY, RosRole
+from hub.ros.decoding import READABLE
+from hub.ros.foxglove import foxglove_names
+from hub.ros.images import ENCODINGS
 from rune_tui.replay.review_keys import ReviewTask
 
 PAGE = Path(__file__).parents[3] / "docs" / "replay.md"

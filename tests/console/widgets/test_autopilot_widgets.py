@@ -5,15 +5,20 @@ from __future__ import annotations
 import dataclasses
 
 from hub.gcm.autopilot import AutopilotPhase, AutopilotState
-from hub.gcm.vehicle import VehicleCommand, VehicleOrder
+from hub.gcm.body import ROBOT_DESCRIPTION
+from hub.gcm.vehicle import VEHICLE_STATE, Arming, VehicleCommand, VehicleOrder, VehicleState
+from rune_tui.layout.rules import Purpose
 from rune_tui.layout.spec import EventSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import ChooseRobot, Effect, Notify, SendEffect
 from rune_tui.model.state_changes import changed
+from rune_tui.widgets.registry import WIDGETS
 from rune_tui.widgets.vehicle import AGAIN_S
 from rune_tui.widgets.widget import Widget
+from tests.console.visualizers.conftest import received
 from tests.console.widgets.presses import down, event_spec, widget_of
 from tests.support.autopilot import piloted, rover
+from tests.support.car import CAR
 
 KEY = event_spec("x")
 NEXT = dataclasses.replace(KEY, control="next")
@@ -36,7 +41,7 @@ def ordered(order: str, at: ConsoleState) -> list[tuple[VehicleOrder, str]]:
 def test_it_is_asked_to_follow_and_to_stay() -> None:
     for phase in (AutopilotPhase.DRIVING, AutopilotPhase.ELSEWHERE, AutopilotPhase.GONE):
         assert ordered("drive", state(rover(phase=phase))) == [(VehicleOrder.DRIVE, "")]
-    assert ordered("hold", state(rover())) == [(VehicleOrder.MODE, "hold")]
+    assert ordered("hold", state(rover())) == [(VehicleOrder.STAY, "")]
 
 
 def test_an_order_that_would_change_nothing_is_said_instead() -> None:
@@ -54,10 +59,39 @@ def press(widget: Widget, event: EventSpec, at: ConsoleState) -> tuple[list[str]
     return [text.partition("?")[0] for text in asks], modes
 
 
+def widget_with_keys() -> Widget:
+    spec = widget_of("widgetMode", "*").spec  # type: ignore[attr-defined]
+    keys = (dataclasses.replace(NEXT, name="f2"), dataclasses.replace(SET, name="f3"))
+    return WIDGETS["widgetMode"].from_spec(dataclasses.replace(spec, events=keys), "*")
+
+
+def test_arming_what_is_armed_names_the_key_that_lets_it_follow() -> None:
+    for phase, words in (
+        (AutopilotPhase.DRIVING, "it is armed already"),
+        (AutopilotPhase.ELSEWHERE, "it is armed already: F asks it to follow you"),
+    ):
+        at = state(rover(phase=phase))
+        robot = at.robots["magellan"]
+        messages = {
+            **robot.messages,
+            ROBOT_DESCRIPTION.name: received(dataclasses.replace(CAR, arms=1)),
+            VEHICLE_STATE.name: received(VehicleState(arming=Arming.ARMED)),
+        }
+        robots = {"magellan": robot.with_(messages=messages)}
+        keys = {(Purpose.FOLLOW, "magellan"): "F"}
+        at = dataclasses.replace(at, robots=robots, inputs=keys)
+        (said,) = widget_of("widgetArm", "*").handle(down("x"), KEY, at)
+        assert isinstance(said, Notify)
+        assert said.notice.text == words
+
+
 def test_a_mode_is_shown_first_and_set_by_another_key() -> None:
     widget = widget_of("widgetMode", "*")
     known = state(rover())
     assert press(widget, SET, known) == ([], []), "nothing was shown"
+    (hint,) = widget_with_keys().handle(down("f3"), SET, known)
+    assert isinstance(hint, Notify)
+    assert hint.notice.text == "F2 shows a mode first"
     assert press(widget, NEXT, known) == (["MODE hold"], [])
     assert press(widget, NEXT, known) == (["MODE loiter"], [])
     assert press(widget, NEXT, known) == (["MODE hold"], []), "not the present one"

@@ -123,6 +123,23 @@ def test_arming_asks_first_and_disarming_does_not() -> None:
     assert disarm.order is VehicleOrder.DISARM
 
 
+def test_a_quick_second_press_arms_and_a_held_key_does_not() -> None:
+    disarmed = VehicleState(arming=Arming.DISARMED)
+    widget = widget_of("widgetArm", "*")
+    widget.handle(down("x"), KEY, state(disarmed))
+    assert orders(widget.handle(again("x"), KEY, state(disarmed, now=1.2))) == []
+    quick = dataclasses.replace(down("x"), second=True)
+    (arm,) = orders(widget.handle(quick, KEY, state(disarmed, now=1.4)))
+    assert arm.order is VehicleOrder.ARM
+
+
+def test_a_quick_second_press_does_nothing_more_where_repeats_count() -> None:
+    key = event_spec("x", "climb", 1.0)
+    widget = widget_of("widgetTrim", "*")
+    assert widget.handle(again("x"), key, state())
+    assert widget.handle(dataclasses.replace(down("x"), second=True), key, state()) == ()
+
+
 def test_a_question_goes_with_its_time_and_when_its_robot_is_left() -> None:
     disarmed = VehicleState(arming=Arming.DISARMED)
     widget = widget_of("widgetArm", "*")

@@ -30,6 +30,7 @@ class TimedBus:
         self.watched = False
         self.faults = SimpleNamespace(counts=Counter())
         self.directory = SimpleNamespace(follow=self._follow, watch=lambda *_: None)
+        self.loop = SimpleNamespace(watch=lambda *_: None, unwatch=lambda _: None)
         self._timers = Timers()
         self._handlers: dict[str, Callable[..., None]] = {}
         self._numbers: dict[str, int] = {}

@@ -146,8 +146,8 @@ run = "hub.modules.driver"
         ("[modules.driver]", "[[hold]]\nkind='depth'\n[modules.driver]", "line 8: [[hold]] 1, key"),
         (
             "[modules.driver]",
-            "[[light]]\nname='a'\n[[light]]\nname='b'\n[modules.driver]",
-            "line 11: [[light]] 2, key 'name': the kind 'mavlink' has one only",
+            "[[light]]\nname='a'\n[[light]]\nname='b'\n[[light]]\nname='c'\n[modules.driver]",
+            "line 13: [[light]] 3, key 'name': the kind 'mavlink' has two only",
         ),
         ("[body]", "station = 0\n[body]", "line 6: [mavlink], key 'station': 0 is not between 1"),
     ],

@@ -111,3 +111,35 @@ def test_a_camera_s_own_time_counts_where_it_is_on_our_clock() -> None:
     assert taken(None, 100.0) == 100.0
     assert taken(1.7e9, 100.0) == 100.0  # since the epoch
     assert taken(0.5, 100.0) == 100.0  # since it was opened
+
+
+@for_each(
+    ("text", "address", "codec", "local"),
+    [
+        ("rtp://0.0.0.0:5600", "rtp://0.0.0.0:5600", "H264", ""),
+        ("rtp://:5600", "rtp://127.0.0.1:5600", "H264", "127.0.0.1"),
+        ("rtp://192.168.2.1:5600?codec=h265", "rtp://192.168.2.1:5600", "H265", "192.168.2.1"),
+        ("udp://[::1]:5600", "udp://[::1]:5600", "", "::1"),
+        ("udp://239.0.0.1:5600", "udp://239.0.0.1:5600", "", ""),
+    ],
+)
+def test_datagrams_come_to_an_address_of_this_machine(
+    text: str, address: str, codec: str, local: str
+) -> None:
+    source = video_source(text)
+    assert (source.kind, source.shown, source.address) == (SourceKind.STREAM, text, address)
+    assert source.options.get("localaddr", "") == local
+    assert f" {codec}/90000\n" in source.session if codec else not source.session
+
+
+@for_each(
+    "text",
+    [
+        *("rtp://", "udp://:0", "udp://0.0.0.0:99999", "udp://camera:5600", "rtp://0.0.0.0"),
+        *("udp://:5600/x", "udp://:5600?codec=h265", "rtp://:5600?codec=vp8", "rtp://u@:5600#x"),
+        *("udp://:5600?localaddr=0.0.0.0&pkt_size=1", "rtp://:5600\r\na=x", "udp://[::1:5600"),
+    ],
+)
+def test_an_address_for_datagrams_has_an_own_address_and_a_port(text: str) -> None:
+    with pytest.raises(CameraError, match="give an address of this machine and a port"):
+        video_source(text)

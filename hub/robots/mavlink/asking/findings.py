@@ -13,11 +13,13 @@ from __future__ import annotations
 
 import enum
 import math
+import re
 from collections.abc import Iterator
 from typing import Final
 
 from hub.plain_text import plain
 from hub.robots.mavlink.asking.session import OutgoingMessage, addressed
+from hub.robots.mavlink.kinds import is_vehicle
 from hub.robots.mavlink.profiles.profile import OLDER_NAMES, VehicleProfile
 from hub.robots.mavlink.profiles.table import profile_of
 from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads, parameter_value
@@ -27,8 +29,6 @@ from hub.values import dataclass
 
 AUTOPILOT: Final = 1
 """The component that is the autopilot."""
-NO_AUTOPILOT: Final = 8
-"""MAV_AUTOPILOT_INVALID."""
 ARMED: Final = 128
 """MAV_MODE_FLAG_SAFETY_ARMED."""
 STATION_KIND: Final = 6
@@ -45,6 +45,11 @@ _AGAIN_S: Final = 0.5
 _REQUESTS: Final = 3
 _MOST_COMPONENTS: Final = 64
 _MOST_STREAMS: Final = 16
+_RTP: Final = 1
+_MPEG_TS: Final = 3
+"""VIDEO_STREAM_TYPE of datagrams: their address is a port, with or without a host before it."""
+_H265: Final = 2
+"""VIDEO_STREAM_ENCODING."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,7 +75,11 @@ class FoundComponent:
     @property
     def is_vehicle(self) -> bool:
         """Whether it is the autopilot of a vehicle."""
-        return self.component == AUTOPILOT and self.autopilot != NO_AUTOPILOT
+        return is_vehicle(self.component, self.autopilot, self.kind)
+
+    def same_kind(self, other: FoundComponent) -> bool:
+        """Whether another one has this type and this autopilot."""
+        return (self.autopilot, self.kind) == (other.autopilot, other.kind)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +89,8 @@ class FoundStream:
     Attributes:
         component: The camera.
         name: Its name.
-        address: Where pictures come from, as the camera says.
+        address: Where pictures come from, as the camera says; of datagrams, where this machine
+            waits for them.
     """
 
     component: int
@@ -104,6 +114,7 @@ class VehicleFinder:
         parameters: Those of its parameters that were read.
         streams: The video streams of its cameras.
         answers: Whether it answers.
+        receiver: Whether it has a radio receiver; None: it does not say.
     """
 
     def __init__(self, system: int = 0, *, reads: bool = True, extra: tuple[str, ...] = ()) -> None:
@@ -120,6 +131,7 @@ class VehicleFinder:
         self.firmware = 0
         self.streams: dict[tuple[int, int], FoundStream] = {}
         self.answers = False
+        self.receiver: bool | None = None
         self._reads = ParameterReads()
         self._state = _State.LISTENING
         self._until = math.inf
@@ -194,6 +206,9 @@ class VehicleFinder:
             armed=bool(frame["base_mode"] & ARMED),
             signed=frame.raw[0] == VERSION_2 and bool(frame.raw[2] & 1),
         )
+        known = self.components.get(sender)
+        if known is not None and known.is_vehicle and not found.same_kind(known):
+            return  # another one uses its number
         self.components[sender] = found
         if self.vehicle is not None and sender == (self.vehicle.system, AUTOPILOT):
             self.vehicle = found
@@ -205,6 +220,8 @@ class VehicleFinder:
         match frame.name:
             case "AUTOPILOT_VERSION" if frame.component == AUTOPILOT:
                 self.firmware, self.answers = frame["flight_sw_version"], True
+            case "RC_CHANNELS" if frame.component == AUTOPILOT:
+                self.receiver = frame["chancount"] > 0
             case "PARAM_VALUE" if frame.component == AUTOPILOT:
                 bytewise = self.profile is not None and self.profile.bytewise
                 value = parameter_value(frame, bytewise=bytewise)
@@ -214,7 +231,7 @@ class VehicleFinder:
                 self.streams[frame.component, frame["stream_id"]] = FoundStream(
                     component=frame.component,
                     name=plain(frame["name"]),
-                    address=plain(frame["uri"]),
+                    address=_stream_address(frame),
                 )
 
     def _proceed(self, now: float) -> None:
@@ -263,8 +280,21 @@ class VehicleFinder:
         self._requests += 1
         if not self.firmware:
             yield _request(system, AUTOPILOT, "AUTOPILOT_VERSION")
+        if self.receiver is None:
+            yield _request(system, AUTOPILOT, "RC_CHANNELS")
         for each in self._cameras:
             yield _request(system, each.component, "VIDEO_STREAM_INFORMATION")
+
+
+def _stream_address(frame: MavlinkFrame) -> str:
+    """The address of a stream for a robot file."""
+    said = plain(frame["uri"])
+    port = re.search(r"(?:^|:)(\d{1,5})/?$", said)
+    if port is None or frame["type"] not in (_RTP, _MPEG_TS):
+        return said
+    if frame["type"] == _MPEG_TS:
+        return f"udp://0.0.0.0:{port[1]}"
+    return f"rtp://0.0.0.0:{port[1]}{'?codec=h265' if frame['encoding'] == _H265 else ''}"
 
 
 def _request(system: int, component: int, name: str) -> OutgoingMessage:

@@ -63,7 +63,8 @@ class ParameterReading:
 
     Attributes:
         values: What was read, by name.
-        total: How many the vehicle has; 0: not known.
+        total: How many of the vehicle's are read; 0: not known.
+        has_more: Whether it says that it has more than any vehicle has.
     """
 
     def __init__(self, system: int, names: Sequence[str] = (), autopilot: int = 0) -> None:
@@ -78,6 +79,7 @@ class ParameterReading:
         self._names = tuple(dict.fromkeys(names))
         self.values: dict[str, Parameter] = {}
         self.total = 0
+        self.has_more = False
         self._places: set[int] = set()
         self._next = -math.inf
         self._tries = _TRIES
@@ -107,6 +109,7 @@ class ParameterReading:
         if self._names:
             self._take(name, frame, now, wanted=name in self._names)
             return
+        self.has_more = self.has_more or count > MOST_PARAMETERS
         self.total = min(MOST_PARAMETERS, max(self.total, count))
         new = place < self.total and place not in self._places
         if new:

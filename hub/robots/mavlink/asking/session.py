@@ -14,7 +14,7 @@ from hub.robots.mavlink.link.address import VehicleAddress, vehicle_address
 from hub.robots.mavlink.link.byte_link import ByteLink
 from hub.robots.mavlink.link.opening import link_to
 from hub.robots.mavlink.profiles.profile import STATION
-from hub.robots.mavlink.vehicle.sender import STATION_COMPONENT
+from hub.robots.mavlink.vehicle.other_stations import STATION_COMPONENT
 from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser, MavlinkFrame
 from hub.robots.mavlink.wire.signing import Signer

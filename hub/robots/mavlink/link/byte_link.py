@@ -21,6 +21,8 @@ from hub.values import dataclass
 
 RETRY_S: Final = 1.0
 """Time between two attempts to open a link [s]."""
+_UNHEARD_S: Final = 5.0
+"""How long a sender counts whose datagrams are dropped [s]."""
 MOST_READ: Final = 1 << 14
 """About the most bytes that one `read` returns; the rest waits. A flood leaves the driver time."""
 AT_ONCE: Final = 1 << 14
@@ -38,6 +40,7 @@ class ByteLinkState:
         dropped: Frames that could not leave at once.
         received: Bytes that came.
         sent: Bytes that left.
+        unheard: Another sender, whose datagrams are dropped; empty: there is none.
     """
 
     up: bool
@@ -46,12 +49,14 @@ class ByteLinkState:
     dropped: int
     received: int
     sent: int
+    unheard: str = ""
 
 
 class ByteLink(abc.ABC):
     """Bytes to and from a vehicle; used by one thread.
 
     Attributes:
+        peers: How often it was another one that sends.
         closing: Called before its file descriptor is closed.
     """
 
@@ -65,6 +70,8 @@ class ByteLink(abc.ABC):
         self._why = ""
         self._openings = self._dropped = self._received = self._sent = 0
         self._rest = b""
+        self._unheard, self._unheard_at = "", -math.inf
+        self.peers = 0
         self.closing: Callable[[], None] = lambda: None
 
     @property
@@ -82,6 +89,7 @@ class ByteLink(abc.ABC):
             dropped=self._dropped,
             received=self._received,
             sent=self._sent,
+            unheard=self._unheard if self._now - self._unheard_at < _UNHEARD_S else "",
         )
 
     def read(self, now: float) -> list[bytes]:

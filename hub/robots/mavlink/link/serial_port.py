@@ -11,7 +11,12 @@ from hub.robots.mavlink.link.byte_link import AT_ONCE, ByteLink
 if TYPE_CHECKING:
     import serial
 
+_NO_PORT: Final = "it is no serial port; correct the address"
 _FAULTS: Final = {
+    errno.ENOTTY: _NO_PORT,
+    errno.EINVAL: _NO_PORT,
+    errno.EISDIR: _NO_PORT,
+    errno.EIO: "it was unplugged",
     errno.ENOENT: "it is not there; plug it in, or correct the address",
     errno.EACCES: "this user may not use it; add the user to the group that owns it, usually "
     "'dialout', and log in again",
@@ -31,14 +36,16 @@ class SerialLink(ByteLink):
 
     def _open(self) -> None:
         try:
+            import termios
+
             import serial
         except ImportError as fault:
             text = "pyserial is missing; install robot-user-nexus[mavlink]"
             raise OSError(0, text) from fault
         try:
             self._port = serial.Serial(self._path, self._baud, timeout=0, exclusive=True)
-        except serial.SerialException as fault:
-            number = fault.errno or 0
+        except (serial.SerialException, termios.error) as fault:
+            number = _number(fault)
             raise OSError(number, _FAULTS.get(number, str(fault))) from fault
         except ValueError as fault:
             raise OSError(0, str(fault)) from fault
@@ -64,3 +71,12 @@ class SerialLink(ByteLink):
         if self._port is not None:
             self._port.close()
             self._port = None
+
+
+def _number(fault: BaseException | None) -> int:
+    """The error number of a fault, or of the one behind it; 0: it has none."""
+    while fault is not None:
+        if fault.args and isinstance(fault.args[0], int):
+            return fault.args[0]
+        fault = fault.__context__
+    return 0

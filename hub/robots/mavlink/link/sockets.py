@@ -5,9 +5,9 @@ from __future__ import annotations
 import contextlib
 import errno
 import socket
-import threading
 from typing import Any, Final
 
+from hub.robots.host_lookup import HostLookup
 from hub.robots.mavlink.link.byte_link import AT_ONCE, ByteLink
 
 _UNANSWERED_MS: Final = 3000
@@ -17,44 +17,11 @@ _CONNECTING_S: Final = 5.0
 _OTHER_SENDER_S: Final = 3.0
 """After this silence another sender takes the place of a vehicle that sent first [s]."""
 
-
-class HostLookup:
-    """The address of a machine; a name is looked up in a thread, since that can take seconds."""
-
-    def __init__(self, host: str, port: int, kind: socket.SocketKind) -> None:
-        self._host, self._port, self._kind = host, port, kind
-        self._thread: threading.Thread | None = None
-        self._found: tuple[int, Any] | None = None
-        self._fault = ""
-
-    def address(self) -> tuple[int, Any]:
-        """Its family and address; each call of a name begins another lookup.
-
-        Raises:
-            OSError: It is not known, or not yet.
-        """
-        with contextlib.suppress(OSError):
-            return self._look_up(socket.AI_NUMERICHOST)
-        found = self._found
-        if self._thread is None or not self._thread.is_alive():
-            self._thread = threading.Thread(target=self._find, name="host lookup", daemon=True)
-            self._thread.start()
-        if found is None:
-            raise OSError(0, self._fault or f"the name {self._host!r} is being looked up")
-        return found
-
-    def _find(self) -> None:
-        try:
-            self._found = self._look_up()
-        except OSError as fault:
-            self._found = None
-            self._fault = f"the name {self._host!r} is not known: {fault.strerror or fault}"
-
-    def _look_up(self, flags: int = 0) -> tuple[int, Any]:
-        family, _, _, _, address = socket.getaddrinfo(
-            self._host, self._port, type=self._kind, flags=flags
-        )[0]
-        return family, address
+_BIND_FAULTS: Final = {
+    errno.EADDRINUSE: "another program of this machine, such as a hub or a ground station, listens "
+    "at this port; end it, or give another port",
+    errno.EADDRNOTAVAIL: "this machine has no such address",
+}
 
 
 class UdpLink(ByteLink):
@@ -69,6 +36,7 @@ class UdpLink(ByteLink):
         self._listen = listen
         self._socket: socket.socket | None = None
         self._peer: Any = None
+        self._last: Any = None
         self._heard_at = 0.0
 
     @property
@@ -82,7 +50,12 @@ class UdpLink(ByteLink):
         self._socket.settimeout(0.0)
         self._peer = None
         if self._listen:
-            self._socket.bind(address)
+            try:
+                self._socket.bind(address)
+            except OSError as fault:
+                raise OSError(
+                    fault.errno, _BIND_FAULTS.get(fault.errno or 0, str(fault))
+                ) from fault
         else:
             self._peer = address
 
@@ -94,10 +67,12 @@ class UdpLink(ByteLink):
             if self._listen and (
                 self._peer is None or self._now - self._heard_at > _OTHER_SENDER_S
             ):
-                self._peer = sender
+                self._peer, self.peers = sender, self.peers + (sender != self._last)
+                self._last = sender
             if sender[0] == self._peer[0] and (not self._listen or sender == self._peer):
                 self._heard_at = self._now
                 return data
+            self._unheard, self._unheard_at = f"{sender[0]}:{sender[1]}", self._now
 
     def _send(self, data: bytes) -> int:
         if self._socket is None or self._peer is None:

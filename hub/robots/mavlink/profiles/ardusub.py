@@ -31,8 +31,8 @@ _ACRO_TURN: Final = math.radians(45.0)
 """Turn rate of a full stick, per unit of ACRO_YAW_P [rad/s]."""
 _BRAKING: Final = Braking(delay=0.2, per_speed=3.0, least=1.6)
 """Measured on a simulated Sub in POSHOLD: 1.81 s from 0.31 m/s, 2.0 s from 0.26 m/s and more."""
-_AFTER_SILENCE_S: Final = 2.45
-"""Time until it stands after it noticed the silence, in either mode [s]: 2.0 to 3.9."""
+_AFTER_SILENCE_S: Final = 2.7
+"""Time until it stands after it noticed the silence [s]: 2.0 to 2.7 in POSHOLD, else up to 3.9."""
 _DISARM: Final = 2.0
 """Action of a failsafe: disarm."""
 _COASTING_S: Final = 3.9

@@ -1,4 +1,4 @@
-"""Sets the lights of a Sub by the buttons of a joystick, as nothing else does; pure.
+"""Sets a light of a Sub by the buttons of a joystick, as nothing else does; pure.
 
 | state | event | next state |
 | --- | --- | --- |
@@ -16,13 +16,14 @@ A press is a step of JS_LIGHTS_STEPS. No button of another function is ever pres
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 from hub.robots.mavlink.profiles.ardusub import BUTTON_FUNCTIONS, LIGHT_STEPS
 from hub.robots.mavlink.profiles.profile import Parameters
 
-_BRIGHTER: Final = 32.0
-_DIMMER: Final = 33.0
+_BRIGHTER: Final = (32.0, 35.0)
+"""Functions of buttons that make both lights brighter; to each, the next function is dimmer."""
 _STEPS: Final = 8.0
 """Steps from dark to bright where the vehicle does not say."""
 _LOOKING_S: Final = 1.5
@@ -30,10 +31,12 @@ _LONGEST_S: Final = 10.0
 _ROUNDS: Final = 3
 
 
-class ButtonLights:
-    """The lights of one Sub; times are monotonic [s]."""
+class ButtonLight:
+    """One light of a Sub; times are monotonic [s]."""
 
-    def __init__(self) -> None:
+    def __init__(self, brighter: float) -> None:
+        """Take the function of the button that makes it brighter."""
+        self._brighter = brighter
         self._wanted = math.nan
         self._until = self._look_at = -math.inf
         self._presses = self._rounds = 0
@@ -60,13 +63,37 @@ class ButtonLights:
             steps = max(1.0, parameters.get(LIGHT_STEPS, _STEPS))
             self._presses = round((self._wanted - present) * min(steps, 100.0))
             self._rounds -= 1
-        button = _button(parameters, _BRIGHTER if self._presses > 0 else _DIMMER)
+        button = _button(parameters, self._brighter + (self._presses < 0))
         if not self._presses or not button:
             return 0
         self._presses -= 1 if self._presses > 0 else -1
         self._look_at = now + _LOOKING_S
         self._pressed = True
         return button
+
+
+class ButtonLights:
+    """Both lights of one Sub."""
+
+    def __init__(self) -> None:
+        self._lights = [ButtonLight(function) for function in _BRIGHTER]
+
+    def set(self, number: int, brightness: float, now: float) -> None:
+        """Ask light 1 or 2 for a brightness, 0 to 1; monotonic time [s]."""
+        self._lights[number - 1].set(brightness, now)
+
+    def buttons(self, parameters: Parameters, present: Callable[[int], float], now: float) -> int:
+        """The buttons of the frame that is sent now, a bit each.
+
+        Args:
+            parameters: The vehicle's parameters.
+            present: The present brightness of light 1 or 2; NaN: not known.
+            now: Monotonic time [s].
+        """
+        pressed = 0
+        for number, light in enumerate(self._lights, 1):
+            pressed |= light.buttons(parameters, present(number), now)
+        return pressed
 
 
 def _button(parameters: Parameters, function: float) -> int:

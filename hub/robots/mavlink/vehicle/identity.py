@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
+from hub.robots.mavlink.kinds import is_vehicle
 from hub.robots.mavlink.profiles.profile import VehicleProfile
 from hub.robots.mavlink.profiles.table import profile_of
 from hub.robots.mavlink.wire.frames import MavlinkFrame
 
 AUTOPILOT: Final = 1
 """The component that is the autopilot."""
-_NO_AUTOPILOT: Final = 8
-_NO_VEHICLES: Final = frozenset({5, 6, 18, 26, 27, 30})
-"""MAV_TYPE of antenna tracker, ground station, onboard computer, gimbal, ADSB and camera."""
 _MOST_OTHERS: Final = 64
 
 
@@ -23,7 +21,6 @@ class VehicleIdentity:
         system: Its number; 0: not known yet.
         profile: The rules of its kind; None: it is not known.
         others: Numbers of other vehicles on the link.
-        twin: Whether another kind of vehicle uses the same number.
     """
 
     def __init__(self, wanted: int = 0) -> None:
@@ -33,7 +30,6 @@ class VehicleIdentity:
         self.system = 0
         self.profile: VehicleProfile | None = None
         self.others: set[int] = set()
-        self.twin = False
 
     def heartbeat(self, frame: MavlinkFrame, *, silent: bool) -> bool:
         """Take a heartbeat; whether it is the vehicle's.
@@ -43,7 +39,7 @@ class VehicleIdentity:
             silent: Whether the vehicle is silent: then its number may get a new kind.
         """
         kind = (frame["autopilot"], frame["type"])
-        if frame.component != AUTOPILOT or kind[0] == _NO_AUTOPILOT or kind[1] in _NO_VEHICLES:
+        if not is_vehicle(frame.component, *kind):
             return False
         if not frame.system:
             return False  # 0 means all vehicles
@@ -52,11 +48,16 @@ class VehicleIdentity:
                 self.others.add(frame.system)
             return False
         if self.system and kind != self._kind and not silent:
-            self.twin = True
             return False
         self.system, self._kind = frame.system, kind
         self.profile = profile_of(*kind)
         return True
+
+    def is_twin(self, frame: MavlinkFrame) -> bool:
+        """Whether a heartbeat is of a vehicle of another kind with the same number."""
+        kind = (frame["autopilot"], frame["type"])
+        known = is_vehicle(frame.component, *kind)
+        return known and frame.system == self.system != 0 and kind != self._kind
 
     def sent(self, frame: MavlinkFrame) -> bool:
         """Whether a frame is of the vehicle's autopilot."""

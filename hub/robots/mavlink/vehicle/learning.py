@@ -26,18 +26,13 @@ _FIRST_S: Final = 3.0
 
 
 class Learning:
-    """The questions to one vehicle.
-
-    Attributes:
-        firmware: Its version, a byte each: major, minor, patch, kind; 0: not known.
-    """
+    """The questions to one vehicle."""
 
     def __init__(self, requests: RequestQueue, parameters: ParameterReads) -> None:
         self._requests, self._parameters = requests, parameters
         self._since = -math.inf
         self._profile: VehicleProfile | None = None
         self._left = 0
-        self.firmware = 0
 
     def begin(self, profile: VehicleProfile | None, now: float) -> None:
         """Ask for streams and parameters; earlier questions end, unless they are as new as this."""

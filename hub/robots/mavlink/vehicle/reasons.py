@@ -29,15 +29,16 @@ def why(vehicle: MavlinkVehicle, now: float) -> str:
 
 def warnings(vehicle: MavlinkVehicle) -> Iterator[str]:
     """What an operator should know of the vehicle and its link, a sentence each."""
-    if vehicle.system and vehicle.others:
+    if vehicle.system and vehicle.identity.others:
         yield f"other vehicles are on its link{_others(vehicle)}; Rune drives {vehicle.system}"
-    if vehicle.identity.twin:
-        yield f"another kind of vehicle uses the number {vehicle.system}: give it another one"
     profile = vehicle.profile
     if profile is None:
         return
     if not profile.verified:
         yield f"the rules of a {profile.autopilot} {profile.name} were never compared with one"
+    if vehicle.telemetry.silent:
+        silent = ", ".join(sorted(vehicle.telemetry.silent))
+        yield f"it sends {silent} no more, so what they say is not known: see if its link is full"
     missing = [name for name in profile.scales if name in vehicle.parameters.missing]
     if missing:
         yield f"it does not tell {', '.join(missing)}: it does not move where these are needed"
@@ -62,7 +63,7 @@ def _reason(vehicle: MavlinkVehicle, now: float) -> str:
 
 
 def _others(vehicle: MavlinkVehicle) -> str:
-    numbers = ", ".join(map(str, sorted(vehicle.others)[:8]))
+    numbers = ", ".join(map(str, sorted(vehicle.identity.others)[:8]))
     return f", with the numbers {numbers}" if numbers else ""
 
 

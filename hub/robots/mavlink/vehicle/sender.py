@@ -7,12 +7,11 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from hub.robots.mavlink.vehicle.identity import AUTOPILOT
+from hub.robots.mavlink.vehicle.other_stations import OtherStations
 from hub.robots.mavlink.vehicle.requests import VehicleRequest
 from hub.robots.mavlink.wire.definitions import BY_NAME
-from hub.robots.mavlink.wire.frames import FramePacker, MavlinkFrame
+from hub.robots.mavlink.wire.frames import FramePacker
 
-STATION_COMPONENT: Final = 190
-"""The number of a mission planner in a ground station."""
 _HEARTBEAT_S: Final = 1.0
 _STATION: Final = {"type": 6, "autopilot": 8, "system_status": 4, "mavlink_version": 3}
 """The heartbeat of a ground station: MAV_TYPE_GCS, no autopilot, active."""
@@ -33,14 +32,17 @@ class VehicleSender:
         system: Number of the vehicle; 0: not known yet.
     """
 
-    def __init__(self, send: Callable[[bytes], None], packer: FramePacker) -> None:
+    def __init__(
+        self, send: Callable[[bytes], None], packer: FramePacker, stations: OtherStations
+    ) -> None:
         """Take the link.
 
         Args:
             send: Sends a frame at once, or drops it.
             packer: Packs the frames of this station.
+            stations: Learns of each frame and each command that leaves.
         """
-        self._send, self._packer = send, packer
+        self._send, self._packer, self._stations = send, packer, stations
         self._heartbeat_at = -math.inf
         self.system = 0
 
@@ -50,13 +52,11 @@ class VehicleSender:
             fields |= {"target_system": self.system, "target_component": AUTOPILOT}
         elif name in _TO_SYSTEM:
             fields["target"] = self.system
-        self._send(self._packer.pack(name, **fields))
-
-    def is_asker(self, answer: MavlinkFrame) -> bool:
-        """Whether a COMMAND_ACK is for this station; one of MAVLink 1 has no target."""
-        return answer["target_system"] in (0, self._packer.system) and (
-            answer["target_component"] in (0, STATION_COMPONENT)
-        )
+        frame = self._packer.pack(name, **fields)
+        if name == "COMMAND_LONG":
+            self._stations.commanded(fields["command"])
+        self._stations.sent(frame)
+        self._send(frame)
 
     def heartbeat(self, now: float) -> None:
         """Send the heartbeat of this station, once per second [s, monotonic]."""

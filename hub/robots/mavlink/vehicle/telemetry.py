@@ -7,7 +7,8 @@
 | pitch, positive nose up | -pitch, positive nose down |
 | roll, positive right side down | roll |
 
-Values that do not come, or are not numbers, are NaN. The origin of `odom` is that of the vehicle.
+Values that do not come, come no more, or are not numbers, are NaN. The origin of `odom` is that of
+the vehicle.
 """
 
 from __future__ import annotations
@@ -35,6 +36,10 @@ _DOWN: Final = 25
 _BODY_FRD: Final = 12
 """MAV_FRAME_BODY_FRD: directions from ahead."""
 _NOTHING_MEASURED: Final = 65535
+_NO_RATES: Final = Vector3(x=math.nan, y=math.nan, z=math.nan)
+_STILL: Final = 0.05
+"""Speed below which it stands [m/s]."""
+_RECENT_S: Final = 0.5
 
 
 def within(value: float, most: float) -> float:
@@ -59,6 +64,11 @@ class Obstacles:
     nearest: float
     farthest: float
     distances: tuple[float, ...]
+
+
+def share(value: float) -> float:
+    """A part of a whole, 0 to 1; NaN where it is none."""
+    return value if 0.0 <= value <= 1.0 else math.nan
 
 
 class Telemetry:
@@ -95,6 +105,7 @@ class Telemetry:
         boot_ms: Time since its start [ms].
         measured: Monotonic time of the last ATTITUDE [s].
         placed: Monotonic time of the last position [s].
+        silent: Names of messages that came, and come no more.
         origin: Latitude and longitude [1e-7 deg] and altitude [mm] of the origin; None: not known.
     """
 
@@ -117,11 +128,12 @@ class Telemetry:
         self.boot_ms = 0
         self.measured = self.placed = self.ahead_at = self.obstacles_at = -math.inf
         self.origin: tuple[int, int, int] | None = None
+        self._came: dict[str, float] = {}
+        self.silent: set[str] = set()
 
-    @property
-    def brightness(self) -> float:
-        """Of its lights, 0 to 1; NaN: not known."""
-        return within(self.named.get("Lights1", math.nan), 1.0)
+    def brightness(self, number: int) -> float:
+        """Of its light 1 or 2, 0 to 1; NaN: not known."""
+        return share(self.named.get(f"Lights{number}", math.nan))
 
     @property
     def velocity(self) -> Twist:
@@ -136,11 +148,17 @@ class Telemetry:
             angular=self.rates,
         )
 
+    def moves(self, now: float) -> bool:
+        """Whether a velocity that came a short while ago shows that it moves in the plane."""
+        return now - self.placed < _RECENT_S and math.hypot(self.east, self.north) >= _STILL
+
     def take(self, frame: MavlinkFrame, now: float) -> None:
         """Take a frame of the vehicle's autopilot; one of another message changes nothing."""
         reader = _READERS.get(frame.name)
         if reader is not None:
             reader(self, frame.fields)
+            self._came[frame.name] = now
+            self.silent.discard(frame.name)
             match frame.name:
                 case "ATTITUDE":
                     self.measured = now
@@ -150,6 +168,15 @@ class Telemetry:
                     self.ahead_at = now
                 case "OBSTACLE_DISTANCE":
                     self.obstacles_at = now
+
+    def step(self, now: float) -> None:
+        """Forget the values of messages that come no more; monotonic time [s]."""
+        for name, (lasting, values) in _LASTING.items():
+            if now - self._came.get(name, now) > lasting:
+                del self._came[name]
+                self.silent.add(name)
+                for value, unknown in values.items():
+                    setattr(self, value, unknown)
 
 
 def _attitude(to: Telemetry, values: Mapping[str, Any]) -> None:
@@ -198,7 +225,8 @@ def _hud(to: Telemetry, values: Mapping[str, Any]) -> None:
 
 
 def _pressure(to: Telemetry, values: Mapping[str, Any]) -> None:
-    to.pressure = within(values["press_abs"] * 100.0, 1e9)
+    pressure = within(values["press_abs"] * 100.0, 1e9)
+    to.pressure = pressure if pressure >= 0.0 else math.nan
 
 
 def _named(to: Telemetry, values: Mapping[str, Any]) -> None:
@@ -206,7 +234,7 @@ def _named(to: Telemetry, values: Mapping[str, Any]) -> None:
     if name in to.named or len(to.named) < 64:
         to.named[name] = value
     if name.startswith("PilotGain"):
-        to.gain = within(value, 1.0)
+        to.gain = share(value)
 
 
 def _range(to: Telemetry, values: Mapping[str, Any]) -> None:
@@ -269,3 +297,26 @@ _READERS: Final[Mapping[str, Callable[[Telemetry, Mapping[str, Any]], None]]] = 
     "NAMED_VALUE_FLOAT": _named,
     "DISTANCE_SENSOR": _range,
 }
+_LASTING: Final[Mapping[str, tuple[float, Mapping[str, object]]]] = {
+    "ATTITUDE": (
+        1.5,
+        {"yaw": math.nan, "roll": math.nan, "pitch": math.nan, "rates": _NO_RATES},
+    ),
+    "LOCAL_POSITION_NED": (
+        1.5,
+        dict.fromkeys(("x", "y", "z", "east", "north", "climb"), math.nan),
+    ),
+    "SYS_STATUS": (5.0, {"voltage": math.nan, "charge": math.nan, "armable": False}),
+    "EKF_STATUS_REPORT": (5.0, {"position": False}),
+    "ESTIMATOR_STATUS": (5.0, {"position": False}),
+    "EXTENDED_SYS_STATE": (5.0, {"in_air": False}),
+    "GPS_RAW_INT": (10.0, {"satellites": 255}),
+    "VFR_HUD": (5.0, {"depth": math.nan}),
+    "SCALED_PRESSURE2": (5.0, {"pressure": math.nan}),
+    "DISTANCE_SENSOR": (5.0, {"ahead": math.nan, "below": math.nan}),
+    "GIMBAL_DEVICE_ATTITUDE_STATUS": (5.0, {"tilt": math.nan}),
+}
+"""How long the values of a message last [s], and those of a vehicle that does not send it.
+
+A vehicle may refuse a rate, and send a message once a second.
+"""

@@ -13,13 +13,15 @@
 | any of these | armed, in a driving mode, and the operator asked to drive | DRIVING |
 | any of these | armed otherwise; one that flies, on the ground | ELSEWHERE |
 
-The operator's order to drive ends with each other mode, with a disarmed vehicle, and with a boot.
-Another station that sets the driving mode again does not renew it.
+The operator's order to drive ends with the order to stay, with each other mode, with a disarmed
+vehicle, and with a boot. A Sub stays in depth hold, which is a driving mode too. Another station
+that sets the driving mode again does not renew it. While two vehicles answer with one number, the
+phase is LEARNING. After a pause of this process velocities wait for a neutral one.
 
 | phase | sends |
 | --- | --- |
 | LINKING | heartbeats |
-| GONE | heartbeats, echoes, the order to disarm |
+| GONE | at first a neutral velocity, if it was driven; heartbeats, echoes, the order to disarm |
 | LEARNING, ELSEWHERE | these, all orders; neutral sticks, if the present mode was asked for here |
 | DISARMED, ARMING | these, neutral sticks |
 | DRIVING | these, the velocity; until the first neutral one, a neutral one |
@@ -27,24 +29,23 @@ Another station that sets the driving mode again does not renew it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Final
 
 from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.left_alone import LeftAlone
 from hub.robots.mavlink.profiles.profile import NEUTRAL, Setpoint, VehicleProfile
+from hub.robots.mavlink.vehicle.alone_order import AloneOrder
 from hub.robots.mavlink.vehicle.button_lights import ButtonLights
 from hub.robots.mavlink.vehicle.camera_tilt import CameraTilt
-from hub.robots.mavlink.vehicle.identity import VehicleIdentity
 from hub.robots.mavlink.vehicle.learning import Learning
-from hub.robots.mavlink.vehicle.liveness import Liveness
 from hub.robots.mavlink.vehicle.mode_orders import ModeOrder, ModeOrders
-from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads, parameter_value
+from hub.robots.mavlink.vehicle.reception import Heard, VehicleReception
 from hub.robots.mavlink.vehicle.requests import RequestKind, RequestQueue
 from hub.robots.mavlink.vehicle.sender import VehicleSender
 from hub.robots.mavlink.vehicle.stick_stream import StickStream
 from hub.robots.mavlink.vehicle.telemetry import Telemetry
-from hub.robots.mavlink.vehicle.texts import VehicleTexts
 from hub.robots.mavlink.vehicle.velocity_gate import VelocityGate
 from hub.robots.mavlink.wire.frames import FramePacker, MavlinkFrame
 
@@ -53,9 +54,15 @@ _BOOTING: Final = (0, 1, 2)
 _FAILSAFE: Final = 5
 _WAKING_S: Final = 0.4
 """Time of neutral sticks before the driving mode: without them a failsafe would end it [s]."""
+_PAUSE_S: Final = 0.5
+"""Time between two steps from which on what waited on the link is old [s]."""
 _AWAY: Final = (AutopilotPhase.LINKING, AutopilotPhase.GONE)
+_FOLLOWED: Final = (AutopilotPhase.DISARMED, AutopilotPhase.ARMING, AutopilotPhase.DRIVING)
+_BESIDE: Final = (AutopilotPhase.LEARNING, AutopilotPhase.ELSEWHERE)
+_TWINS: Final = "two vehicles answer with its number: give one of them another number"
 _STARTS: Final = "it starts"
 _BOOTED: Final = "it was booted"
+_ANOTHER: Final = "another vehicle sends with its number"
 _SILENT: Final = "its telemetry is silent"
 
 
@@ -64,14 +71,10 @@ class MavlinkVehicle:
 
     Attributes:
         phase: What can be done with it.
-        identity: Its number and kind, and who else is on its link.
+        heard: Its frames; `identity`, `parameters` and others are parts of it.
         armed: Whether its motors may move.
         mode: Number of its mode; -1: not known.
         failsafe: Whether one of its failsafes acts.
-        telemetry: What it measures.
-        parameters: The parameters that were read.
-        texts: Its texts.
-        liveness: Its heartbeats and echoes.
         orders: The orders to arm it and to change its mode.
         learning: The questions to it.
         lights: Its lights.
@@ -90,31 +93,28 @@ class MavlinkVehicle:
             limits: The largest velocities.
             system: Number of the vehicle; 0: the first one that is heard.
         """
-        self._sender = VehicleSender(send, packer)
+        self.heard = VehicleReception(packer.system, system)
+        self.identity, self.parameters = self.heard.identity, self.heard.parameters
+        self.texts, self.liveness = self.heard.texts, self.heard.liveness
+        self.stations, self._twins = self.heard.stations, self.heard.twins
+        self._sender = VehicleSender(send, packer, self.stations)
         self._sticks = StickStream(self._sender)
         self._gate = VelocityGate(limits)
         self.lights, self.tilt = ButtonLights(), CameraTilt(self._sender)
-        self.phase = AutopilotPhase.LINKING
-        self.identity = VehicleIdentity(system)
-        self.armed = False
+        self.phase, self.learns_because = AutopilotPhase.LINKING, ""
+        self.armed = self.failsafe = self._starts = False
         self.mode = -1
-        self.failsafe = False
-        self.telemetry = Telemetry()
-        self.parameters = ParameterReads()
-        self.texts = VehicleTexts()
-        self.liveness = Liveness()
         self._requests = RequestQueue()
         self.learning = Learning(self._requests, self.parameters)
         self.orders = ModeOrders(self._requests, self.texts)
-        self.learns_because = ""
-        self._starts = False
-        self._alone: LeftAlone | None = None
+        self._stepped, self._alone = math.inf, AloneOrder()
 
     # What the driver asks.
 
     def set_velocity(self, wanted: Setpoint, now: float) -> None:
         """Follow a velocity within the limits; NaN counts as 0. A new one leaves at once."""
-        if self._gate.take(wanted, driven=self.phase is AutopilotPhase.DRIVING):
+        driven = self.phase is AutopilotPhase.DRIVING and self._alone.action is None
+        if self._gate.take(wanted, driven=driven):
             self._send_velocity(now)
 
     def arm(self, now: float) -> None:
@@ -126,48 +126,73 @@ class MavlinkVehicle:
 
     def disarm(self, now: float) -> None:
         """Switch its motors off."""
-        self._alone = None
+        self._alone.action = None
         self.orders.disarm(now)
-        self._stop_driving(now)
+        self.stop_driving(now)
 
     def drive(self, now: float) -> None:
         """Ask for the mode that follows velocities; they begin with a neutral one."""
         if self.profile is not None and self.armed and self._can_change and not self.grounded:
             self._change_mode(self._driving_order(self.profile), now)
 
+    def stay(self, now: float) -> None:
+        """Ask for the mode in which it stays; there it is not driven, even if it could be."""
+        self._ask_mode(self.profile.holds if self.profile is not None else None, now)
+
     def set_mode(self, name: str, now: float) -> None:
         """Ask for a mode by its name; one that is not offered changes nothing."""
-        profile = self.profile
-        number = profile.mode_number(name) if profile is not None else None
-        if profile is None or number is None or not self._can_change:
-            return
-        drives = self.armed and number in profile.drives and not self.grounded
-        self._change_mode(ModeOrder(profile=profile, numbers=(number,), drives=drives), now)
+        number = self.profile.mode_number(name) if self.profile is not None else None
+        self._ask_mode(number, now, drives=self.armed and not self.grounded)
 
     def left_alone(self, action: LeftAlone | None, now: float) -> None:
-        """Do this without an operator, if need be later; None: an operator is there again.
+        """Do this without an operator, when it stands or can be asked; None: there is one again.
 
         A mode that another chose is not changed.
         """
-        self._alone = action
+        self._alone.begin(action, now)
+        if action is not None:
+            self._rest(now)
         self._do_alone(now)
+
+    def stop_driving(self, now: float) -> None:
+        """End the motion at once; where the order to drive is not valid, the phase too."""
+        if self.phase is AutopilotPhase.DRIVING and not self.orders.follows:
+            self.phase = AutopilotPhase.ELSEWHERE
+        self._rest(now)
 
     # Received and sent.
 
     def received(self, frame: MavlinkFrame, now: float) -> None:
         """Take a frame of the link."""
-        if frame.name == "HEARTBEAT":
-            before = self.profile
-            if self.identity.heartbeat(frame, silent=self.phase in _AWAY):
+        before = self.profile
+        match self.heard.take(frame, now, silent=self.phase in _AWAY):
+            case Heard.HEARTBEAT:
                 if self.profile is not before:
-                    self._forget()
+                    self.heard.forget()
+                    self.orders.forget()
                 self._heartbeat(frame, now)
-        elif self.identity.sent(frame):
-            self._from_autopilot(frame, now)
+            case Heard.ANSWER:
+                self._requests.answer(frame["command"], frame["result"], now)
+            case Heard.BOOTED:
+                self._learn_again(now, _BOOTED)
+            case Heard.ANOTHER:
+                self._learn_again(now, _ANOTHER)
+            case _:
+                pass
+
+    def another_sender(self, now: float) -> None:
+        """Frames come from another place from now on: perhaps it is another vehicle."""
+        if self.system:
+            self.heard.forget()
+            self._learn_again(now, _ANOTHER)
 
     def step(self, now: float) -> None:
         """Let time pass: change the phase, and send what is due."""
+        if now - self._stepped > _PAUSE_S:
+            self._gate.close()
+        self._stepped = now
         self.texts.step(now)
+        self.telemetry.step(now)
         self._change_phase(now)
         self.orders.step(self.mode, now, armed=self.armed)
         self._do_alone(now)
@@ -192,9 +217,14 @@ class MavlinkVehicle:
         return self.identity.system
 
     @property
-    def others(self) -> set[int]:
-        """Numbers of other vehicles on its link."""
-        return self.identity.others
+    def telemetry(self) -> Telemetry:
+        """What it measures; another object after each of its starts."""
+        return self.heard.telemetry
+
+    @property
+    def twin(self) -> bool:
+        """Whether two vehicles answer with its number."""
+        return self._twins.seen(self._stepped)
 
     @property
     def grounded(self) -> bool:
@@ -216,12 +246,10 @@ class MavlinkVehicle:
         """Whether an answer is on its way whose time matters."""
         return bool(self._requests) or self.liveness.awaits(now)
 
-    # Inside.
-
     @property
     def _can_change(self) -> bool:
         """Whether it can be asked for a mode: one that starts would forget it."""
-        return self.phase not in _AWAY and not self._starts
+        return self.phase not in _AWAY and not self._starts and not self.twin
 
     def _driving_order(self, profile: VehicleProfile, *, arms: bool = False) -> ModeOrder:
         numbers = profile.drives_with(place=self.telemetry.position)
@@ -239,50 +267,30 @@ class MavlinkVehicle:
             self._learn(now, _STARTS)
         self._change_phase(now)
 
-    def _from_autopilot(self, frame: MavlinkFrame, now: float) -> None:
-        match frame.name:
-            case "TIMESYNC" if frame["tc1"]:
-                self.liveness.echo(frame["ts1"], now)
-            case "COMMAND_ACK" if self._sender.is_asker(frame):
-                self._requests.answer(frame["command"], frame["result"], now)
-            case "PARAM_VALUE":
-                bytewise = self.profile is not None and self.profile.bytewise
-                self.parameters.take(frame["param_id"], parameter_value(frame, bytewise=bytewise))
-            case "STATUSTEXT":
-                self.texts.add(
-                    frame["severity"], frame["text"], frame["id"], frame["chunk_seq"], now
-                )
-            case "AUTOPILOT_VERSION":
-                self.learning.firmware = frame["flight_sw_version"]
-            case "ATTITUDE" if frame["time_boot_ms"] + 1000 < self.telemetry.boot_ms:
-                self._forget()
-                self.telemetry.take(frame, now)
-                if self.phase not in _AWAY:
-                    self._learn(now, _BOOTED)
-            case _:
-                self.telemetry.take(frame, now)
-
     def _change_phase(self, now: float) -> None:
         before = self.phase
         if self.system == 0:
             return
         if self.liveness.gone(now):
-            self.phase = AutopilotPhase.GONE
-            if before is not self.phase:
+            if before is not AutopilotPhase.GONE:
+                self._rest(now)
                 self.orders.gone()
+                self._twins.gone()
                 self._requests.drop(RequestKind.QUESTION)
+            self.phase = AutopilotPhase.GONE
         elif before in _AWAY:
             self._learn(now, _STARTS if self._starts else "")
+        elif self._twins.seen(now) is not (self.learns_because == _TWINS):
+            self._learn_again(now, "")
         elif before is AutopilotPhase.LEARNING:
-            if self.learning.done(now) and not self._starts:
+            if self.learning.done(now) and not self._starts and not self._twins.seen(now):
                 self._by_heartbeat(now)
         elif self.learning.is_silent(self.telemetry.measured, now):
             self._learn(now, _SILENT)
         else:
             self._by_heartbeat(now)
         if self.phase is not before:
-            self._gate.close()
-            self._send_velocity(now)
+            self._rest(now)
 
     def _by_heartbeat(self, now: float) -> None:
         """The phase of a vehicle that was learnt."""
@@ -299,50 +307,50 @@ class MavlinkVehicle:
         drives = drives and self.orders.follows and not self.grounded
         self.phase = AutopilotPhase.DRIVING if drives else AutopilotPhase.ELSEWHERE
 
-    def _forget(self) -> None:
-        """Another vehicle is there, or this one was booted."""
-        self.telemetry = Telemetry()
-        self.parameters.values.clear()
+    def _rest(self, now: float) -> None:
+        """Send a neutral velocity; the next ones begin with one. A link may keep older ones."""
+        self._gate.close()
+        self._send_velocity(now)
+
+    def _learn_again(self, now: float, because: str) -> None:
+        self._rest(now)
         self.orders.forget()
+        if self.phase not in _AWAY:
+            self._learn(now, because)
 
     def _learn(self, now: float, because: str) -> None:
         """Ask for everything: a vehicle that was booted knows nothing of this station."""
         if because == _STARTS or self.phase is AutopilotPhase.ARMING:
             self.orders.forget()
-        self.phase, self.learns_because = AutopilotPhase.LEARNING, because
+        self.phase = AutopilotPhase.LEARNING
+        self.learns_because = _TWINS if self._twins.seen(now) else because
         self._gate.close()
         self.learning.begin(self.profile, now)
+
+    def _ask_mode(self, number: int | None, now: float, *, drives: bool = False) -> None:
+        """Ask for a mode, if there is one; `drives`: to drive in it, where that is possible."""
+        if self.profile is not None and number is not None and self._can_change:
+            drives = drives and number in self.profile.drives
+            order = ModeOrder(profile=self.profile, numbers=(number,), drives=drives)
+            self._change_mode(order, now)
 
     def _change_mode(self, order: ModeOrder, now: float) -> None:
         """Ask for a mode; the velocities begin with a neutral one."""
         self.orders.change(order, now, _WAKING_S if order.drives and self.armed else 0.0)
-        self._stop_driving(now)
-
-    def _stop_driving(self, now: float) -> None:
-        """End the motion at once; where the order to drive is not valid, the phase too."""
-        if self.phase is AutopilotPhase.DRIVING and not self.orders.follows:
-            self.phase = AutopilotPhase.ELSEWHERE
-        self._gate.close()
-        self._send_velocity(now)
+        self.stop_driving(now)
 
     def _do_alone(self, now: float) -> None:
         """Ask for the mode of a vehicle without an operator, as soon as it can be asked."""
-        profile, learns = self.profile, self.phase is AutopilotPhase.LEARNING
-        if self._alone is None or profile is None or learns or not self._can_change:
-            return
-        number, self._alone = profile.alone.get(self._alone), None
-        if number is not None and self.armed and self.orders.chosen_here(self.mode, now):
-            self._change_mode(ModeOrder(profile=profile, numbers=(number,)), now)
+        if self.phase is not AutopilotPhase.LEARNING and self._can_change:
+            driven = self.phase is AutopilotPhase.DRIVING
+            number = self._alone.mode(self.profile, self.telemetry, now, driven=driven)
+            if self.armed and self.orders.chosen_here(self.mode, now):
+                self._ask_mode(number, now)
 
     def _sends_sticks(self, now: float) -> bool:
         """Whether sticks are sent: else a pilot or another station has the vehicle."""
-        match self.phase:
-            case AutopilotPhase.DISARMED | AutopilotPhase.ARMING | AutopilotPhase.DRIVING:
-                return True
-            case AutopilotPhase.LEARNING | AutopilotPhase.ELSEWHERE:
-                return self.orders.chosen_here(self.mode, now)
-            case _:
-                return False
+        chosen = self.phase in _BESIDE and self.orders.chosen_here(self.mode, now)
+        return chosen or self.phase in _FOLLOWED
 
     def _send_velocity(self, now: float) -> None:
         if self.profile is None or not self._sends_sticks(now):
@@ -352,10 +360,9 @@ class MavlinkVehicle:
         self._sticks.send(self.profile, self.velocity, values, read.gain, buttons, now)
 
     def _send_requests(self, now: float) -> None:
-        if not self.system:
-            return
-        request = self._requests.due(now)
+        request = self._requests.due(now) if self.system else None
         if request is not None:
             self._sender.command(request)
-        if self.phase is not AutopilotPhase.GONE and (name := self.parameters.due(now)):
+        asks = self.system and self.phase is not AutopilotPhase.GONE
+        if asks and (name := self.parameters.due(now)):
             self._sender.message("PARAM_REQUEST_READ", param_index=-1, param_id=name)

@@ -37,7 +37,7 @@ class VelocityGate:
         """Take a velocity; whether it is a new one.
 
         Args:
-            wanted: The velocity; a part that is no number counts as 0.
+            wanted: The velocity; a part that is no number counts as 0, and is not neutral.
             driven: Whether the vehicle is driven now.
         """
         limited = Setpoint(
@@ -46,7 +46,7 @@ class VelocityGate:
             up=_limited(wanted.up, self._limits.up),
             turn=_limited(wanted.turn, self._limits.turn),
         )
-        if limited.neutral and driven:
+        if wanted.neutral and driven:
             self.shut = False
         if self.shut or not driven:
             limited = NEUTRAL

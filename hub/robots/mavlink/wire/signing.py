@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import hmac
+import logging
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,7 @@ from typing import Final
 
 from hub import files
 
+_logger = logging.getLogger(__name__)
 SIGNATURE: Final = 13
 """Length of a signature [bytes]."""
 _SHORT: Final = 6
@@ -52,6 +54,7 @@ class SigningClock:
         self._path = path
         self._wall_clock = wall_clock
         self._last = self._kept = _stamp_in(path)
+        self._said = False
 
     @property
     def last(self) -> int:
@@ -59,17 +62,22 @@ class SigningClock:
         return self._last
 
     def next(self) -> int:
-        """The next stamp.
-
-        Raises:
-            OSError: The file cannot be written.
-        """
+        """The next stamp; a file that cannot be written is said once, and the vehicle driven on."""
         now = int((self._wall_clock() - _EPOCH) * _PER_SECOND)
         self._last = max(self._last + 1, now)
         if self._path is not None and self._last >= self._kept:
-            files.replace(self._path, b"%d\n" % (self._last + _AHEAD), mode=0o600)
             self._kept = self._last + _AHEAD
+            self._keep(self._path)
         return self._last
+
+    def _keep(self, path: Path) -> None:
+        try:
+            files.replace(path, b"%d\n" % self._kept, mode=0o600)
+        except OSError as fault:
+            if not self._said:
+                text = "%s cannot be written: %s; a hub whose clock goes back may not be heard"
+                _logger.warning(text, path, fault.strerror)
+            self._said = True
 
     def heard(self, stamp: int) -> None:
         """Take the stamp of a genuine frame: what is sent next is newer."""

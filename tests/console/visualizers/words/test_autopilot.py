@@ -25,8 +25,7 @@ def rows(draw: Draw, robot: RobotState, height: int = 60, width: int = 44) -> li
 def test_it_says_what_an_operator_asks_first(draw: Draw) -> None:
     assert rows(draw, piloted(rover(), ("EKF3 active", Level.OK))) == [
         "ARMED · guided · follows you",
-        "stops 0.9 s after zero, 1.4 s after the link",
-        "is cut",
+        "stops: zero 0.9 s, cut 1.4 s",
         "heard 0.4 s ago, echo 27 ms",
         "knows its place, 10 satellites",
         *[row for row in rows(draw, piloted(rover())) if row.startswith("battery")],
@@ -75,7 +74,7 @@ def test_what_is_wrong_is_said(draw: Draw) -> None:
         "stops 0.9 s after zero",
         "DOES NOT KNOW ITS PLACE",
         "sticks have 50% of their effect",
-        "1 unsafe parameter: see the help",
+        "1 unsafe parameter: see help",
         "NOT VERIFIED, its rules follow documents only",
         "Leak Detected",
     ):
@@ -112,7 +111,22 @@ def test_without_room_the_reason_stays_and_the_rest_is_counted(draw: Draw) -> No
 def test_a_narrow_head_keeps_whether_it_is_armed_and_its_mode(draw: Draw) -> None:
     away = rover(phase=AutopilotPhase.ELSEWHERE, mode="smart rtl", why="it is in smart rtl")
     assert rows(draw, piloted(away), width=40)[0] == "ARMED · smart rtl · does not follow"
+    assert rows(draw, piloted(away), width=31)[0] == "ARMED · smart rtl · not driven"
     assert rows(draw, piloted(away), width=20)[0] == "ARMED · smart rtl"
+    sub = rover(mode="position hold")
+    assert rows(draw, piloted(sub), width=31)[0] == "ARMED · position hold · follows"
+    assert rows(draw, piloted(sub), width=30)[0] == "ARMED · position hold follows"
+
+
+def test_times_to_stop_are_those_of_the_modes_that_follow(draw: Draw) -> None:
+    def stops(phase: AutopilotPhase) -> str:
+        words_ = " ".join(rows(draw, piloted(rover(phase=phase)), width=80))
+        return words_.partition(" 0.9 s after zero, 1.4 s after the link is cut")[0][-9:]
+
+    assert stops(AutopilotPhase.DRIVING).endswith("stops")
+    assert stops(AutopilotPhase.DISARMED) == "will stop"
+    away = piloted(rover(phase=AutopilotPhase.ELSEWHERE, mode="manual"))
+    assert "after zero" not in " ".join(rows(draw, away, width=80))
 
 
 def test_an_old_state_is_marked(draw: Draw) -> None:

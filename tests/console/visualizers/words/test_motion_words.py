@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+from hub.gcm.autopilot import AUTOPILOT_STATE, AutopilotPhase, AutopilotState
 from hub.gcm.body import ROBOT_DESCRIPTION, Freedom, HoldKind, Motion
 from hub.gcm.diagnostics import DIAGNOSTICS, Diagnostics, DiagnosticStatus, Severity
 from hub.gcm.navigation import MotionState
@@ -109,3 +110,23 @@ def test_what_holds_a_robot_back_besides_obstacles_is_said() -> None:
         assert f"HELD BACK 67% ({words})" in text
     old = received(Diagnostics(status=status), 5.0)
     assert "HELD BACK 67%" in said(with_message(moving, DIAGNOSTICS.name, old, 3))
+
+
+@for_each(
+    ("phase", "arming", "motion", "linear", "status"),
+    [
+        (AutopilotPhase.DRIVING, Arming.ARMED, MotionState.MOVING, 0.3, "MOVING"),
+        (AutopilotPhase.ELSEWHERE, Arming.ARMED, MotionState.MOVING, 0.0, "DOES NOT FOLLOW"),
+        (AutopilotPhase.GONE, Arming.ARMED, MotionState.MOVING, 0.0, "DOES NOT FOLLOW"),
+        (AutopilotPhase.DISARMED, Arming.DISARMED, MotionState.MOVING, 0.0, "DISARMED"),
+        (AutopilotPhase.ELSEWHERE, Arming.ARMED, STANDING, 0.3, "MOVES BY ITSELF"),
+        (AutopilotPhase.ELSEWHERE, Arming.ARMED, STANDING, 0.0, "STANDING"),
+    ],
+)
+def test_keys_that_move_nothing_are_not_called_a_motion(phase, arming, motion, linear, status):
+    vehicle = VehicleState(arming=arming)
+    known = robot(*WHEELS, vehicle=vehicle, motion=motion, linear=linear)
+    known = with_message(known, AUTOPILOT_STATE.name, received(AutopilotState(phase=phase)), 1)
+    assert status in said(known)
+    team = {"MOVING": "drives", "DISARMED": "disarmed", "STANDING": "stands"}
+    assert does(known, NOW).text == team.get(status, status)

@@ -368,7 +368,9 @@ def test_the_token_changes_with_the_words_only(made) -> None:
 def test_keys_that_must_go_up_first_are_named(made) -> None:
     state = ConsoleState(now=made.now, must_release=("w", "d"))
     parts = {part.text: part for part in status_parts(made.robot(), state)}
-    assert parts["LET GO OF w d FIRST"].severity is Severity.WARNING
+    assert parts["LET GO OF w d FOR 1 s FIRST"].severity is Severity.WARNING
+    exact = ConsoleState(now=made.now, must_release=("w", "d"), releases_reported=True)
+    assert "LET GO OF w d FIRST" in {part.text for part in status_parts(made.robot(), exact)}
     hasty = ConsoleState(now=made.now, must_release=("w",), tap_first=True)
     assert "LET GO OF w, TAP, THEN HOLD" in {p.text for p in status_parts(made.robot(), hasty)}
 

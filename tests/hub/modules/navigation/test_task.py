@@ -79,6 +79,19 @@ def test_it_is_blocked_without_headway() -> None:
     assert task.seconds(99.0) == BLOCKED_S + 0.1
 
 
+def test_a_driver_that_does_not_follow_is_no_obstacle() -> None:
+    """An autopilot is disarmed, or in a mode of another."""
+    task = going((5.0, 0.0), patience=60.0)
+    task.aim(Pose(), 0.1)
+    task.followed(by_driver=False)
+    task.aim(Pose(), MENTION_S + 1.0)
+    assert task.why.startswith("waits: the driver does not follow")
+    assert task.cause is Cause.DRIVER
+    task.followed(by_driver=True)
+    task.aim(Pose(), MENTION_S + 2.0)
+    assert task.why == "waits: something is in the way"
+
+
 def test_it_waits_for_a_person_in_the_way_and_says_so_and_goes_on() -> None:
     task = going((2.0, 0.0), patience=math.nan)
     task.aim(Pose(), 0.0)

@@ -16,8 +16,8 @@ from rosbags.rosbag2 import CompressionMode, StoragePlugin
 
 from hub.errors import RecordingError
 from hub.recording.ros.bag import Bag
-from hub.recording.ros.decoding import RosDecoder
 from hub.recording.ros.sqlite_rows import MessageRows
+from hub.ros.decoding import RosDecoder
 from tests.support import ros_bags
 from tests.support.ros_bags import START, Entry
 

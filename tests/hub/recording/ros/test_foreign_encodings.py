@@ -17,14 +17,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hub.errors import RecordingError
+from hub.errors import RosMessageError
 from hub.recording.chunks import LoggedMessage
 from hub.recording.ros.bag import Bag
-from hub.recording.ros.decoding import RosDecoder
 from hub.recording.ros.fields import field_rows
-from hub.recording.ros.schema import EMPTY
-from hub.recording.ros.values import RosValue
 from hub.recording.topics import RecordedTopic
+from hub.ros.decoding import RosDecoder
+from hub.ros.schema import EMPTY
+from hub.ros.values import RosValue
 
 DATA = Path(__file__).parents[3] / "data" / "bags"
 BY_OTHERS = json.loads((DATA / "read-by-others.json").read_text("utf-8"))
@@ -94,7 +94,7 @@ def test_any_bytes_are_a_message_or_refused(data: st.DataObject) -> None:
     for _ in range(data.draw(st.integers(0, 4))):
         if broken:
             broken[data.draw(st.integers(0, len(broken) - 1))] = data.draw(st.integers(0, 255))
-    with contextlib.suppress(RecordingError):
+    with contextlib.suppress(RosMessageError):
         field_rows(decoder.decode(bytes(broken)))
         with contextlib.suppress(TypeError, ValueError, OverflowError, IndexError):
             field_rows(decoder.as_ros(bytes(broken)))
@@ -102,7 +102,7 @@ def test_any_bytes_are_a_message_or_refused(data: st.DataObject) -> None:
 
 @given(descriptors=st.binary(max_size=300))
 def test_any_bytes_are_descriptors_or_refused(descriptors: bytes) -> None:
-    with contextlib.suppress(RecordingError):
+    with contextlib.suppress(RosMessageError):
         RosDecoder.of(RecordedTopic("/a", "a.B", "protobuf", descriptors, "protobuf"))
 
 
@@ -145,7 +145,7 @@ def test_rings_of_types_end() -> None:
     for at in range(50):
         deep = part(1, deep)
         if at > 40:
-            with pytest.raises(RecordingError, match="deeper than 32"):
+            with pytest.raises(RosMessageError, match="deeper than 32"):
                 decoder.decode(deep)
 
 
@@ -178,5 +178,5 @@ def test_what_is_announced_is_not_believed(case: tuple[str, str, bytes, bytes, s
     if not reason:
         assert field_rows(decoder.decode(payload))
         return
-    with pytest.raises(RecordingError, match=reason):
+    with pytest.raises(RosMessageError, match=reason):
         decoder.decode(payload)

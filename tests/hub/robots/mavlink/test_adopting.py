@@ -123,6 +123,38 @@ def test_cameras_and_components(tmp_path: Path) -> None:
     assert "vision" in robot.modules
 
 
+@pytest.mark.parametrize(
+    ("kind", "encoding", "said", "source"),
+    [
+        (1, 1, "5600", "rtp://0.0.0.0:5600"),
+        (1, 2, "udp://192.168.2.1:5601", "rtp://0.0.0.0:5601?codec=h265"),
+        (3, 0, "udp://239.0.0.1:5602/", "udp://0.0.0.0:5602"),
+    ],
+)
+def test_a_stream_of_datagrams_is_waited_for(
+    tmp_path: Path, kind: int, encoding: int, said: str, source: str
+) -> None:
+    vehicle = vehicle_of(12, SUB)
+    vehicle.beats = [(100, 30, 8)]
+    vehicle.streams = {100: said}
+    vehicle.stream_fields = {"type": kind, "encoding": encoding}
+    finder = found(vehicle)
+    assert adopted(tmp_path, finder).camera.source == source
+    assert f"its stream 'main' has to be sent to this machine: {source}" in remarks(finder)
+
+
+@pytest.mark.parametrize("other", [(1, 30, 0), (1, 26, 3), (1, 40, 8), (1, 12, 3)])
+def test_who_else_uses_the_number_of_the_autopilot_does_not_take_its_place(
+    other: tuple[int, int, int],
+) -> None:
+    vehicle = vehicle_of(10, ROVER)
+    vehicle.beats = [other]
+    finder = found(vehicle)
+    assert finder.profile is not None
+    assert finder.profile.name == "rover"
+    assert finder.parameters
+
+
 def test_a_stream_that_cannot_be_read_is_named_and_not_written(tmp_path: Path) -> None:
     vehicle = vehicle_of(10, ROVER)
     vehicle.beats = [(100, 30, 8)]

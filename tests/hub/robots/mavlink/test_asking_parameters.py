@@ -169,3 +169,16 @@ def test_a_line_that_is_no_parameter_is_named(tmp_path: Path, line: str) -> None
     path.write_text(f"GOOD,1\n{line}\n")
     with pytest.raises(ParameterFileError, match=r"line 2: .* is no name with a value"):
         read_parameters(path)
+
+
+def test_more_parameters_than_any_vehicle_has_are_not_read() -> None:
+    reading = ParameterReading(1)
+    packer, parser = FramePacker(1, 1), FrameParser()
+    for place in range(MOST_PARAMETERS + 10):
+        name = f"P{place}"
+        data = packer.pack("PARAM_VALUE", param_id=name, param_index=place, param_count=65535)
+        for frame in parser.feed(data):
+            reading.received(frame, 1.0)
+    assert reading.done
+    assert reading.has_more
+    assert len(reading.values) == MOST_PARAMETERS

@@ -202,7 +202,70 @@ def test_stamps_grow_after_a_restart_with_a_clock_that_went_back(tmp_path):
     assert after.next() > last
 
 
+def test_a_stamp_that_cannot_be_kept_is_said_once_and_frames_go_on(tmp_path, caplog):
+    """As on a full disk: a driver that ends for it leaves the vehicle alone."""
+    folder = tmp_path / "no folder"
+    folder.write_text("")
+    clock = SigningClock(
+        folder / "key.stamp", wall_clock=iter(range(1_500_000_000, 1_600_000_000, 60)).__next__
+    )
+    stamps = [clock.next() for _ in range(3)]
+    assert stamps == sorted(set(stamps))
+    (said,) = caplog.messages
+    assert "key.stamp cannot be written" in said
+
+
 def test_a_damaged_stamp_counts_as_none(tmp_path):
     path = tmp_path / "stamp"
     path.write_bytes(b"\xff" * 10)
     assert SigningClock(path, lambda: NOW).next() == int((NOW - 1420070400) * 1e5)
+
+
+def version_1(name: str, payload: bytes, extra: int | None = None) -> bytes:
+    form = BY_NAME[name]
+    body = struct.pack("<BBBBB", len(payload), 0, 1, 1, form.number) + payload
+    crc = checksum(body + bytes([form.crc_extra if extra is None else extra]))
+    return b"\xfe" + body + crc.to_bytes(2, "little")
+
+
+def version_2(name: str, payload: bytes, flags: int = 0, extra: int | None = None) -> bytes:
+    form = BY_NAME[name]
+    body = struct.pack("<BBBBBB", len(payload), flags, 0, 0, 1, 1)
+    body += form.number.to_bytes(3, "little") + payload
+    crc = checksum(body + bytes([form.crc_extra if extra is None else extra]))
+    return b"\xfd" + body + crc.to_bytes(2, "little") + bytes(13 * (flags & 1))
+
+
+OTHER_DIALECTS = {
+    "the same id with other fields": version_2("HEARTBEAT", bytes(9), extra=51),
+    "the same in version 1": version_1("HEARTBEAT", bytes(9), extra=51),
+    "version 1 with fields that only version 2 has": version_1("STATUSTEXT", bytes(54)),
+    "version 1 that is too short": version_1("ATTITUDE", bytes(12)),
+    "unknown flags": version_2("HEARTBEAT", bytes(9), flags=2),
+    "unknown flags of a signed frame": version_2("HEARTBEAT", bytes(9), flags=0x81),
+    "an id that no known dialect has": b"\xfd\x09\0\0\0\1\1\xff\xff\xff" + bytes(11),
+}
+
+
+@pytest.mark.parametrize("frame", OTHER_DIALECTS.values(), ids=OTHER_DIALECTS)
+@pytest.mark.parametrize("size", [1, 7, 1000])
+def test_frames_of_another_dialect_are_counted_and_hold_nothing_back(frame, size):
+    good = FramePacker(1, 1).pack("HEARTBEAT", type=10, autopilot=3)
+    parser = FrameParser()
+    stream = (frame + good) * 3
+    pieces = [stream[at : at + size] for at in range(0, len(stream), size)]
+    found = [each for piece in pieces for each in parser.feed(piece)]
+    assert [each["type"] for each in found] == [10, 10, 10]
+    assert parser.damaged + parser.unknown >= 3
+
+
+def test_a_frame_with_more_fields_than_known_is_read_as_far_as_it_is_known():
+    """Dialects add fields at the end; the checksum does not change."""
+    (frame,) = FrameParser().feed(version_2("ATTITUDE", struct.pack("<I6f", 7, *[0.5] * 6) + b"1"))
+    assert frame["time_boot_ms"] == 7
+    assert frame["yawspeed"] == 0.5
+
+
+def test_signed_frames_are_read_where_no_key_is_set():
+    (frame,) = FrameParser().feed(version_2("HEARTBEAT", bytes(9), flags=1))
+    assert not frame.signed

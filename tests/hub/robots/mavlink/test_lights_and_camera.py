@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.mavlink.profiles.ardusub import BUTTON_FUNCTIONS
-from hub.robots.mavlink.vehicle.button_lights import ButtonLights
+from hub.robots.mavlink.vehicle.button_lights import ButtonLight
 from tests.support.scripted_autopilot import SUB, ScriptedAutopilot, moves
 
 BRIGHTER, DIMMER, ARM_BUTTON = 32.0, 33.0, 3.0
@@ -24,7 +24,7 @@ class Lamp:
         self.held = 0
         self.now = 0.0
         self.pressed = []
-        self.lights = ButtonLights()
+        self.lights = ButtonLight(BRIGHTER)
 
     def run(self, seconds):
         reported, report_at = self.level / self.steps, self.now
@@ -73,7 +73,7 @@ def test_an_order_ends_after_ten_seconds_and_never_without_a_report():
 
 @given(st.dictionaries(st.sampled_from(BUTTON_FUNCTIONS), st.floats(-100, 100)), st.floats(0, 1))
 def test_no_button_of_another_function_is_pressed(layout, wanted):
-    lights = ButtonLights()
+    lights = ButtonLight(BRIGHTER)
     lights.set(wanted, 0.0)
     for frame in range(30):
         bits = lights.buttons(layout, 0.5, frame * 0.1)
@@ -93,12 +93,28 @@ def lit(**parameters):
 def test_buttons_go_with_the_sticks_and_the_state_comes_back():
     bench = lit()
     bench.until(lambda: bench.vehicle.phase is AutopilotPhase.DISARMED)
-    assert bench.vehicle.telemetry.brightness == 0.25
+    assert bench.vehicle.telemetry.brightness(1) == 0.25
     since = bench.now
-    bench.vehicle.lights.set(0.5, bench.now)
+    bench.vehicle.lights.set(1, 0.5, bench.now)
     bench.run(1.0)
     pressed = [frame["buttons"] for at, frame in bench.sent if "buttons" in frame.fields]
     assert pressed.count(1 << 14) == 2
+    assert not any(bench.moving(since))
+
+
+def test_both_lights_are_stepped_by_buttons_of_their_own_at_the_same_time():
+    second = {"BTN1_FUNCTION": 35.0, "BTN2_FUNCTION": 36.0}
+    bench = lit(**second)
+    bench.until(lambda: second.keys() <= bench.vehicle.parameters.values.keys())
+    bench.tell("NAMED_VALUE_FLOAT", name="Lights2", value=0.5)
+    assert bench.vehicle.telemetry.brightness(2) == 0.5
+    since = bench.now
+    bench.vehicle.lights.set(1, 0.5, bench.now)
+    bench.vehicle.lights.set(2, 0.25, bench.now)
+    bench.run(1.0)
+    pressed = [frame["buttons"] for at, frame in bench.sent if "buttons" in frame.fields]
+    assert pressed.count(1 << 14 | 1 << 2) == 2
+    assert sum(map(bool, pressed)) == 2
     assert not any(bench.moving(since))
 
 

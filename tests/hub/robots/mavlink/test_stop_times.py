@@ -50,7 +50,6 @@ def test_after_zero(profile, parameters, speed, measured):
         (ROVER, {"FS_GCS_ENABLE": 1.0, "FS_GCS_TIMEOUT": 1.2, "FS_TIMEOUT": 0.1}, 1.0, True, 2.4),
         (ROVER, SAFE_ROVER, 0.53, False, 1.37),
         (SUB, {"FS_PILOT_INPUT": 2.0, "FS_PILOT_TIMEOUT": 3.0}, 0.5, False, 6.9),
-        (SUB, {"FS_PILOT_INPUT": 1.0, "FS_PILOT_TIMEOUT": 0.5}, 0.31, False, 2.5),
         (SUB, {"FS_PILOT_INPUT": 1.0, "FS_PILOT_TIMEOUT": 0.5}, 0.31, False, 3.2),
         (SUB, {"FS_PILOT_INPUT": 0.0, "FS_GCS_ENABLE": 4.0}, 0.31, False, NEVER),
         (SUB, {"FS_PILOT_INPUT": 0.0, "FS_GCS_ENABLE": 3.0}, 0.31, False, NEVER),

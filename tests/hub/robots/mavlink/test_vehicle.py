@@ -259,6 +259,38 @@ def test_a_mode_asked_for_here_gets_neutral_sticks_and_is_not_driven():
     assert "asked for here" in reason(bench)
 
 
+@pytest.mark.parametrize("place", [True, False])
+def test_a_sub_that_is_asked_to_stay_is_not_driven_until_it_is_asked_to_follow(place):
+    bench = ScriptedAutopilot(SUB)
+    bench.position = place
+    bench.driving()
+    bench.velocity(ahead=0.2)
+    bench.vehicle.stay(bench.now)
+    assert not moves(bench.sent[-1][1])
+    since = bench.now + 0.001
+    bench.until(lambda: bench.mode == DEPTH_HOLD)
+    for _ in range(20):
+        bench.velocity()
+        bench.velocity(ahead=0.2)
+        bench.run(0.2)
+    assert bench.vehicle.phase is AutopilotPhase.ELSEWHERE
+    assert "MANUAL_CONTROL" in bench.names(bench.now - 0.5), "its sticks stay neutral"
+    assert not any(bench.moving(since))
+    assert reason(bench) == "it is in depth hold, asked for here: ask it to drive"
+    bench.vehicle.drive(bench.now)
+    in_phase(bench, AutopilotPhase.DRIVING)
+    bench.velocity()
+    bench.velocity(ahead=0.2)
+    assert any(bench.moving(since))
+
+
+def test_a_sub_is_driven_in_depth_hold_where_that_mode_is_asked_for_by_name():
+    bench = ScriptedAutopilot(SUB).driving()
+    bench.vehicle.set_mode("depth hold", bench.now)
+    bench.until(lambda: bench.mode == DEPTH_HOLD)
+    in_phase(bench, AutopilotPhase.DRIVING)
+
+
 def test_a_refused_mode_keeps_the_sticks_of_the_mode_before_and_says_why():
     bench = ScriptedAutopilot(SUB).driving()
     bench.refused[(SET_MODE, 1.0, SURFACE)] = 4
@@ -427,6 +459,31 @@ def test_left_alone_it_gets_the_mode_of_the_action(kind, action, mode):
     bench.until(lambda: bench.mode == mode)
     bench.run(1.0)
     assert bench.vehicle.phase is AutopilotPhase.ELSEWHERE
+
+
+def test_left_alone_it_brakes_to_rest_before_its_mode_changes():
+    bench = ScriptedAutopilot(SUB).driving()
+    bench.moves = 0.3
+    bench.velocity(ahead=0.3)
+    bench.run(1.0)
+    bench.vehicle.left_alone(LeftAlone.STAND, bench.now)
+    since = bench.now
+    bench.velocity()
+    bench.velocity(ahead=0.3)  # of a task that goes on
+    bench.run(2.0)
+    assert bench.vehicle.phase is AutopilotPhase.DRIVING
+    assert not list(bench.moving(since))
+    bench.moves = 0.0
+    bench.until(lambda: bench.mode == DEPTH_HOLD, 0.2)
+
+
+@pytest.mark.parametrize("knows", [True, False])
+def test_left_alone_its_mode_changes_also_where_it_drifts_or_its_speed_is_not_known(knows):
+    bench = ScriptedAutopilot(SUB).driving()
+    bench.moves = 0.3 if knows else math.nan
+    bench.run(1.0)
+    bench.vehicle.left_alone(LeftAlone.STAND, bench.now)
+    bench.until(lambda: bench.mode == DEPTH_HOLD, 4.2 if knows else 0.2)
 
 
 def test_left_alone_does_not_fight_the_mode_of_another():

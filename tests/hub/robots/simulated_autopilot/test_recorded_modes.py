@@ -82,7 +82,13 @@ def test_a_mode_that_is_asked_for_during_the_start_is_accepted_and_forgotten():
 
 @pytest.mark.parametrize(
     ("kind", "mode", "times"),
-    [("rover", 0, (23, 25)), ("rover", 15, (41, 43)), ("blimp", 2, (42, 43)), ("sub", 19, (0, 3))],
+    [
+        ("rover", 0, (23, 25)),
+        ("rover", 15, (41, 43)),
+        ("blimp", 1, (23, 25)),
+        ("blimp", 2, (42, 43)),
+        ("sub", 19, (0, 3)),
+    ],
 )
 def test_it_arms_after_the_recorded_time(kind, mode, times):
     asker = ModeAsker(kind)

@@ -4,6 +4,7 @@ import functools
 import gzip
 import itertools
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,7 +18,6 @@ SETTINGS = {
     "sub": {"FS_GCS_ENABLE": 4, "FS_GCS_TIMEOUT": 2, "FS_PILOT_INPUT": 1, "FS_PILOT_TIMEOUT": 0.5},
     "blimp": {"RC_OVERRIDE_TIME": 0.5},
 }
-SUB_GUIDED = 4
 AXES = ("ahead", "right", "down", "turn")
 STILL = 0.05
 ARMED_S = 42.0
@@ -108,53 +108,60 @@ def segments(session) -> Iterator[tuple[float, float]]:
     return ((one, other) for one, other in itertools.pairwise(kept) if other - one > 2.0)
 
 
-def mode_at(session, time):
-    return [state[2] for state in session["heartbeats"] if state[0] <= time + 0.2][-1]
-
-
 def mean(truth, axis, start, end):
     values = [each[1 + axis] for each in truth if start <= each[0] <= end]
     return sum(values) / len(values)
 
 
-def rest(truth, axis, start, end):
-    """Time until it moves no more; 0: it stood."""
-    moving = [each[0] for each in truth if start <= each[0] <= end and abs(each[1 + axis]) >= STILL]
-    return max(moving, default=start) - start
+def crossings(truth, axis, start, end) -> Iterator[float]:
+    """Times after the start at which it comes to rest [s], between two samples."""
+    for one, other in itertools.pairwise(each for each in truth if start <= each[0] <= end):
+        before, after = abs(one[1 + axis]), abs(other[1 + axis])
+        if before >= STILL > after:
+            share = (before - STILL) / (before - after)
+            yield one[0] + share * (other[0] - one[0]) - start
+
+
+def compared(recorded, simulated):
+    """Both and their difference, in words."""
+    return f"{recorded:.3f} recorded, {simulated:.3f} simulated, {simulated / recorded - 1.0:+.0%}"
 
 
 @each_kind
 def test_the_speeds_are_the_recorded_ones(kind):
     session, done, _ = played(kind)
-    compared = []
+    figures, off = [], []
     for start, end in segments(session):
         for axis, name in enumerate(AXES):
             recorded = mean(session["truth"], axis, end - 0.9, end)
             simulated = mean(done["truth"], axis, end - 0.9, end)
-            # The recorded Sub went slower in GUIDED than it was asked, and than others measured.
-            flat = mode_at(session, start) == SUB_GUIDED and kind == "sub" and axis < 2
-            if abs(recorded) > 0.065 and not flat:
-                compared.append((round(start), name))
-                bound = max(0.1 * abs(recorded), 0.01)
-                assert simulated == pytest.approx(recorded, abs=bound), compared[-1]
-    assert len(compared) >= 7
+            # The Sub's own estimate of its velocity was up to 0.06 m/s wrong, across its way too.
+            if abs(recorded) > (0.08 if kind == "sub" else 0.065):
+                figures.append(f"{start:.0f} {name} {compared(recorded, simulated)}")
+                off += figures[-1:] if abs(simulated - recorded) > 0.1 * abs(recorded) else []
+    assert not off
+    assert len(figures) >= 7
 
 
 @each_kind
 def test_the_times_to_rest_are_the_recorded_ones(kind):
     session, done, _ = played(kind)
-    compared = []
+    figures, off = [], []
     for start, end in segments(session):
         for axis, name in enumerate(AXES):
-            before = mean(session["truth"], axis, start - 0.5, start + 0.1)
-            after = mean(session["truth"], axis, end - 0.3, end)
-            guided = mode_at(session, start) == SUB_GUIDED and kind == "sub"
-            # A Sub swings about its depth after a climb: when it stands is no fixed time.
-            if abs(before) < 0.08 or abs(after) > 0.03 or guided or (kind == "sub" and axis == 2):
+            steady = mean(session["truth"], axis, start - 0.9, start)
+            before = mean(session["truth"], axis, start - 0.2, start + 0.05)
+            if abs(before) < 0.08 or abs(steady - before) > 0.1 * abs(before):
                 continue
-            compared.append((round(start), name))
-            recorded = rest(session["truth"], axis, start, end)
-            simulated = rest(done["truth"], axis, start, end)
-            # The recorded motion has ten samples a second.
-            assert simulated == pytest.approx(recorded, abs=0.1 + 0.1 * recorded), compared[-1]
-    assert len(compared) >= 3
+            # A Sub swings about its depth after a climb: it counts when it stands first.
+            chosen = min if kind == "sub" and name == "down" else max
+            recorded = chosen(crossings(session["truth"], axis, start, end), default=None)
+            simulated = chosen(crossings(done["truth"], axis, start, end), default=None)
+            if recorded is None and simulated is None:
+                continue
+            figures.append(f"{start:.0f} {name} {compared(recorded, simulated or math.inf)}")
+            # A command reaches it within 0.05 s, which is when the recorded station sent it again.
+            late = abs((simulated or math.inf) - recorded) > 0.05 + 0.1 * recorded
+            off += figures[-1:] if late else []
+    assert not off
+    assert len(figures) >= 6

@@ -69,6 +69,60 @@ def test_setpoints_are_no_life_of_the_station():
     assert world.autopilot.vehicle.mode == 4
 
 
+def test_a_station_that_was_never_heard_is_not_missed():
+    world = World("rover", settings={"FS_GCS_ENABLE": 1, "FS_GCS_TIMEOUT": 1, "FS_TIMEOUT": 0.1})
+    station = world.station()
+    station.alive = False
+    world.wait(2.0)
+    assert station.mode(GUIDED) == 0
+    assert station.arm() == 0
+    station.stream(velocity(1.0))
+    world.wait(6.0)
+    assert world.autopilot.vehicle.mode == GUIDED
+    assert world.motion.state.ahead == pytest.approx(1.0, abs=0.02)
+
+
+def test_one_of_two_stations_with_the_same_number_hides_the_loss_of_the_other():
+    world, station = armed_rover(FS_GCS_ENABLE=1, FS_GCS_TIMEOUT=1, FS_TIMEOUT=0.1)
+    world.station(255)
+    station.alive = False
+    station.stream()
+    world.wait(4.0)
+    assert world.autopilot.vehicle.mode == GUIDED
+
+
+def test_sticks_of_a_lost_receiver_stay_neutral_when_the_failsafe_is_switched_off():
+    world, station = armed_rover(ACRO, SIM_RC_FAIL=1, FS_TIMEOUT=1.5)
+    station.stream(("MANUAL_CONTROL", {"target": 1, "z": 300}))
+    world.wait(3.0)
+    station.stream()
+    world.wait(1.0)
+    fields = {"target_system": 1, "param_id": "FS_THR_ENABLE", "param_value": 0.0}
+    station.send("PARAM_SET", fields)
+    station.stream(("MANUAL_CONTROL", {"target": 1, "z": 300}))
+    world.wait(3.0)
+    assert world.motion.state.ahead == pytest.approx(0.0, abs=0.02)
+
+
+def test_a_sub_whose_failsafe_held_its_depth_obeys_sticks_again_at_once():
+    world = World("sub", settings={"FS_GCS_ENABLE": 3, "FS_GCS_TIMEOUT": 2}, depth=9.0)
+    station = world.station()
+    ahead = ("MANUAL_CONTROL", {"target": 1, "x": 500, "z": 500})
+    station.stream(NEUTRAL["sub"])
+    world.wait(2.0)
+    assert station.mode(16) == 0
+    assert station.arm() == 0
+    station.stream(ahead)
+    station.alive = False
+    world.wait(1.0)
+    station.stream()
+    world.wait(8.0)
+    assert world.autopilot.vehicle.mode == 2
+    station.stream(ahead)
+    world.wait(3.0)
+    assert world.motion.state.ahead == pytest.approx(0.52, abs=0.03)
+
+
 def test_orders_to_another_vehicle_change_nothing():
     world, station = armed_rover()
     for name, fields in (

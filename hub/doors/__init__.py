@@ -1,0 +1,1 @@
+"""Programs that join a hub with systems of others as its clients, one process each."""

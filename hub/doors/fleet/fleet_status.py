@@ -1,0 +1,86 @@
+"""`rune-hub fleet list` and `status`: the robots that are there, and who drives them."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from typing import Any
+
+from hub.errors import CodecError, FrameError
+from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.ipc.roles import Principal
+from hub.plain_text import counted, plain
+from hub.zenoh.attachment import CLOCK, unpack
+from hub.zenoh.fleet_keys import FleetKey, KeyKind, parse_key, pattern
+from hub.zenoh.fleet_session import FleetSession, FleetWay
+
+_ANSWER_S = 2.0
+
+
+def list_robots(session: FleetSession, fleet: str, *, as_json: bool) -> int:
+    """Show the robots that are there."""
+    for robot in _robots(session, fleet):
+        _write(json.dumps({"robot": robot}) if as_json else robot)
+    return 0
+
+
+def show_status(
+    session: FleetSession, fleet: str, place: str, asker: Principal, *, as_json: bool
+) -> int:
+    """Show who drives each robot, how far it is away, and the link of this program."""
+    robots = _robots(session, fleet)
+    if not as_json:
+        number = counted(len(robots), "robot")
+        _write(f"fleet {fleet} at {place}, as {asker}: {number}")
+    for robot in robots:
+        facts = _facts(session, fleet, robot)
+        if as_json:
+            _write(json.dumps(facts))
+        else:
+            _write(f"  {robot:<20} {_words(facts)}")
+    return 0
+
+
+def _robots(session: FleetSession, fleet: str) -> list[str]:
+    tokens = session.tokens(pattern(fleet, KeyKind.ALIVE), timeout=_ANSWER_S)
+    return sorted({parse_key(fleet, token).robot for token in tokens})
+
+
+def _facts(session: FleetSession, fleet: str, robot: str) -> dict[str, Any]:
+    facts: dict[str, Any] = {"robot": robot}
+    clock = FleetKey(kind=KeyKind.CLOCK, robot=robot).under(fleet)
+    sent = time.monotonic()
+    answers = session.answers(clock, way=FleetWay.COMMAND, timeout=_ANSWER_S)
+    facts["round_trip_ms"] = round((time.monotonic() - sent) * 1e3, 1) if answers else None
+    key = FleetKey(kind=KeyKind.LAST, robot=robot, message=CONTROL_STATE.name).under(fleet)
+    now_ns = CLOCK.unpack(answers[0].payload)[0] if answers and len(answers[0].payload) == 8 else 0
+    for answer in session.answers(key, way=FleetWay.COMMAND, timeout=_ANSWER_S):
+        try:
+            state: ControlState = CONTROL_STATE.decode(answer.payload)
+            age = unpack(answer.attachment).age(now_ns)
+        except (CodecError, FrameError) as error:
+            facts["fault"] = plain(str(error))
+            continue
+        facts |= {
+            "operator": plain(state.operator) if state.owner else None,
+            "why": plain(state.why),
+            "moved_by": plain(state.commander_name) or None,
+            "age_s": round(age, 2),
+        }
+    return facts
+
+
+def _words(facts: dict[str, Any]) -> str:
+    if facts["round_trip_ms"] is None:
+        return "does not answer"
+    if "age_s" not in facts:
+        return f"{facts['round_trip_ms']:g} ms away; {facts.get('fault', 'no state of control')}"
+    owner = facts["operator"]
+    drives = f"{owner} has control" if owner else f"free: {facts['why']}"
+    moved = f", moved by {facts['moved_by']}" if facts["moved_by"] else ""
+    return f"{drives}{moved}; {facts['round_trip_ms']:g} ms away, {facts['age_s']:g} s old"
+
+
+def _write(text: str) -> None:
+    sys.stdout.write(text + "\n")

@@ -1,0 +1,106 @@
+"""`rune-hub serve foxglove`: from start to end."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from hub import files
+from hub.doors.foxglove.layout import LAYOUT, layout_of
+from hub.doors.panels.hub_topics import PictureWishes
+from hub.doors.panels.panel_door import PanelDoor
+from hub.doors.panels.serving import body_of, put_line, serve
+from hub.errors import DoorError
+from hub.gcm.body import RobotBody
+from hub.ipc.client import Client
+
+if TYPE_CHECKING:
+    from hub.doors.foxglove.tool_server import ServerSettings
+
+_OPERATOR: Final = "a panel of Foxglove"
+_INSTALL: Final = "foxglove-sdk is missing; install it with pip install 'robot-user-nexus[tools]'"
+
+
+def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
+    """Serve until Ctrl-C; returns the exit code.
+
+    Args:
+        options: Those of the command line.
+        connect: Makes a connection to the hub.
+
+    Raises:
+        DoorError: foxglove-sdk is missing, the port is busy, or a file cannot be used.
+        HubError: No hub answers.
+    """
+    try:
+        from hub.doors.foxglove.tool_server import ServerSettings, ToolServer
+    except ImportError as error:
+        raise DoorError(_INSTALL) from error
+    with contextlib.closing(connect()) as client:
+        body = body_of(client)
+        settings = ServerSettings(
+            name=f"Rune: {body.name}" if body else "Rune",
+            host=options.host,
+            port=options.port,
+            drive=options.drive,
+            certificate=_content(options.tls_cert),
+            key=_content(options.tls_key),
+        )
+        if options.layout is not None:
+            _write_layout(options.layout, body)
+        pictures = PictureWishes(
+            rate=options.pictures, width_px=options.size[0], height_px=options.size[1]
+        )
+        opened: list[ToolServer] = []
+
+        def open_server(changed: Callable[[], None]) -> ToolServer:
+            opened.append(ToolServer(settings, changed))
+            return opened[0]
+
+        operator = _OPERATOR if options.drive else ""
+        with contextlib.closing(
+            PanelDoor(client, open_server, pictures, operator=operator, keys=options.keys)
+        ) as door:
+            _announce(opened[0].address, settings, options)
+            serve(door, stop_with_stdin=options.stop_with_stdin)
+    return 0
+
+
+def _content(path: Path | None) -> bytes | None:
+    if path is None:
+        return None
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        text = f"{path} cannot be read: {error.strerror}"
+        raise DoorError(text) from error
+
+
+def _write_layout(path: Path, body: RobotBody | None) -> None:
+    if body is None:
+        text = f"{path} is not written: the hub does not say yet which robot it has; try again"
+        raise DoorError(text)
+    try:
+        files.replace(path, layout_of(body).encode())
+    except OSError as error:
+        text = f"{path} cannot be written: {error.strerror}"
+        raise DoorError(text) from error
+
+
+def _announce(address: str, settings: ServerSettings, options: argparse.Namespace) -> None:
+    """Say where programs connect."""
+    layout = options.layout or LAYOUT
+    if options.json:
+        facts = {"event": "ready", "address": address, "layout": str(layout)}
+        put_line(json.dumps(facts | {"drive": settings.drive, "pid": os.getpid()}))
+        return
+    put_line(f"{settings.name} at {address}: in Foxglove or Lichtblick, open this connection")
+    put_line(f"Layout: {layout} (import it there)")
+    if settings.drive:
+        put_line("Panels drive the robot by /cmd_vel; every program that connects can do that.")
+    put_line("Ctrl-C ends it.")

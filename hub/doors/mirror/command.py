@@ -1,0 +1,117 @@
+"""`rune-hub fleet mirror`: runs a mirror, and says which robots come and go."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import logging
+import os
+import signal
+import sys
+import tempfile
+import threading
+from pathlib import Path
+
+from hub.command_line import ExitCode
+from hub.doors.mirror.mirror import Mirror
+from hub.ipc.roles import Principal
+from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.transport.loop import Loop
+from hub.zenoh.fleet_line import ZenohFleetLine
+from hub.zenoh.settings import CertificateFiles, RouterPlace, client_settings
+
+_logger = logging.getLogger(__name__)
+
+_LISTEN_S = 1.0
+_LOOK_S = 0.1
+
+
+class MirrorEvents:
+    """Says on standard output what happens."""
+
+    def __init__(self, place: RouterPlace, *, as_json: bool) -> None:
+        """Say nothing yet."""
+        self._place, self._as_json = place, as_json
+        self._joined: bool | None = None
+
+    def say(self, event: dict[str, object]) -> None:
+        """Say one thing."""
+        text = json.dumps(event) if self._as_json else _sentence(event)
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+
+    def look(self, *, joined: bool) -> None:
+        """Say whether a router answers, at each change."""
+        if joined is self._joined:
+            return
+        self._joined = joined
+        if joined:
+            self.say({"event": "joined", "router": str(self._place)})
+        else:
+            self.say({"event": "apart", "why": f"no router of the fleet answers at {self._place}"})
+
+
+def run_mirror(
+    options: argparse.Namespace, operator: Principal, certificates: CertificateFiles | None
+) -> int:
+    """Mirror robots until a signal, or the end of standard input; returns the exit code.
+
+    Args:
+        options: Of the command.
+        operator: Who asks and commands.
+        certificates: The operator's, for a router with TLS.
+
+    Raises:
+        EndpointError: TLS and certificates do not go together.
+    """
+    place: RouterPlace = options.connect
+    settings = client_settings(place, certificates=certificates)
+    ended = threading.Event()
+    loop = Loop()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: ended.set())
+    if options.stop_with_stdin:
+        threading.Thread(target=_wait_for_stdin, args=(ended, loop), daemon=True).start()
+    events = MirrorEvents(place, as_json=options.json)
+    with contextlib.ExitStack() as stack:
+        stack.callback(loop.close)
+        folder = options.folder
+        if folder is None:  # only this user may enter it
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="rune-fleet-")))
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        line = ZenohFleetLine(place, settings, loop)
+        stack.callback(line.close)
+        mirror = Mirror(
+            line,
+            options.fleet,
+            operator,
+            robots=options.robot,
+            folder=folder,
+            loop=loop,
+            faults=FaultCounter(_logger, loop.clock),
+            report=events.say,
+        )
+        stack.callback(mirror.close)
+        loop.every(_LOOK_S, lambda: events.look(joined=line.connected))
+        while not ended.is_set():
+            loop.listen(_LISTEN_S)
+    return ExitCode.OK
+
+
+def _wait_for_stdin(ended: threading.Event, loop: Loop) -> None:
+    while os.read(sys.stdin.fileno(), 4096):
+        pass
+    ended.set()
+    loop.post(lambda: None)
+
+
+def _sentence(event: dict[str, object]) -> str:
+    kind, robot = event["event"], event.get("robot")
+    if kind == "robot":
+        return f"{robot} is there: {event['endpoint']}"
+    if kind == "gone":
+        return f"{robot} is gone: {event['why']}"
+    if kind == "joined":
+        return f"joined the router at {event['router']}"
+    return str(event["why"])

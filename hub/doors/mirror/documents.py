@@ -1,0 +1,75 @@
+"""What a robot of a fleet says of itself, as JSON from outside; pure."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from hub.errors import FrameError, HubError
+from hub.gcm.catalog import BY_NAME
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.wire import control
+from hub.ipc.wire.definition_listing import from_listing
+
+_LONGEST = 1 << 20
+_MOST = 4096
+_TEXTS = ("name", "format", "fields", "keep", "plane")
+
+
+def read_definitions(payload: bytes) -> tuple[MessageDefinition[Any], ...]:
+    """The messages of a robot's hub; those that cannot be read are left out.
+
+    Raises:
+        FrameError: It is no list of messages.
+    """
+    said = _json(payload)
+    if not isinstance(said, list) or len(said) > _MOST:
+        text = "the definitions of a robot are no list of messages"
+        raise FrameError(text)
+    return tuple(found for each in said if (found := _definition(each)) is not None)
+
+
+def read_operators(payload: bytes) -> dict[int, int]:
+    """The number at the robot's hub of each session that it knows.
+
+    Raises:
+        FrameError: It is none of that.
+    """
+    said = _json(payload)
+    if not isinstance(said, dict) or len(said) > _MOST:
+        text = "the operators of a robot are no table of sessions"
+        raise FrameError(text)
+    return {
+        int(session): number
+        for session, number in said.items()
+        if session.isdecimal() and isinstance(number, int) and 0 < number < 1 << 32
+    }
+
+
+def _definition(said: object) -> MessageDefinition[Any] | None:
+    if not isinstance(said, dict) or not all(isinstance(said.get(key), str) for key in _TEXTS):
+        return None
+    known = BY_NAME.get(said["name"])
+    if known is not None and known.wire_format == said["format"]:
+        return known
+    try:
+        return from_listing(
+            control.Define(
+                **{key: said[key] for key in _TEXTS},
+                rate_hz=float(said.get("rate_hz", 0.0)),
+                lifespan_s=float(said.get("lifespan_s", "inf")),
+            )
+        )
+    except (HubError, TypeError, ValueError):
+        return None
+
+
+def _json(payload: bytes) -> Any:  # noqa: ANN401 - JSON of others
+    if len(payload) > _LONGEST:
+        text = f"{len(payload)} bytes of JSON are too many"
+        raise FrameError(text)
+    try:
+        return json.loads(payload)
+    except (ValueError, RecursionError) as error:
+        text = "what a robot says of itself is no JSON"
+        raise FrameError(text) from error

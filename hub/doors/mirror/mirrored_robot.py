@@ -1,0 +1,135 @@
+"""A robot of a fleet on this machine: its local hub is there while the robot answers."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from hub.doors.mirror.documents import read_definitions, read_operators
+from hub.doors.mirror.local_hub import LocalHub, endpoint_in
+from hub.doors.mirror.robot_line import CLOCK_S, LOST_S, RobotLine
+from hub.errors import HubError
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.transport.loop import Loop
+from hub.zenoh.fleet_keys import KeyKind
+
+_logger = logging.getLogger(__name__)
+
+FOLLOW_S = 0.05
+"""Time between two looks at what is subscribed to here [s]."""
+_RETRY_S = 2.0
+
+
+class MirroredRobot:
+    """One robot, as it comes and goes."""
+
+    def __init__(
+        self,
+        line: RobotLine,
+        folder: Path,
+        loop: Loop,
+        report: Callable[[dict[str, object]], None],
+    ) -> None:
+        """Wait for it.
+
+        Args:
+            line: To the robot.
+            folder: Private folder; the robot's hub listens in one of its name in it.
+            loop: Serves it.
+            report: Gets an event each time that its hub opens or closes.
+        """
+        self._place = folder / line.robot
+        self._line, self._loop, self._report = line, loop, report
+        self._there, self._next_open = False, 0.0
+        self._definitions: tuple[MessageDefinition[Any], ...] = ()
+        self._hub: LocalHub | None = None
+        self._timers = [loop.every(CLOCK_S, self._look), loop.every(FOLLOW_S, self._follow)]
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its local hub is open."""
+        return self._hub is not None
+
+    def changed(self, *, there: bool) -> None:
+        """Its token came or went."""
+        if there == self._there:
+            return
+        self._there = there
+        if not there:
+            self._shut("it left the fleet")
+            return
+        self._begin()
+
+    def close(self) -> None:
+        """End."""
+        self._there = False
+        self._shut("")
+        for timer in self._timers:
+            timer.cancel()
+
+    def _begin(self) -> None:
+        self._definitions = ()
+        self._line.begin()
+        self._line.read_clock()
+        self._line.follow(KeyKind.DEFINITIONS, self._defined)
+
+    def _defined(self, payload: bytes) -> None:
+        try:
+            self._definitions = read_definitions(payload)
+        except HubError as error:
+            _logger.warning("%s: %s", self._line.robot, error)
+            return
+        if self._hub is not None:
+            self._hub.define(self._definitions)
+
+    def _look(self) -> None:
+        """Measure the clock, and open or shut by the answers."""
+        if not self._there:
+            return
+        if self._line.silence > LOST_S:
+            self._shut("it does not answer")
+            self._begin()
+        self._line.read_clock()
+        if not self._definitions:  # the question, or the answer, may be lost
+            self._line.follow(KeyKind.DEFINITIONS, self._defined)
+        elif self._hub is not None and not self._hub.knows_all:
+            self._line.follow(KeyKind.OPERATORS, self._know)
+
+    def _follow(self) -> None:
+        if self._hub is not None:
+            self._hub.follow()
+            if self._hub.show():
+                said = {"robot": self._line.robot, "endpoint": endpoint_in(self._place)}
+                self._report({"event": "robot", **said})
+        elif (
+            self._there
+            and self._definitions
+            and self._line.knows_clock
+            and self._loop.clock() >= self._next_open
+        ):
+            self._open()
+
+    def _open(self) -> None:
+        try:
+            self._hub = LocalHub(self._line, self._definitions, self._place, self._loop)
+        except (HubError, OSError) as error:
+            self._next_open = self._loop.clock() + _RETRY_S
+            _logger.error("%s cannot be shown: %s", self._line.robot, error)
+
+    def _know(self, payload: bytes) -> None:
+        try:
+            numbers: Mapping[int, int] = read_operators(payload)
+        except HubError as error:
+            _logger.warning("%s: %s", self._line.robot, error)
+            return
+        if self._hub is not None:
+            self._hub.know(numbers)
+
+    def _shut(self, why: str) -> None:
+        hub, self._hub = self._hub, None
+        if hub is not None:
+            hub.close()
+            self._report({"event": "gone", "robot": self._line.robot, "why": why})
+        self._line.end()

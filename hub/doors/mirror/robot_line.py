@@ -1,0 +1,266 @@
+"""One robot of a fleet, seen from an operator: its clock, its messages, and what is sent to it."""
+
+from __future__ import annotations
+
+import collections
+import math
+import secrets
+from collections.abc import Callable
+from typing import Any
+
+from hub.doors.mirror.fleet_line import Declared, FleetLine
+from hub.errors import FrameError
+from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.roles import Principal
+from hub.ipc.transport.clock_sync import ClockSync
+from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.wire import frames
+from hub.zenoh.attachment import CLOCK, Attachment, lifespan, unpack
+from hub.zenoh.fleet_keys import MAX_SESSION, FleetKey, KeyKind
+
+LOST_S = 1.5
+"""Time without an answer after which a robot counts as lost, as at any hub [s]."""
+CLOCK_S = 0.5
+_FARTHEST_NS = 1 << 62
+_LONGEST = frames.MAX_FRAME - frames.MAX_TOPIC - 8 - frames.HEADER_SIZE
+_ROOM = {Plane.STATE: KeyKind.STATE, Plane.PICTURE: KeyKind.PICTURE}
+
+Refused = Callable[[str, str], None]
+"""Gets the error's class in `hub.errors`, and a sentence."""
+
+
+class RobotLine:
+    """The keys of one robot, as one operator uses them; stamps are on this process's clock.
+
+    Attributes:
+        robot: Its name in the fleet.
+        operator: Who asks and commands.
+    """
+
+    def __init__(
+        self,
+        line: FleetLine,
+        fleet: str,
+        robot: str,
+        operator: Principal,
+        clock: Callable[[], float],
+        faults: FaultCounter,
+    ) -> None:
+        """Ask nothing yet."""
+        self.robot, self.operator = robot, operator
+        self._line, self._fleet, self._clock = line, fleet, clock
+        self._faults = faults
+        self._time = ClockSync(clock)
+        self._heard = -math.inf
+        self._sequences: collections.Counter[tuple[str, int]] = collections.Counter()
+        self._declared: dict[str, Declared] = {}
+        self._run = 0
+
+    @property
+    def knows_clock(self) -> bool:
+        """Whether the robot's clock is known."""
+        return not math.isnan(self._time.round_trip)
+
+    @property
+    def round_trip(self) -> float:
+        """Shortest time of the last seconds for an answer of the robot [s]; 0: not known."""
+        return self._time.round_trip if self.knows_clock else 0.0
+
+    @property
+    def silence(self) -> float:
+        """Time since its last answer [s]."""
+        return self._clock() - self._heard
+
+    def begin(self) -> None:
+        """The robot is there, and may be another run of it: its clock is not known."""
+        self._run += 1
+        self._time.begin(0)
+        self._heard = self._clock()
+
+    def end(self) -> None:
+        """Withdraw all that was declared."""
+        self._run += 1
+        for declared in self._declared.values():
+            declared.withdraw()
+        self._declared.clear()
+        self._sequences.clear()
+
+    def read_clock(self) -> None:
+        """Ask for the time at the robot."""
+        sent, run = self._clock(), self._run
+
+        def answered(payload: bytes, _: bytes | None) -> None:
+            if run == self._run and len(payload) == CLOCK.size:
+                self._heard = self._clock()
+                self._time.note(sent, CLOCK.unpack(payload)[0] * 1e-9, self._heard)
+
+        self._line.ask(
+            self._key(KeyKind.CLOCK),
+            b"",
+            b"",
+            timeout=LOST_S,
+            answered=answered,
+            failed=lambda *_: None,
+            plane=Plane.COMMAND,
+        )
+
+    def follow(self, kind: KeyKind, came: Callable[[bytes], None]) -> None:
+        """Call `came` with what stands at one of its keys, and at each change of it."""
+        key, run = self._key(kind), self._run
+
+        def take(payload: bytes) -> None:
+            if run == self._run:
+                came(payload)
+
+        if key not in self._declared:
+            subscribed = self._line.subscribe(key, lambda _, payload, __: take(payload))
+            self._declared[key] = subscribed
+        self._line.ask(
+            key,
+            b"",
+            b"",
+            timeout=LOST_S,
+            answered=lambda payload, _: take(payload),
+            failed=lambda *_: None,
+        )
+
+    def subscribe(
+        self, definition: MessageDefinition[Any], came: Callable[[frames.Frame], None]
+    ) -> None:
+        """Call `came` for each broadcast of a message; too old ones are left out."""
+        key = self._key(_ROOM[definition.plane], message=definition.name)
+        oldest = lifespan(definition)
+        if key in self._declared:
+            return
+
+        def arrived(_: str, payload: bytes, attachment: bytes | None) -> None:
+            if key not in self._declared:
+                return
+            try:
+                frame = self._frame(definition.name, payload, unpack(attachment))
+            except FrameError as error:
+                self._faults.count("malformed header", f"{self.robot}: {error}")
+                return
+            if self._clock() - frame.stamp_ns * 1e-9 <= oldest:
+                came(frame)
+
+        self._declared[key] = self._line.subscribe(key, arrived)
+
+    def unsubscribe(self, definition: MessageDefinition[Any]) -> None:
+        """Get these broadcasts no longer."""
+        key = self._key(_ROOM[definition.plane], message=definition.name)
+        declared = self._declared.pop(key, None)
+        if declared is not None:
+            declared.withdraw()
+
+    def open_session(self) -> int:
+        """Let another client of this operator be there; its number."""
+        session = secrets.randbelow(MAX_SESSION) + 1
+        key = self._key(KeyKind.OPERATOR, operator=self.operator, session=session)
+        self._declared[key] = self._line.declare_token(key)
+        return session
+
+    def close_session(self, session: int) -> None:
+        """A client is there no longer."""
+        key = self._key(KeyKind.OPERATOR, operator=self.operator, session=session)
+        declared = self._declared.pop(key, None)
+        if declared is not None:
+            declared.withdraw()
+
+    def command(
+        self, definition: MessageDefinition[Any], session: int, payload: bytes, measured: float
+    ) -> None:
+        """Send a command, unless it is too old by now.
+
+        Args:
+            definition: Which.
+            session: Whose.
+            payload: It.
+            measured: Its time, on this process's clock [s].
+        """
+        if self._clock() - measured > lifespan(definition):
+            return
+        key = self._key(KeyKind.COMMAND, operator=self.operator, message=definition.name)
+        header = self._header(definition.name, session, definition.fingerprint, measured)
+        self._line.put(key, payload, header, Plane.COMMAND)
+
+    def query(
+        self,
+        definition: MessageDefinition[Any],
+        frame: frames.Frame,
+        session: int,
+        *,
+        timeout: float,
+        answered: Callable[[frames.Frame], None],
+        failed: Refused,
+    ) -> None:
+        """Ask the robot; exactly one of `answered` and `failed` is called later."""
+        key = self._key(KeyKind.ASK, operator=self.operator, message=frame.name)
+        header = self._header(frame.name, session, frame.fingerprint, frame.stamp_ns * 1e-9)
+        query = (key, bytes(frame.payload), header)
+        self._ask(query, definition.plane, timeout, answered, failed)
+
+    def last(
+        self,
+        message: str,
+        *,
+        timeout: float,
+        answered: Callable[[frames.Frame], None],
+        failed: Refused,
+    ) -> None:
+        """Ask for the last value of a message; as `query`."""
+        key = self._key(KeyKind.LAST, message=message)
+        self._ask((key, b"", b""), Plane.STATE, timeout, answered, failed, name=message)
+
+    def _ask(
+        self,
+        query: tuple[str, bytes, bytes],
+        plane: Plane,
+        timeout: float,
+        answered: Callable[[frames.Frame], None],
+        failed: Refused,
+        name: str = "",
+    ) -> None:
+        def came(answer: bytes, attachment: bytes | None) -> None:
+            self._heard = self._clock()
+            try:
+                read = unpack(attachment)
+                frame = self._frame(name or read.name, answer, read)
+            except FrameError as error:
+                failed("HandlerFailedError", str(error))
+            else:
+                answered(frame)
+
+        self._line.ask(*query, timeout=timeout, answered=came, failed=failed, plane=plane)
+
+    def _frame(self, name: str, payload: bytes, header: Attachment) -> frames.Frame:
+        """A message of the robot, its stamp on this process's clock.
+
+        Raises:
+            FrameError: It is too long for the bus, or from another age.
+        """
+        stamp_ns = header.stamp_ns - round(self._time.offset * 1e9)
+        if not -_FARTHEST_NS < stamp_ns < _FARTHEST_NS or len(payload) > _LONGEST:
+            text = f"{name} of {len(payload)} bytes with the stamp {header.stamp_ns} is no message"
+            raise FrameError(text)
+        return frames.Frame(
+            name=name,
+            kind=frames.INLINE,
+            publisher=header.publisher,
+            fingerprint=header.fingerprint,
+            sequence=header.sequence,
+            stamp_ns=stamp_ns,
+            payload=memoryview(payload),
+        )
+
+    def _header(self, name: str, session: int, fingerprint: int, measured: float) -> bytes:
+        self._sequences[name, session] += 1
+        return Attachment(
+            publisher=session,
+            fingerprint=fingerprint,
+            sequence=self._sequences[name, session],
+            stamp_ns=round((measured + self._time.offset) * 1e9),
+        ).pack()
+
+    def _key(self, kind: KeyKind, **parts: Any) -> str:  # noqa: ANN401 - the parts differ in type
+        return FleetKey(kind=kind, robot=self.robot, **parts).under(self._fleet)

@@ -1,0 +1,1 @@
+"""A hub among nodes of ROS 2: they see its robot as a node, over Zenoh."""

@@ -1,0 +1,76 @@
+"""`rune-hub serve ros2`: from start to end."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import os
+import re
+from collections.abc import Callable
+from typing import Final
+
+from hub.doors.panels.hub_topics import PictureWishes
+from hub.doors.panels.panel_door import PanelDoor
+from hub.doors.panels.serving import body_of, put_line, serve
+from hub.doors.panels.wishes import CMD_VEL
+from hub.doors.ros2.node_server import NodeSettings, RosNodeServer
+from hub.errors import DoorError
+from hub.ipc.client import Client
+from hub.zenoh.session import open_session
+
+_OPERATOR: Final = "a node of ROS 2"
+_NAMESPACE: Final = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)*", re.ASCII)
+
+
+def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
+    """Serve until Ctrl-C; returns the exit code.
+
+    Args:
+        options: Those of the command line.
+        connect: Makes a connection to the hub.
+
+    Raises:
+        DoorError: The namespace is none.
+        HubError: No hub or no router answers, or Zenoh is not installed.
+    """
+    namespace = options.namespace.rstrip("/")
+    if _NAMESPACE.fullmatch(namespace) is None:
+        text = f"{options.namespace!r} is no namespace of ROS 2; write one as /rover"
+        raise DoorError(text)
+    settings = NodeSettings(domain=options.domain, namespace=namespace, drive=options.drive)
+    with contextlib.closing(connect()) as client:
+        session = open_session(options.connect)
+        pictures = PictureWishes(
+            rate=options.pictures, width_px=options.size[0], height_px=options.size[1]
+        )
+        operator = _OPERATOR if options.drive else ""
+        with contextlib.closing(
+            PanelDoor(
+                client,
+                lambda changed: RosNodeServer(session, settings, changed),
+                pictures,
+                operator=operator,
+                keys=options.keys,
+            )
+        ) as door:
+            _announce(client, settings, options)
+            serve(door, stop_with_stdin=options.stop_with_stdin)
+    return 0
+
+
+def _announce(client: Client, settings: NodeSettings, options: argparse.Namespace) -> None:
+    """Say what nodes see."""
+    if options.json:
+        facts = {"event": "ready", "router": options.connect, "domain": settings.domain}
+        put_line(json.dumps(facts | {"drive": settings.drive, "pid": os.getpid()}))
+        return
+    body = body_of(client)
+    name = f"{settings.namespace}/rune"
+    put_line(
+        f"{body.name if body else 'The robot'} is the node {name} of domain {settings.domain}, by "
+        f"the router at {options.connect}"
+    )
+    if settings.drive:
+        put_line(f"Every node of this domain drives it by {settings.namespace}{CMD_VEL}.")
+    put_line("Ctrl-C ends it.")

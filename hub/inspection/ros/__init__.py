@@ -1,0 +1,1 @@
+"""What the commands about robots with ROS do."""

@@ -1,0 +1,1 @@
+"""Questions to a robot with ROS without driving it: its topics, what it says, what stops it."""

@@ -1,0 +1,204 @@
+"""Looks at a robot with ROS through its line: topics, one message of each part, parameters.
+
+| state | event | next |
+| --- | --- | --- |
+| waiting | the line is up | look |
+| looking | after 0.7 s, since lines learn of nodes one by one | parameters are asked for |
+| looking | the graph changes | topics of possible parts are subscribed to |
+| looking | a message of a slow or large topic | that topic is left |
+| looking | all parts were seen, and the parameters; or the time is over | the end |
+
+Nothing is sent that moves the robot. The topic of velocities is advertised, to learn whether the
+bridge takes messages, and given up again.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final
+
+from hub.errors import RosSilentError
+from hub.robots.ros.address import RosAddress
+from hub.robots.ros.asking.findings import HeardTopic, RosFindings
+from hub.robots.ros.asking.parts import TRANSFORMS, parts_of
+from hub.robots.ros.line import RosLine, RosMessage
+from hub.robots.ros.topic_reader import TopicReader
+from hub.ros.frame_tree import FrameTree
+from hub.ros.values import RosValue
+
+_LEAST_S: Final = 2.0
+"""Time in which a robot shows what it has, and how often [s]."""
+_GRAPH_S: Final = 0.7
+"""Time in which a line learns of most nodes; only those can be asked for parameters [s]."""
+_PARAMETERS_S: Final = 4.0
+_AGAIN_S: Final = 0.2
+_PAUSE_S: Final = 0.01
+_MOST_TOPICS: Final = 64
+_MOST_CAMERAS: Final = 8
+_MOST_TREES: Final = 8
+_MOST_ODOMETRIES: Final = 4
+_RATED: Final = ("nav_msgs/msg/Odometry", "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/Range")
+
+
+class RosSurvey:
+    """A look at one robot; `findings` says what was found so far.
+
+    Attributes:
+        begun: When the line was first up [s, monotonic]; infinite: it never was.
+    """
+
+    def __init__(
+        self, line: RosLine, address: RosAddress, namespace: str = "", also: Sequence[str] = ()
+    ) -> None:
+        """Look through a line.
+
+        Args:
+            line: It is not closed here.
+            address: Where the robot is.
+            namespace: Only what is below this name counts; empty: all does.
+            also: Further topics to listen to.
+        """
+        self._line, self._address, self._namespace = line, address, namespace
+        self._also = tuple(also)
+        self._reader = TopicReader(line)
+        self._frames = FrameTree()
+        self._read: dict[str, list[float]] = {}
+        self._values: dict[str, RosValue] = {}
+        self._ages: dict[str, float] = {}
+        self._parameters: Mapping[str, object] | None = None
+        self._asked = self._takes = False
+        self._command = ""
+        self.begun = math.inf
+        self._due = -math.inf
+
+    @property
+    def findings(self) -> RosFindings:
+        """What was found."""
+        return RosFindings(
+            address=self._address,
+            graph=self._line.graph,
+            heard={name: self._heard(name, arrived) for name, arrived in self._read.items()},
+            frames=self._frames,
+            parameters=self._parameters or {},
+            takes=self._takes,
+            notes=self._line.state.notes,
+            namespace=self._namespace,
+        )
+
+    def advance(self, now: float) -> bool:
+        """Look on; returns whether all was seen [s, monotonic]."""
+        self._line.advance(now)
+        if not self._line.state.up:
+            return False
+        self.begun = min(self.begun, now)
+        if not self._asked and now - self.begun >= _GRAPH_S:
+            self._asked = True
+            self._line.ask_parameters((), self._learn, _PARAMETERS_S)
+        if now >= self._due:
+            self._due = now + _AGAIN_S
+            self._follow()
+        return self._is_whole(now)
+
+    def end(self) -> None:
+        """Give up the topic of velocities."""
+        if self._command:
+            self._line.unadvertise(self._command)
+
+    def _is_whole(self, now: float) -> bool:
+        quiet = (name for name, arrived in self._read.items() if not arrived)
+        waits = any(name not in self._reader.faults for name in quiet)
+        return now - self.begun >= _LEAST_S and self._parameters is not None and not waits
+
+    def _learn(self, parameters: Mapping[str, object]) -> None:
+        self._parameters = parameters
+
+    def _follow(self) -> None:
+        """Read the topics of possible parts, and try to be a publisher of velocities."""
+        found = self.findings
+        parts = parts_of(found)
+        if parts.command is not None and parts.command.name != self._command:
+            self.end()
+            self._command = parts.command.name
+            self._line.advertise(self._command, parts.command.schema_name)
+        self._takes = bool(self._command and self._line.encoding(self._command))
+        trees = [each.name for each in found.published(TRANSFORMS)]
+        texts = [each.name for each in found.published("std_msgs/String")]
+        cameras = parts.cameras[:_MOST_CAMERAS]
+        wanted = (
+            *(name for name in self._also if name in found.graph.topics),
+            *(parts.odometry, *parts.odometries[: _MOST_ODOMETRIES - 1]),
+            *trees[:_MOST_TREES],
+            *(name for name in texts if name.endswith("/robot_description")),
+            *parts.single.values(),
+            *(name for each in cameras for name in (each.pictures, each.info)),
+            *parts.scans,
+            *parts.ranges,
+        )
+        for name in wanted:
+            if name and name not in self._read and len(self._read) < _MOST_TOPICS:
+                self._read[name] = []
+                self._reader.read(name, self._take, each=True)
+
+    def _take(self, value: RosValue, message: RosMessage) -> None:
+        name, kind = message.topic.name, message.topic.schema_name
+        if kind == "tf2_msgs/msg/TFMessage":
+            self._frames.take(value)
+            self._read[name] = [message.arrived]
+            return
+        self._values[name], self._ages[name] = value, message.age
+        arrived = self._read[name]
+        arrived.append(message.arrived)
+        if kind not in _RATED or len(arrived) > 1000:
+            self._line.unsubscribe(name)
+
+    def _heard(self, name: str, arrived: list[float]) -> HeardTopic:
+        span = arrived[-1] - arrived[0] if arrived else 0.0
+        return HeardTopic(
+            messages=len(arrived),
+            rate_hz=(len(arrived) - 1) / span if span > 0.0 else math.nan,
+            age=self._ages.get(name, math.nan),
+            value=self._values.get(name),
+            fault=self._reader.faults.get(name, ""),
+        )
+
+
+def look_at(
+    line: RosLine,
+    address: RosAddress,
+    seconds: float,
+    *,
+    namespace: str = "",
+    also: Sequence[str] = (),
+    clock: Callable[[], float] = time.monotonic,
+) -> RosFindings:
+    """Look at a robot.
+
+    Args:
+        line: A line to it.
+        address: Where it is.
+        seconds: Longest time for a connection, and then for its messages [s].
+        namespace: Only what is below this name counts; empty: all does.
+        also: Further topics to listen to.
+        clock: The monotonic clock [s].
+
+    Raises:
+        RosSilentError: Nothing answers.
+    """
+    survey = RosSurvey(line, address, namespace, also)
+    end = clock() + seconds
+    while not survey.advance(now := clock()):
+        if survey.begun < math.inf:
+            end = survey.begun + seconds
+        if now > end:
+            break
+        time.sleep(_PAUSE_S)
+    if survey.begun == math.inf:
+        why = line.state.why or "there is no answer; start its bridge or router"
+        text = f"no robot with ROS answers at {address.text}: {why}"
+        raise RosSilentError(text)
+    found = survey.findings
+    survey.end()
+    line.advance(clock())
+    return found

@@ -1,0 +1,120 @@
+"""A camera of a robot with ROS, by a line of its own: pictures never delay the odometry."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+
+from hub.errors import CameraError, RosMessageError
+from hub.gcm.vision import CameraCommand, CameraState
+from hub.robots.body_tables import CameraTable
+from hub.robots.cropping import Size, cropped_fov, vertical_fov
+from hub.robots.interfaces import Picture
+from hub.robots.ros.line import RosLine
+from hub.robots.ros.picture_feed import FedMessage, PictureFeed
+from hub.robots.ros.pictures import decoded
+from hub.robots.ros.topic_reader import UNFIT
+from hub.ros.decoding import RosDecoder
+from hub.ros.messages import field_of_view
+from hub.ros.values import RosValue
+from hub.sim.spatial_pose import SpatialPose
+
+
+class RosCamera:
+    """The newest picture of a topic; implements `Camera`."""
+
+    def __init__(
+        self, line: RosLine, table: CameraTable, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Start to connect, without waiting.
+
+        Args:
+            line: A line that nothing else uses.
+            table: The camera's table in the robot file.
+            clock: Monotonic time [s].
+
+        Raises:
+            CameraError: The table names no topic.
+        """
+        if not table.topic:
+            text = "the robot file names no topic of pictures; give [camera], key 'topic'"
+            raise CameraError(text)
+        self._table = table
+        self._feed = PictureFeed(line, table.topic, table.info, clock)
+        self._taken: tuple[FedMessage, Size, Picture] | None = None
+        self._info: FedMessage | None = None
+        self._fov = table.fov
+
+    def advance(self, seconds: float) -> None:
+        """Do nothing."""
+
+    def move(self, command: CameraCommand) -> None:
+        """Do nothing: a head is described as joints."""
+
+    def set_headlight(self, brightness: float) -> None:
+        """Do nothing: it has none."""
+
+    def camera_state(self, stamp: float) -> CameraState:
+        """Its direction: straight ahead."""
+        return CameraState(
+            stamp=stamp,
+            pan=0.0,
+            tilt=0.0,
+            zoom=0.0,
+            horizontal_fov=self._fov,
+            vertical_fov=vertical_fov(self._fov),
+            mount_forward=self._table.forward,
+            mount_height=self._table.height,
+            pan_limit=0.0,
+            tilt_limit=0.0,
+            slewing=0,
+            headlight=math.nan,
+        )
+
+    def place(self, pose: SpatialPose, measured: float) -> None:
+        """Do nothing."""
+
+    def take(self, width_px: int, height_px: int, now: float) -> Picture:
+        """The newest picture.
+
+        Raises:
+            CameraError: There is none, or only an old one, or it cannot be decoded.
+        """
+        message, wanted = self._feed.newest(now), (width_px, height_px)
+        if self._taken is not None and self._taken[0] is message and self._taken[1] == wanted:
+            return self._taken[2]
+        self._learn()
+        try:
+            pixels, whole = decoded(_value(message), wanted)
+        except UNFIT as error:
+            text = f"a picture of {self._table.topic} cannot be decoded: {error}"
+            raise CameraError(text) from error
+        size = pixels.shape[1], pixels.shape[0]
+        picture = Picture(
+            pixels=pixels,
+            measured=message.measured,
+            horizontal_fov=cropped_fov(self._fov, size, whole),
+        )
+        self._taken = message, wanted, picture
+        return picture
+
+    def close(self) -> None:
+        """Leave the line."""
+        self._feed.close()
+
+    def _learn(self) -> None:
+        """Take the field of view from the camera's newest data."""
+        info = self._feed.info
+        if info is None or info is self._info:
+            return
+        self._info = info
+        try:
+            fov = field_of_view(_value(info))
+        except (*UNFIT, RosMessageError):
+            return
+        self._fov = fov if math.isfinite(fov) else self._table.fov
+
+
+def _value(message: FedMessage) -> RosValue:
+    return RosDecoder.of(message.topic).as_ros(message.payload)

@@ -1,0 +1,1 @@
+"""The line to a robot with ROS by a bridge for Foxglove."""

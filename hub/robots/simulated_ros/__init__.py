@@ -1,0 +1,1 @@
+"""A simulated robot with ROS behind a bridge for Foxglove: wheels in an arena."""

@@ -1,0 +1,1 @@
+"""Messages of ROS and Foxglove, read by their definition; pure."""

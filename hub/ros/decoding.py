@@ -1,0 +1,147 @@
+"""Decodes messages by the definition in their file.
+
+| encoding | definition | by |
+| --- | --- | --- |
+| cdr | ros2msg, ros2idl, none | a format of Rune, whose codec makes arrays without a copy |
+| ros1 | ros1msg | `ros1` |
+| protobuf | protobuf | `protobuf` |
+| json | jsonschema, none | `plain_json`; the schema is not needed |
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping
+from typing import Final, Protocol
+
+from hub.errors import CodecError, RosMessageError
+from hub.ipc.formats import grammar as formats
+from hub.ipc.formats.codec import Codec
+from hub.ros import foxglove
+from hub.ros.plain_json import json_values
+from hub.ros.protobuf import ProtobufReader
+from hub.ros.ros1 import ros1_values
+from hub.ros.schema import NUMBERS, RosField, RosType, ros_type
+from hub.ros.values import NamedValue, RosValue, TypedValue
+
+READABLE: Final[Mapping[str, tuple[str, ...]]] = {
+    "cdr": ("ros2msg", "ros2idl", ""),
+    "ros1": ("ros1msg",),
+    "protobuf": ("protobuf",),
+    "json": ("jsonschema", ""),
+}
+"""Encodings of payloads that are decoded, and those of their definitions."""
+MOST_PAYLOAD: Final = 1 << 28
+"""Longest message that is decoded [bytes]."""
+
+Payload = bytes | memoryview
+
+
+class DescribedTopic(Protocol):
+    """A topic as recordings and bridges describe it."""
+
+    @property
+    def schema_name(self) -> str:
+        """The name of its type."""
+
+    @property
+    def encoding(self) -> str:
+        """The encoding of its messages, see `READABLE`."""
+
+    @property
+    def schema_encoding(self) -> str:
+        """The encoding of its definition."""
+
+    @property
+    def schema(self) -> bytes:
+        """Its definition; empty: it is known by its name."""
+
+
+class RosDecoder:
+    """Decodes the messages of one topic.
+
+    Attributes:
+        type: Their type; None: only the messages themselves have it.
+    """
+
+    def __init__(
+        self, name: str, read: Callable[[Payload], RosValue], kind: RosType | None = None
+    ) -> None:
+        self.type = kind
+        self._name = name
+        self._read = read
+
+    @classmethod
+    def of(cls, topic: DescribedTopic) -> RosDecoder:
+        """The decoder of a topic.
+
+        Raises:
+            RosMessageError: Its messages cannot be read, and why.
+        """
+        if topic.schema_encoding not in READABLE.get(topic.encoding, ()):
+            text = f"its messages are {topic.encoding or 'of no named encoding'}"
+            text += f" ({topic.schema_encoding})" * bool(topic.schema_encoding)
+            text += f", and Rune reads {', '.join(READABLE)}"
+            raise RosMessageError(text)
+        return _decoder(topic.schema_name, topic.encoding, topic.schema_encoding, topic.schema)
+
+    def decode(self, payload: Payload) -> RosValue:
+        """The message in a payload; arrays of numbers are views of it.
+
+        Raises:
+            RosMessageError: The payload is no message of this type.
+        """
+        if len(payload) > MOST_PAYLOAD:
+            text = f"a message of {len(payload)} bytes is longer than {MOST_PAYLOAD}"
+            raise RosMessageError(text)
+        try:
+            return self._read(payload)
+        except (CodecError, RosMessageError) as error:
+            reason = error.__cause__ if isinstance(error, CodecError) else None
+            text = f"a message does not fit {self._name}: {reason or error}"
+            raise RosMessageError(text) from error
+
+    def as_ros(self, payload: Payload) -> RosValue:
+        """The message in a payload as one of ROS, where it is one of foxglove.
+
+        Raises:
+            RosMessageError: The payload is no message of this type.
+        """
+        return foxglove.as_ros(self._name, self.decode(payload))
+
+
+@functools.lru_cache(maxsize=512)
+def _decoder(name: str, encoding: str, schema_encoding: str, schema: bytes) -> RosDecoder:
+    if encoding == "json":
+        return RosDecoder(name, lambda payload: NamedValue(name, json_values(payload)))
+    if encoding == "protobuf":
+        reader = ProtobufReader(name, schema)
+        return RosDecoder(name, lambda payload: NamedValue(name, reader.values(payload)))
+    try:
+        text = schema.decode()
+    except UnicodeDecodeError as error:
+        refusal = f"the definition of {name[:80]} is no text"
+        raise RosMessageError(refusal) from error
+    kind = ros_type(name, schema_encoding, text)
+    if encoding == "ros1":
+        return RosDecoder(name, lambda payload: TypedValue(kind, ros1_values(kind, payload)), kind)
+    codec = Codec(format_of(kind))
+    return RosDecoder(kind.name, lambda payload: TypedValue(kind, codec.decode(payload)), kind)
+
+
+def format_of(kind: RosType) -> formats.Struct:
+    """The format of a type's payload as CDR."""
+    return formats.Struct(tuple(_member(each) for each in kind.fields))
+
+
+def _member(each: RosField) -> formats.Format:
+    kind = each.kind
+    if not isinstance(kind, str):
+        inner: formats.Format = format_of(kind)
+    else:
+        inner = formats.Primitive(NUMBERS.get(kind, "string"))
+    if each.count is None:
+        return inner
+    return (
+        formats.FixedArray(inner, (each.count,)) if each.count else formats.VariableArray(inner, ())
+    )

@@ -1,0 +1,296 @@
+"""Messages of ROS 2 as those of Rune that say the same; values that Rune does not allow are cut."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from hub.errors import RosMessageError
+from hub.gcm.battery import BatteryState, PowerSupplyStatus
+from hub.gcm.body import MOST_BEAMS, MOST_PARTS, RangeGroup, RangeKind
+from hub.gcm.diagnostics import MOST_PROBLEMS, Diagnostics, DiagnosticStatus, Severity
+from hub.gcm.fields import FARTHEST_M
+from hub.gcm.flight import FluidPressure
+from hub.gcm.geometry import Quaternion, Vector3
+from hub.gcm.imu import Acceleration, Imu
+from hub.gcm.joints import JointStates
+from hub.gcm.mapping import MOST_CELLS
+from hub.gcm.navigation import MOST_POINTS, Point
+from hub.gcm.occupancy_map import OccupancyMap
+from hub.gcm.orientation import angles
+from hub.gcm.ranges import LaserScan
+from hub.gcm.standard import Header, Time
+from hub.ros.frame_tree import HERE, FramePlace, pose_of, turn_of
+from hub.ros.values import RosValue
+
+_NAME: Final = 64
+_SENTENCE: Final = 1000
+_INFRARED: Final = 1
+_BUMP: Final = 1
+
+
+def header(value: RosValue) -> Header:
+    """A std_msgs/Header."""
+    stamp = value.get("stamp")
+    seconds, rest = int(stamp.get("sec")), int(stamp.get("nanosec"))
+    time = Time(sec=max(0, seconds), nanosec=min(rest, 999_999_999))
+    return Header(stamp=time, frame_id=str(value.get("frame_id"))[:_NAME])
+
+
+def battery(value: RosValue) -> BatteryState:
+    """A sensor_msgs/BatteryState; a percentage up to 100 is one of 100."""
+    share = _number(value, "percentage", 0.0, 100.0)
+    status = int(value.get("power_supply_status"))
+    return BatteryState(
+        header=header(value.get("header")),
+        voltage=_number(value, "voltage", -1000.0, 1000.0),
+        temperature=_number(value, "temperature", -300.0, 1000.0),
+        current=_number(value, "current", -1e5, 1e5),
+        charge=_number(value, "charge", -1e6, 1e6),
+        capacity=_number(value, "capacity", -1e6, 1e6),
+        percentage=share / 100.0 if share > 1.0 else share,
+        power_supply_status=PowerSupplyStatus(
+            status if 0 <= status <= PowerSupplyStatus.FULL else 0
+        ),
+        present=bool(value.get("present")) or math.isfinite(_number(value, "voltage", 1e-3, 1e3)),
+    )
+
+
+def imu(value: RosValue, mount: FramePlace = HERE) -> Imu:
+    """A sensor_msgs/Imu, turned from its own frame into that of the body."""
+    spin = mount.turn @ _vector(value.get("angular_velocity"), 100.0)
+    push = mount.turn @ _vector(value.get("linear_acceleration"), 1e5)
+    turn = turn_of(value.get("orientation"))  # drivers without a filter leave it 0
+    known = turn is not None and float(value.get("orientation_covariance")[0]) >= 0.0
+    orientation = Quaternion()
+    if turn is not None and known:
+        orientation = Quaternion.of(*angles(turn @ mount.turn.T))
+    covariances = {
+        name: np.array(value.get(name), np.float64)
+        for name in ("angular_velocity_covariance", "linear_acceleration_covariance")
+    }
+    attitude = np.array(value.get("orientation_covariance"), np.float64)
+    if not known:
+        attitude[0] = -1.0
+    return Imu(
+        header=header(value.get("header")),
+        orientation=orientation,
+        orientation_covariance=attitude,
+        angular_velocity=Vector3(**dict(zip("xyz", spin.tolist(), strict=True))),
+        linear_acceleration=Acceleration(**dict(zip("xyz", push.tolist(), strict=True))),
+        **covariances,
+    )
+
+
+def fluid_pressure(value: RosValue) -> FluidPressure:
+    """A sensor_msgs/FluidPressure."""
+    pressure = _number(value, "fluid_pressure", 0.0, 1e9)
+    if math.isnan(pressure):
+        text = "a pressure is not measured"
+        raise RosMessageError(text)
+    return FluidPressure(header=header(value.get("header")), fluid_pressure=pressure)
+
+
+def joint_states(value: RosValue) -> JointStates:
+    """A sensor_msgs/JointState; what is missing of a joint is not known."""
+    names = tuple(str(name)[:_NAME] for name in value.get("name"))[:MOST_PARTS]
+
+    def padded(part: str) -> npt.NDArray[np.float64]:
+        numbers = np.full(len(names), np.nan)
+        given = np.asarray(value.get(part), np.float64)[: len(names)]
+        numbers[: len(given)] = given
+        return numbers
+
+    return JointStates(
+        header=header(value.get("header")),
+        name=names,
+        position=padded("position"),
+        velocity=padded("velocity"),
+        effort=padded("effort"),
+    )
+
+
+def diagnostics(value: RosValue) -> Diagnostics:
+    """A diagnostic_msgs/DiagnosticArray without the parts that are well."""
+    problems: list[DiagnosticStatus] = []
+    for each in value.get("status"):
+        level = int(each.get("level")) & 0xFF
+        if level and len(problems) < MOST_PROBLEMS:
+            problems.append(
+                DiagnosticStatus(
+                    level=Severity(level) if level <= Severity.STALE else Severity.ERROR,
+                    name=str(each.get("name"))[:_NAME],
+                    message=str(each.get("message"))[:_SENTENCE],
+                    hardware_id=str(each.get("hardware_id"))[:_NAME],
+                )
+            )
+    return Diagnostics(header=header(value.get("header")), status=tuple(problems))
+
+
+def laser_scan(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
+    """A sensor_msgs/LaserScan and its sensor; of too many beams, the nearest of neighbours count.
+
+    Args:
+        value: The message.
+        name: Name of the sensor's frame.
+    """
+    step, first = float(value.get("angle_increment")), float(value.get("angle_min"))
+    with np.errstate(over="ignore"):  # beyond all numbers is beyond all ranges
+        ranges = np.array(value.get("ranges"), np.float32)
+    near, far = float(value.get("range_min")), float(value.get("range_max"))
+    if not ranges.size or not all(map(math.isfinite, (step, first, near, far))):
+        text = "a scan has no beams, or its angles are not finite"
+        raise RosMessageError(text)
+    near, far = max(0.0, near), min(1000.0, max(0.0, far))
+    ranges[~(ranges >= near)] = np.nan
+    ranges[ranges > far] = np.inf
+    many = -(-len(ranges) // MOST_BEAMS)
+    if many > 1:
+        whole = len(ranges) // many * many
+        with np.errstate(all="ignore"):
+            ranges = np.fmin.reduce(ranges[:whole].reshape(-1, many), axis=1)
+        first, step = first + step * (many - 1) / 2.0, step * many
+    first = math.remainder(first, math.tau)
+    group = RangeGroup(
+        name=name,
+        kind=RangeKind.LASER,
+        beams=len(ranges),
+        first=first,
+        step=step,
+        nearest=near,
+        farthest=far,
+    )
+    return group, _scan(group, ranges, value)
+
+
+def single_range(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
+    """A sensor_msgs/Range and its sensor; its frame has this name."""
+    infrared = int(value.get("radiation_type")) == _INFRARED
+    far = _number(value, "max_range", 0.0, 1000.0)
+    near = _number(value, "min_range", 0.0, 1000.0)
+    measured = float(value.get("range"))
+    if math.isnan(far) or math.isnan(near):
+        text = "a range sensor has no limits"
+        raise RosMessageError(text)
+    group = RangeGroup(
+        name=name,
+        kind=RangeKind.INFRARED if infrared else RangeKind.SONAR,
+        opening=min(math.pi, max(0.0, float(value.get("field_of_view")) or 0.0)),
+        nearest=near,
+        farthest=far,
+    )
+    ranges = np.array([math.inf if measured > far else max(-1.0, measured)], np.float32)
+    ranges[ranges < near] = np.nan
+    return group, _scan(group, ranges, value)
+
+
+def _scan(group: RangeGroup, ranges: npt.NDArray[np.float32], value: RosValue) -> LaserScan:
+    return LaserScan(
+        header=Header(stamp=header(value.get("header")).stamp, frame_id=group.name),
+        angle_min=group.first,
+        angle_max=group.first + group.step * (group.beams - 1),
+        angle_increment=group.step,
+        range_min=group.nearest,
+        range_max=group.farthest,
+        ranges=ranges,
+        intensities=np.empty(0, np.float32),
+    )
+
+
+def occupancy_map(value: RosValue) -> OccupancyMap:
+    """A nav_msgs/OccupancyGrid; one whose origin is turned is not shown."""
+    info = value.get("info")
+    width, height = int(info.get("width")), int(info.get("height"))
+    cells = value.get("data")
+    origin, resolution = pose_of(info.get("origin")), float(info.get("resolution"))
+    if not (0 < width <= MOST_CELLS and 0 < height <= MOST_CELLS and len(cells) == width * height):
+        text = f"a map of {width}x{height} cells has {len(cells)} of them, or is too large"
+        raise RosMessageError(text)
+    if not 1e-3 <= resolution <= 1e3 or abs(origin.roll_pitch_yaw[2]) > 0.01:
+        text = "a map has no size of its cells, or is turned"
+        raise RosMessageError(text)
+    return OccupancyMap(
+        cells=np.clip(np.asarray(cells, np.int8), -1, 100).reshape(height, width),
+        resolution=resolution,
+        origin_x=_within(origin.origin[0]),
+        origin_y=_within(origin.origin[1]),
+    )
+
+
+def updated_map(before: OccupancyMap, update: RosValue) -> OccupancyMap:
+    """A map after a map_msgs/OccupancyGridUpdate; the part outside of the map is left out."""
+    x, y = int(update.get("x")), int(update.get("y"))
+    width, height = int(update.get("width")), int(update.get("height"))
+    data = np.asarray(update.get("data"), np.int8)
+    rows, columns = before.cells.shape
+    inside = x >= 0 and y >= 0 and x + width <= columns and y + height <= rows
+    if not inside or len(data) != width * height:
+        text = f"a change of {width}x{height} cells does not fit into the map"
+        raise RosMessageError(text)
+    cells = before.cells.copy()
+    cells[y : y + height, x : x + width] = np.clip(data, -1, 100).reshape(height, width)
+    return OccupancyMap(
+        cells=cells,
+        resolution=before.resolution,
+        origin_x=before.origin_x,
+        origin_y=before.origin_y,
+    )
+
+
+def path_points(value: RosValue, moved: FramePlace) -> tuple[Point, ...]:
+    """The points of a nav_msgs/Path, some of them where they are too many."""
+    poses = value.get("poses")
+    every = max(1, -(-len(poses) // MOST_POINTS))
+    picked = [*poses[::every], *poses[-1:]][-MOST_POINTS:]
+    points = []
+    for each in picked:
+        place = pose_of(each.get("pose")).after(moved).origin
+        points.append(Point(x=_within(place[0]), y=_within(place[1])))
+    return tuple(points)
+
+
+def field_of_view(info: RosValue) -> float:
+    """The field of view of a sensor_msgs/CameraInfo, from left to right [rad]; NaN: not known."""
+    matrix = info.field("k") if info.field("k") is not None else info.field("K")
+    width = int(info.get("width"))
+    focal = float(matrix[0]) if matrix is not None and len(matrix) else 0.0
+    if not (focal > 0.0 and width > 0):
+        return math.nan
+    return min(3.1, max(1e-6, 2.0 * math.atan(width / (2.0 * focal))))
+
+
+def is_touched(value: RosValue) -> bool:
+    """Whether a message of a bumper says that it is pressed.
+
+    It is an irobot_create_msgs/HazardDetectionVector, a kobuki_ros_interfaces/BumperEvent or a
+    gazebo_msgs/ContactsState.
+    """
+    hazards, contacts = value.field("detections"), value.field("states")
+    if hazards is not None:
+        return any(int(each.get("type")) == _BUMP for each in hazards)
+    return bool(len(contacts)) if contacts is not None else int(value.get("state")) == 1
+
+
+def planar(twist: RosValue) -> tuple[float, float, float, float]:
+    """Forward, left, up [m/s] and turning [rad/s] of a geometry_msgs/Twist."""
+    linear = _vector(twist.get("linear"), 100.0)
+    return (*linear.tolist(), float(_vector(twist.get("angular"), 100.0)[2]))
+
+
+def _vector(value: RosValue, most: float) -> npt.NDArray[np.float64]:
+    numbers = np.array([float(value.get(part)) for part in "xyz"])
+    cut: npt.NDArray[np.float64] = np.clip(np.nan_to_num(numbers), -most, most)
+    return cut
+
+
+def _number(value: RosValue, name: str, least: float, most: float) -> float:
+    """A number within its limits; NaN: not known."""
+    number = float(value.get(name))
+    return number if least <= number <= most else math.nan
+
+
+def _within(metres: Any) -> float:  # noqa: ANN401 - a number of numpy
+    return max(-FARTHEST_M, min(FARTHEST_M, float(metres)))

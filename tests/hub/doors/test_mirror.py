@@ -1,0 +1,247 @@
+"""A mirror of a fleet's robots: what local clients see and send, over a line in this process."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import logging
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from hub.doors.mirror.mirror import Mirror
+from hub.errors import NoHandlerError
+from hub.gcm.catalog import MESSAGES
+from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.geometry import TwistStamped
+from hub.gcm.navigation import VELOCITY_COMMAND
+from hub.gcm.vision import IMAGE, IMAGE_REQUEST, ImageRequest
+from hub.ipc.client import Client
+from hub.ipc.definition import MessageDefinition
+from hub.ipc.roles import Principal, Role
+from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.transport.loop import Loop
+from hub.ipc.wire.definition_listing import to_listing
+from hub.zenoh.attachment import CLOCK, Attachment, unpack
+from tests.support.memory_fleet import MemoryFleet
+from tests.support.waiting import until
+
+AHEAD_S = 5000.0
+"""The robot's clock is so far ahead of this machine's [s]."""
+
+
+class FakeRobot:
+    """A robot's gateway, as its keys show it."""
+
+    def __init__(self, fleet: MemoryFleet) -> None:
+        self.fleet, self.count = fleet, 0
+        start = "rune/v1/rover/"
+        fleet.answers |= {
+            start + "clock": lambda *_: (CLOCK.pack(self.now_ns()), None) if self.awake else None,
+            start + "definitions": lambda *_: (definitions(), None),
+            start + "operators": lambda *_: (json.dumps(self.numbers).encode(), None),
+        }
+        self.awake = True
+        self.numbers: dict[str, int] = {}
+
+    def now_ns(self) -> int:
+        return time.monotonic_ns() + round(AHEAD_S * 1e9)
+
+    def says(self, definition: MessageDefinition, value: object, age_s: float = 0.0) -> None:
+        self.count += 1
+        header = Attachment(
+            publisher=77,
+            fingerprint=definition.fingerprint,
+            sequence=self.count,
+            stamp_ns=self.now_ns() - round(age_s * 1e9),
+        )
+        payload = b"".join(map(bytes, definition.encode(value)))
+        key = f"rune/v1/rover/{definition.plane.value}/{definition.name}"
+        self.fleet.give(key, payload, header.pack())
+
+
+def definitions() -> bytes:
+    keys = ("name", "format", "fields", "keep", "plane")
+    said = [{key: getattr(to_listing(each), key) for key in keys} for each in MESSAGES]
+    return json.dumps(said).encode()
+
+
+class Bench:
+    def __init__(self, folder: Path) -> None:
+        self.loop = Loop()
+        self.fleet = MemoryFleet(self.loop)
+        self.robot = FakeRobot(self.fleet)
+        self.events: list[dict[str, object]] = []
+        self.mirror = Mirror(
+            self.fleet,
+            "rune",
+            Principal(name="ann", role=Role.OPERATE),
+            robots=(),
+            folder=folder,
+            loop=self.loop,
+            faults=FaultCounter(logging.getLogger(), time.monotonic),
+            report=self.events.append,
+        )
+        self.clients: list[Client] = []
+
+    def until(self, condition, why: str = "") -> None:
+        until(condition, 10.0, why or "it did not happen", meanwhile=lambda: self.loop.listen(0.0))
+
+    def open(self) -> str:
+        self.fleet.come("rune/v1/rover/alive")
+        self.until(lambda: self.events)
+        assert self.events[0]["event"] == "robot"
+        return str(self.events[0]["endpoint"])
+
+    def client(self, endpoint: str, name: str = "console") -> Client:
+        made = Client(name, endpoint, loop=self.loop, near=False)
+        self.clients.append(made)
+        self.until(lambda: made.connected)
+        return made
+
+    def close(self) -> None:
+        for client in self.clients:
+            client.close()
+        self.mirror.close()
+        self.loop.close()
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[Bench]:
+    made = Bench(tmp_path)
+    yield made
+    made.close()
+
+
+def test_what_local_clients_subscribe_to_is_subscribed_at_the_robot_meanwhile(
+    bench: Bench,
+) -> None:
+    client = bench.client(bench.open())
+    key = f"rune/v1/rover/state/{CONTROL_STATE.name}"
+    assert key not in bench.fleet.patterns
+    heard = []
+    client.subscribe(CONTROL_STATE, lambda value, info: heard.append((value, info)))
+    bench.until(lambda: key in bench.fleet.patterns)
+    bench.robot.says(CONTROL_STATE, ControlState(operator="bob", owner=9), age_s=0.25)
+    bench.until(lambda: heard)
+    value, info = heard[0]
+    assert (value.operator, value.owner) == ("bob", 9)
+    assert (info.publisher, info.sequence) == (77, 1)
+    assert 0.24 < info.age < 0.75
+    client.unsubscribe(CONTROL_STATE)
+    bench.until(lambda: key not in bench.fleet.patterns)
+
+
+def test_commands_of_each_client_go_out_in_its_session_on_the_robots_clock(bench: Bench) -> None:
+    endpoint = bench.open()
+    one, other = bench.client(endpoint, "one"), bench.client(endpoint, "other")
+    bench.until(lambda: len(bench.fleet.tokens) == 2)
+    sessions = {int(token.rpartition("/")[2]) for token in bench.fleet.tokens}
+    assert all(t.startswith("rune/v1/rover/operator/operate:ann/") for t in bench.fleet.tokens)
+    for client in (one, other):
+        client.publish(VELOCITY_COMMAND, TwistStamped())
+    bench.until(lambda: len(bench.fleet.puts) == 2)
+    headers = [unpack(attachment) for _, _, attachment in bench.fleet.puts]
+    assert {header.publisher for header in headers} == sessions
+    for key, _, _ in bench.fleet.puts:
+        assert key == f"rune/v1/rover/command/operate:ann/{VELOCITY_COMMAND.name}"
+    assert all(0 <= header.age(bench.robot.now_ns()) < 1.0 for header in headers)
+    one.close()
+    bench.clients.remove(one)
+    bench.until(lambda: len(bench.fleet.tokens) == 1, "the session of a client ends with it")
+
+
+def test_a_client_reads_its_own_number_as_the_owner(bench: Bench) -> None:
+    client = bench.client(bench.open())
+    bench.until(lambda: bench.fleet.tokens)
+    session = bench.fleet.tokens[0].rpartition("/")[2]
+    bench.robot.numbers = {session: 4242}
+    owners = []
+    client.subscribe(CONTROL_STATE, lambda value, _: owners.append(value.owner))
+    key = f"rune/v1/rover/state/{CONTROL_STATE.name}"
+    bench.until(lambda: key in bench.fleet.patterns)
+    bench.until(lambda: "rune/v1/rover/operators" in bench.fleet.patterns)
+    bench.fleet.give("rune/v1/rover/operators", json.dumps({session: 4242}).encode())
+    bench.robot.says(CONTROL_STATE, ControlState(owner=4242))
+    bench.until(lambda: owners)
+    bench.robot.says(CONTROL_STATE, ControlState(owner=5))
+    bench.until(lambda: 5 in owners)
+    assert owners == [client.number, 5]
+
+
+def test_queries_and_last_values_go_to_the_robot(bench: Bench) -> None:
+    asked = []
+
+    def answer(key: str, payload: bytes, attachment: bytes) -> tuple[bytes, bytes]:
+        asked.append((key.rpartition("/")[2], payload, attachment))
+        header = Attachment(
+            publisher=78,
+            fingerprint=CONTROL_STATE.fingerprint,
+            sequence=9,
+            stamp_ns=bench.robot.now_ns() - 10**8,
+            name=CONTROL_STATE.name,
+        )
+        return b"".join(map(bytes, CONTROL_STATE.encode(ControlState(operator="x")))), header.pack()
+
+    bench.fleet.answers |= {"rune/v1/rover/ask/operate:ann/": answer, "rune/v1/rover/last/": answer}
+    client = bench.client(bench.open())
+    ends: list[object] = []
+    taken = lambda value, info: ends.append((value.operator, info.publisher, info.age))  # noqa: E731
+    client.query_notify(
+        IMAGE_REQUEST,
+        ImageRequest(width_px=2),
+        CONTROL_STATE,
+        timeout=5.0,
+        answered=taken,
+        failed=ends.append,
+    )
+    client.last_notify(CONTROL_STATE, timeout=5.0, answered=taken, failed=ends.append)
+    bench.until(lambda: len(ends) == 2)
+    (name, payload, attachment), (last, *_) = sorted(asked, key=lambda each: -len(each[1]))
+    assert (name, last) == (IMAGE_REQUEST.name, CONTROL_STATE.name)
+    assert IMAGE_REQUEST.decode(payload).width_px == 2
+    assert unpack(attachment).publisher == int(bench.fleet.tokens[0].rpartition("/")[2])
+    for operator, publisher, age in ends:
+        assert (operator, publisher) == ("x", 78)
+        assert 0.09 < age < 1.0
+    del bench.fleet.answers["rune/v1/rover/ask/operate:ann/"]
+    client.query_notify(
+        IMAGE_REQUEST, ImageRequest(), IMAGE, timeout=5.0, answered=taken, failed=ends.append
+    )
+    bench.until(lambda: len(ends) == 3)
+    assert isinstance(ends[2], NoHandlerError)
+
+
+def test_a_robot_that_does_not_answer_is_lost_and_comes_back_at_its_place(bench: Bench) -> None:
+    endpoint = bench.open()
+    client = bench.client(endpoint)
+    bench.robot.awake = False
+    bench.until(lambda: not client.connected)
+    assert bench.events[-1] == {"event": "gone", "robot": "rover", "why": "it does not answer"}
+    assert not bench.fleet.tokens
+    bench.robot.awake = True
+    bench.until(lambda: client.connected)
+    assert bench.events[-1] == {"event": "robot", "robot": "rover", "endpoint": endpoint}
+
+
+def test_hostile_bytes_harm_nobody(bench: Bench) -> None:
+    client = bench.client(bench.open())
+    heard: list[str] = []
+    client.subscribe(CONTROL_STATE, lambda value, _: heard.append(value.operator))
+    key = f"rune/v1/rover/state/{CONTROL_STATE.name}"
+    bench.until(lambda: key in bench.fleet.patterns)
+    good = Attachment(publisher=1, fingerprint=CONTROL_STATE.fingerprint, sequence=1, stamp_ns=0)
+    far = dataclasses.replace(good, stamp_ns=-(1 << 63))
+    for attachment in (None, b"", b"\xff" * 500, good.pack()[:-1], far.pack()):
+        bench.fleet.give(key, b"\xff" * 40, attachment)
+    bench.fleet.give(key, bytes(5 << 20), good.pack())
+    for name in ("definitions", "operators"):
+        for payload in (b"", b"{", b"[" * 100_000, b'[{"name": 3}]', b'{"a": [], "-1": 2}', b"7"):
+            bench.fleet.give(f"rune/v1/rover/{name}", payload)
+    for bad in ("rune/v1//alive", "rune/v1/a b/alive", "x", "rune/v1/../alive"):
+        bench.fleet.come(bad)
+    bench.robot.says(CONTROL_STATE, ControlState(operator="last"))
+    bench.until(lambda: heard)
+    assert heard == ["last"]

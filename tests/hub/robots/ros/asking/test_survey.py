@@ -1,0 +1,36 @@
+"""A look at a robot through a line in memory, with the time given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from hub.robots.ros.address import ros_address
+from hub.robots.ros.asking.survey import RosSurvey
+from tests.support.memory_ros_line import MemoryLine
+from tests.support.ros_findings import ADDRESS
+
+TIME_OUT = "/base.cmd_vel_timeout"
+
+
+class SlowLine(MemoryLine):
+    """It learns of nodes only after a while, as a line over Zenoh does."""
+
+    def ask_parameters(
+        self,
+        _names: tuple[str, ...],
+        answered: Callable[[Mapping[str, object]], None],
+        _timeout: float,
+    ) -> None:
+        answered({TIME_OUT: 0.5} if self.graph.topics else {})
+
+
+def test_parameters_are_asked_for_once_nodes_are_known() -> None:
+    line = SlowLine()
+    survey = RosSurvey(line, ros_address(ADDRESS))
+    assert not survey.advance(0.0)
+    line.topic("/cmd_vel", "geometry_msgs/msg/Twist")
+    assert not survey.advance(1.0)
+    assert survey.findings.parameters == {TIME_OUT: 0.5}
+    assert survey.advance(3.0)
+    assert survey.findings.takes
+    assert not line.published

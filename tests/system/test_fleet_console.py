@@ -1,0 +1,180 @@
+"""A console in a fleet: real hub, gateway, router and mirror; who dies between stops the robot."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from hub.gcm import navigation
+from hub.gcm.control import CONTROL_STATE
+from hub.gcm.navigation import NAVIGATION_STATUS
+from tests.conftest import leaving_nothing
+from tests.support.ports import free_port
+from tests.support.waiting import until
+from tests.system.conftest import LAYOUT
+from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive, gone, in_soak
+
+STOPPED_S = 1.0
+"""0.35 s, with room for a busy machine [s]."""
+
+
+class Site:
+    """A robot, its fleet's router, and one console after the other."""
+
+    def __init__(self, folder: Path) -> None:
+        self.place = f"tcp/127.0.0.1:{free_port()}"
+        self.start_router()
+        tables = f'\n[fleet]\nrouter = "{self.place}"\nname = "rover"\nfleet = "rune/lab"\n'
+        self.hub = HubProcess(folder, tables=tables)
+        watched = (navigation.GROUND_TRUTH, CONTROL_STATE, NAVIGATION_STATUS)
+        self.observer = Observer(self.hub.endpoint, *watched)
+        self.layout = folder / "layout.xml"
+        text = LAYOUT.replace('hub="{hub}"', 'fleet="rune/lab"')
+        self.layout.write_text(text.replace("magellan", "rover"))
+
+    def start_router(self) -> None:
+        words = ["fleet", "router", "--fleet", "rune/lab", "--listen", self.place]
+        command = [sys.executable, "-m", "hub", *words]
+        self.router = subprocess.Popen(command, stdout=subprocess.PIPE)
+        assert self.router.stdout is not None
+        assert self.router.stdout.readline()
+
+    def kill_router(self) -> None:
+        self.router.kill()
+        self.router.communicate()
+
+    def console(self, *options: str) -> ConsoleProcess:
+        words = ["run", str(self.layout), "--fleet", self.place, "--operator", "ann", *options]
+        made = ConsoleProcess(words)
+        made.wait_for_picture(40.0)
+        return made
+
+    def newest(self, name: str) -> Any:
+        return self.observer.seen[name][-1][1]
+
+    def close(self) -> None:
+        self.observer.close()
+        self.hub.close()
+        self.kill_router()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    """Processes of the site are started again in the middle of a test, and stay for the next."""
+    with leaving_nothing():
+        yield
+
+
+@pytest.fixture(scope="module")
+def site(nothing_left_behind: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    del nothing_left_behind
+    with closing(Site(tmp_path_factory.mktemp("fleet"))) as made:
+        yield made
+
+
+@pytest.fixture
+def console(site: Site) -> Iterator[ConsoleProcess]:
+    with closing(site.console()) as made:
+        yield made
+
+
+def mirror_of(console: ConsoleProcess) -> psutil.Process:
+    children = psutil.Process(console.process.pid).children(recursive=True)
+    return next(each for each in children if "mirror" in each.cmdline())
+
+
+def stopped_after(observer: Observer) -> float:
+    """Time from now until the wheels are told to stop [s]."""
+    began = time.monotonic()
+    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "the wheels are driven on")
+    took = time.monotonic() - began
+    observer.wait(lambda: abs(observer.truth.linear) < 1e-3, 5.0, "it rolls on")
+    return took
+
+
+def test_console_drives_and_has_control_as_at_a_hub(site: Site, console: ConsoleProcess) -> None:
+    drive(console, site.observer)
+    assert stopped_after(site.observer) < STOPPED_S + 1.0  # the key is released first
+    state = site.newest(CONTROL_STATE.name)
+    assert state.operator == "ann"
+    console.wait(lambda: "you have control" in console.text, 10.0, console.text)
+    mirror = mirror_of(console)
+    assert console.quit() == 0
+    site.observer.wait(lambda: site.newest(CONTROL_STATE.name).owner == 0, 10.0)
+    until(lambda: gone([mirror]), 10.0, "the mirror is left")
+
+
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("victim", ["mirror", *in_soak("console", "router", "paused mirror")])
+def test_robot_stops_and_needs_neutral_when_one_between_is_killed_or_paused(
+    site: Site, console: ConsoleProcess, victim: str
+) -> None:
+    observer, mirror = site.observer, mirror_of(console)
+    drive(console, observer)
+    with console.holding("w"):  # the operator does not notice, and keeps the key down
+        if victim == "router":
+            site.kill_router()
+        elif victim == "paused mirror":
+            mirror.suspend()
+        else:
+            os.kill(mirror.pid if victim == "mirror" else console.process.pid, signal.SIGKILL)
+        took = stopped_after(observer)
+        assert took < STOPPED_S
+        print(f"{victim}: zero after {took:.3f} s")  # noqa: T201
+        if victim == "router":
+            site.start_router()
+        if victim != "console":
+            console.wait(lambda: "linked" not in console.text, 10.0, console.text)
+            if victim == "paused mirror":  # commands of before are still in its sockets
+                mirror.resume()
+            # A narrow status line says what to do about the held key in place of "linked".
+            words = ("linked", "LET GO")
+            console.wait(lambda: any(word in console.text for word in words), 20.0, console.text)
+        assert observer.truth.commanded_linear == 0.0
+    if victim == "console":
+        until(lambda: gone([mirror]), 10.0, "the mirror is left")
+    else:
+        drive(console, observer)  # from neutral
+        stopped_after(observer)
+
+
+@pytest.mark.soak
+def test_robot_that_leaves_is_shown_as_lost_and_comes_back(
+    site: Site, console: ConsoleProcess
+) -> None:
+    os.kill(site.hub.pids["fleet"], signal.SIGKILL)
+    console.wait(lambda: "left the fleet" in console.text, 10.0, console.text)
+    console.wait(lambda: "linked" in console.text, 20.0, console.text)
+
+
+def test_auto_names_who_is_there_and_makes_a_layout(site: Site, tmp_path: Path) -> None:
+    picture = tmp_path / "shot.txt"
+    words = [sys.executable, "-m", "rune_tui", "shot", "auto", "--fleet", site.place]
+    words += ["--fleet-name", "rune/lab", "--seconds", "3", "--output", str(picture)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.returncode, "in the fleet rune/lab: rover" in done.stderr) == (0, True), done
+    assert "linked" in picture.read_text()
+
+
+@pytest.mark.soak
+def test_what_is_not_in_the_fleet_is_said_in_a_sentence(site: Site) -> None:
+    words = [sys.executable, "-m", "rune_tui", "shot", "auto", "-o", "x.txt", "--only", "nobody"]
+    for place, why in (
+        (site.place, "nobody is not in the fleet rune now"),
+        (f"tcp/127.0.0.1:{free_port()}", "no router of the fleet answers at tcp/127.0.0.1:"),
+        ("udp/here", "write tcp/HOST:PORT or tls/HOST:PORT"),
+    ):
+        done = subprocess.run(
+            [*words, "--fleet", place], capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, why in done.stderr) == (3, True), done

@@ -1,0 +1,164 @@
+"""A robot with ROS stops when its commands end, and stands until driven from neutral.
+
+The cases are those of `stale_stick`, and what can happen to the bridge and to the line: it is held
+and comes back with all that waited, it is reset, the bridge pauses, or starts again. `make soak`
+plays all cases; `make test` plays one.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from tests.conftest import leaving_nothing
+from tests.support.fake_hid import needs_virtual_devices
+from tests.support.held_relay import TO_HUB, TO_ROBOT
+from tests.system import stale_stick
+from tests.system.driven_ros import OPTIONS, RecordedRos
+from tests.system.stale_stick import Case, once_and_often, play, playing
+from tests.system.stale_stick_actions import (
+    Action,
+    Scene,
+    linked,
+    module,
+    signal_module,
+    started_again,
+)
+
+pytestmark = needs_virtual_devices
+
+REPETITIONS = 2
+REST_S = 1.5
+"""Longest time from the event to rest: 0.5 s of the robot's own watchdog, then it brakes [s]."""
+INSISTED_S = 3.0
+"""The stick stays deflected for so long after the line is back [s]."""
+PAUSED_S = 2.0
+
+
+def record(scene: Scene) -> RecordedRos:
+    found = scene.robot.record
+    assert isinstance(found, RecordedRos)
+    return found
+
+
+def insist(scene: Scene, seconds: float) -> None:
+    """Keep the stick deflected."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        scene.robot.insist()
+        scene.robot.pump()
+
+
+def hold(*ways: str) -> Action:
+    return lambda scene: record(scene).relay.hold(*ways)
+
+
+def go_on(seconds: float) -> Action:
+    """The line is back after a while, and the stick was deflected all the time."""
+
+    def back(scene: Scene) -> None:
+        insist(scene, seconds)
+        record(scene).relay.go_on()
+        insist(scene, INSISTED_S)
+
+    return back
+
+
+def pause(scene: Scene) -> float:
+    """The bridge stands still for a while, and with it the robot; the time is that of its end."""
+    process = record(scene).robot.process
+    process.send_signal(signal.SIGSTOP)
+    insist(scene, PAUSED_S)
+    process.send_signal(signal.SIGCONT)
+    return time.monotonic()
+
+
+def insist_long(scene: Scene) -> None:
+    insist(scene, INSISTED_S)
+
+
+def driver_again(scene: Scene) -> None:
+    started_again("driver")(scene)
+    linked(scene)
+    insist(scene, INSISTED_S)
+
+
+def driver_goes_on(scene: Scene) -> None:
+    """It was silent for a while; the hub may have ended it."""
+    insist(scene, 1.0)
+    for pid in module(scene, "driver"):
+        os.kill(pid, signal.SIGCONT)
+    driver_again(scene)
+
+
+PAUSED = Case(name="bridge paused", strike=pause, mend=insist_long)
+CASES = (
+    stale_stick.UNPLUGGED,
+    stale_stick.KILLED,
+    stale_stick.ASLEEP,
+    stale_stick.NETWORK_CUT,
+    stale_stick.NAVIGATION_KILLED,
+    stale_stick.NAVIGATION_FROZEN,
+    stale_stick.HUB_KILLED,
+    stale_stick.STOPPED,
+    Case(
+        name="driver killed",
+        strike=signal_module("driver", signal.SIGKILL),
+        mend=driver_again,
+    ),
+    Case(
+        name="driver frozen",
+        strike=signal_module("driver", signal.SIGSTOP),
+        mend=driver_goes_on,
+    ),
+    Case(name="line held shortly", strike=hold(TO_ROBOT, TO_HUB), mend=go_on(0.2)),
+    Case(name="line held", strike=hold(TO_ROBOT, TO_HUB), mend=go_on(PAUSED_S)),
+    Case(name="line held for long", strike=hold(TO_ROBOT, TO_HUB), mend=go_on(6.0)),
+    Case(name="commands held", strike=hold(TO_ROBOT), mend=go_on(4.0)),
+    Case(name="topics held", strike=hold(TO_HUB), mend=go_on(PAUSED_S), stopped_s=0.9),
+    Case(name="line reset", strike=lambda scene: record(scene).relay.reset(), mend=insist_long),
+    PAUSED,
+    Case(
+        name="bridge restarted",
+        strike=lambda scene: record(scene).robot.start_again(),
+        mend=insist_long,
+    ),
+)
+QUICK = {"ros-stamped": PAUSED}
+"""The case in `make test`."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nothing_left_behind() -> Iterator[None]:
+    """The processes that a case starts stay for the next one."""
+    with leaving_nothing():
+        yield
+
+
+@pytest.fixture(scope="module")
+def scene(
+    nothing_left_behind: None,
+    request: pytest.FixtureRequest,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[Scene]:
+    del nothing_left_behind
+    body = str(request.param)
+    with playing(tmp_path_factory.mktemp(body), body) as opened:
+        yield opened
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize(
+    ("scene", "body", "case", "count"),
+    once_and_often(QUICK, OPTIONS, CASES, REPETITIONS),
+    indirect=["scene"],
+)
+def test_it_stops_and_stands_until_it_is_driven_from_neutral(
+    scene: Scene, body: str, case: Case, count: int, tell: Callable[..., None]
+) -> None:
+    del body
+    play(scene, case, count, REST_S, tell)
