@@ -144,10 +144,13 @@ class ZenohFleetLine:
         )
 
     def respond_at_once(self, key: str, answer: Callable[[], bytes]) -> FleetDeclared:
-        """Answer queries of a key on Zenoh's thread, without the loop's delay."""
-        return self._declare(
-            lambda session: session.respond(key, lambda query: query.answer(answer(), key=key))
-        )
+        """Answer queries of a key from the thread for commands, without the loop's delay."""
+        sender = self._senders[FleetWay.COMMAND]
+
+        def asked(query: FleetQuery) -> None:
+            sender.add(lambda: query.answer(answer(), key=key), until=time.monotonic() + _PUT_S)
+
+        return self._declare(lambda session: session.respond(key, asked))
 
     def reply(
         self,

@@ -1,6 +1,7 @@
 """A session of a fleet: puts and queries by way, and what a robot declares for others.
 
-Callbacks come on threads of Zenoh. A put on a full line drops its message, after 20 ms.
+Callbacks come on threads of Zenoh, and return at once. A put on a full line drops its message,
+after 20 ms.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from hub.errors import KeyFileError, RouterUnreachableError
 from hub.ipc.definition import Plane
-from hub.zenoh.session import ZenohDeclared, ZenohSample, ZenohSession, connect
+from hub.zenoh.session import ZenohDeclared, ZenohSample, ZenohSession, connect, direct
 from hub.zenoh.settings import RouterPlace
 
 if TYPE_CHECKING:
@@ -121,18 +122,22 @@ class FleetSession(ZenohSession):
     def watch_subscribers(self, key: str, changed: Callable[[bool], None]) -> ZenohDeclared:
         """Call `changed` when the first subscriber of a key comes, and when the last has gone."""
         publisher = self._session.declare_publisher(key)
-        listener = publisher.declare_matching_listener(lambda now: changed(now.matching))
+
+        def take(now: zenoh.MatchingStatus) -> None:
+            changed(now.matching)
+
+        listener = publisher.declare_matching_listener(direct(take))
         if publisher.matching_status:
             changed(True)  # noqa: FBT003 - a callback's only argument
         return _Watched(publisher, listener)
 
     def respond(self, pattern: str, take: Callable[[FleetQuery], None]) -> ZenohDeclared:
         """Call `take` for each query of keys that match."""
-        return ZenohDeclared(
-            self._session.declare_queryable(
-                pattern, lambda query: take(FleetQuery(query)), complete=True
-            )
-        )
+
+        def asked(query: zenoh.Query) -> None:
+            take(FleetQuery(query))
+
+        return ZenohDeclared(self._session.declare_queryable(pattern, direct(asked), complete=True))
 
     def query(
         self,
@@ -159,7 +164,6 @@ class FleetSession(ZenohSession):
             ended: There will be no more.
         """
         import zenoh
-        from zenoh import handlers
 
         def replied(reply: zenoh.Reply) -> None:
             if reply.ok is not None:
@@ -178,11 +182,10 @@ class FleetSession(ZenohSession):
                 if why:  # else Zenoh itself says "Timeout", and the end follows
                     failed(error, why)
 
-        callback: Any = handlers.Callback(replied, ended)
         try:
             self._session.get(
                 key,
-                callback,
+                direct(replied, ended),
                 payload=payload,
                 attachment=attachment,
                 timeout=timeout,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 import time
 
 import pytest
@@ -14,6 +16,7 @@ from hub.zenoh.handover import Handover, Sender
 from hub.zenoh.settings import RouterPlace, client_settings, parse_place, router_settings
 from tests.hub.zenoh.conftest import FleetSide, start_router
 from tests.support.waiting import until
+from tests.support.zenoh_router import ROOT
 
 Sides = tuple[FleetSide, FleetSide]
 
@@ -76,6 +79,55 @@ def test_line_has_a_link_of_its_own_for_commands_and_states(
     operator.wait(lambda: operator.line.connected)
     until(lambda: len(router.links()) == 4, 5.0)  # of two programs
     assert place.on_loopback
+
+
+_PROGRAM = """
+import signal, sys
+from hub.ipc.transport.loop import Loop
+from hub.zenoh.fleet_line import ZenohFleetLine
+from hub.zenoh.settings import client_settings, parse_place
+
+def end(*_):
+    raise SystemExit(7)
+
+signal.signal(signal.SIGTERM, end)
+place, seen, kept = parse_place("PLACE"), [], []
+loop = Loop()
+line = ZenohFleetLine(place, client_settings(place), loop)
+line.watch("f/alive", lambda key, _: seen.append(key))
+line.declare_token("f/alive")
+line.subscribe("f/command/*", lambda *_: None)
+line.respond("f/ask", kept.append)
+line.respond_at_once("f/clock", lambda: b"now")
+line.watch_subscribers("f/state", seen.append)
+while not seen:
+    loop.listen(0.01)
+line.ask("f/ask", b"", b"", timeout=60.0, answered=print, failed=print)
+while not kept:
+    loop.listen(0.01)
+EVENT
+"""
+
+
+@pytest.mark.usefixtures("router")
+def test_program_ends_by_an_error_or_a_signal_while_its_line_is_open(place: RouterPlace) -> None:
+    ends = {"1 / 0": 1, "signal.raise_signal(signal.SIGTERM)": 7}
+    programs = [
+        subprocess.Popen(
+            [sys.executable, "-c", _PROGRAM.replace("PLACE", str(place)).replace("EVENT", event)],
+            cwd=ROOT,
+            stderr=subprocess.PIPE,
+        )
+        for event in ends
+    ]
+    try:
+        for program, code in zip(programs, ends.values(), strict=True):
+            said = program.communicate(timeout=30.0)[1]
+            assert program.returncode == code, said
+    finally:
+        for program in programs:
+            program.kill()
+            program.communicate()
 
 
 def test_handover_is_bounded_keeps_the_newest_of_a_name_and_goes_on_after_a_fault(
