@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 
-from hub.gcm.vision import CameraCommand, CameraState
-from hub.robots.cropping import cropped_fov, vertical_fov
+from hub.robots.cropping import cropped_fov
+from hub.robots.fixed_camera import FixedCamera
 from hub.robots.interfaces import Picture
 from hub.robots.video_reader import VideoReader
 from hub.robots.video_source import video_source
-from hub.sim.spatial_pose import SpatialPose
 
 
-class VideoCamera:
+class VideoCamera(FixedCamera):
     """Pictures of a source in the robot file; implements `Camera`."""
 
     def __init__(
@@ -38,39 +36,8 @@ class VideoCamera:
         Raises:
             CameraError: The source is an address of an unknown kind.
         """
-        self._horizontal_fov = horizontal_fov
-        self._forward = forward
-        self._height = height
+        super().__init__(horizontal_fov=horizontal_fov, forward=forward, height=height)
         self._reader = VideoReader(video_source(source), clock=clock)
-
-    def advance(self, seconds: float) -> None:
-        """Do nothing."""
-
-    def move(self, command: CameraCommand) -> None:
-        """Do nothing: it has no head."""
-
-    def set_headlight(self, brightness: float) -> None:
-        """Do nothing: it has none."""
-
-    def camera_state(self, stamp: float) -> CameraState:
-        """Its direction: straight ahead."""
-        return CameraState(
-            stamp=stamp,
-            pan=0.0,
-            tilt=0.0,
-            zoom=0.0,
-            horizontal_fov=self._horizontal_fov,
-            vertical_fov=vertical_fov(self._horizontal_fov),
-            mount_forward=self._forward,
-            mount_height=self._height,
-            pan_limit=0.0,
-            tilt_limit=0.0,
-            slewing=0,
-            headlight=math.nan,
-        )
-
-    def place(self, pose: SpatialPose, measured: float) -> None:
-        """Do nothing."""
 
     def take(self, width_px: int, height_px: int, _now: float) -> Picture:
         """The newest picture.

@@ -7,9 +7,9 @@ import time
 from collections.abc import Callable
 
 from hub.errors import CameraError, RosMessageError
-from hub.gcm.vision import CameraCommand, CameraState
 from hub.robots.body_tables import CameraTable
-from hub.robots.cropping import Size, cropped_fov, vertical_fov
+from hub.robots.cropping import Size, cropped_fov
+from hub.robots.fixed_camera import FixedCamera
 from hub.robots.interfaces import Picture
 from hub.robots.ros.line import RosLine
 from hub.robots.ros.picture_feed import FedMessage, PictureFeed
@@ -18,10 +18,9 @@ from hub.robots.ros.topic_reader import UNFIT
 from hub.ros.decoding import RosDecoder
 from hub.ros.messages import field_of_view
 from hub.ros.values import RosValue
-from hub.sim.spatial_pose import SpatialPose
 
 
-class RosCamera:
+class RosCamera(FixedCamera):
     """The newest picture of a topic; implements `Camera`."""
 
     def __init__(
@@ -40,40 +39,11 @@ class RosCamera:
         if not table.topic:
             text = "the robot file names no topic of pictures; give [camera], key 'topic'"
             raise CameraError(text)
+        super().__init__(horizontal_fov=table.fov, forward=table.forward, height=table.height)
         self._table = table
         self._feed = PictureFeed(line, table.topic, table.info, clock)
         self._taken: tuple[FedMessage, Size, Picture] | None = None
         self._info: FedMessage | None = None
-        self._fov = table.fov
-
-    def advance(self, seconds: float) -> None:
-        """Do nothing."""
-
-    def move(self, command: CameraCommand) -> None:
-        """Do nothing: a head is described as joints."""
-
-    def set_headlight(self, brightness: float) -> None:
-        """Do nothing: it has none."""
-
-    def camera_state(self, stamp: float) -> CameraState:
-        """Its direction: straight ahead."""
-        return CameraState(
-            stamp=stamp,
-            pan=0.0,
-            tilt=0.0,
-            zoom=0.0,
-            horizontal_fov=self._fov,
-            vertical_fov=vertical_fov(self._fov),
-            mount_forward=self._table.forward,
-            mount_height=self._table.height,
-            pan_limit=0.0,
-            tilt_limit=0.0,
-            slewing=0,
-            headlight=math.nan,
-        )
-
-    def place(self, pose: SpatialPose, measured: float) -> None:
-        """Do nothing."""
 
     def take(self, width_px: int, height_px: int, now: float) -> Picture:
         """The newest picture.
@@ -94,7 +64,7 @@ class RosCamera:
         picture = Picture(
             pixels=pixels,
             measured=message.measured,
-            horizontal_fov=cropped_fov(self._fov, size, whole),
+            horizontal_fov=cropped_fov(self._horizontal_fov, size, whole),
         )
         self._taken = message, wanted, picture
         return picture
@@ -113,7 +83,7 @@ class RosCamera:
             fov = field_of_view(_value(info))
         except (*UNFIT, RosMessageError):
             return
-        self._fov = fov if math.isfinite(fov) else self._table.fov
+        self._horizontal_fov = fov if math.isfinite(fov) else self._table.fov
 
 
 def _value(message: FedMessage) -> RosValue:
