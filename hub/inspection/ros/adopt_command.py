@@ -6,12 +6,10 @@ import argparse
 import contextlib
 import json
 import math
-import sys
 import time
-from pathlib import Path
 
-from hub import files
 from hub.inspection.output import print_error, put
+from hub.inspection.robot_file_output import RobotFileOutput
 from hub.plain_text import plain
 from hub.robots.ros.address import ros_address
 from hub.robots.ros.asking.proposal import RosProposal
@@ -27,9 +25,8 @@ def run(options: argparse.Namespace) -> int:
         RosAddressError: The address is none.
         RosSilentError: Nothing answers there.
     """
-    output: Path | None = options.output
-    if output is not None and output.exists() and not options.force:
-        print_error(f"{output} is there; give another name, or --force to replace it")
+    output = RobotFileOutput(options.output, replace=options.force)
+    if not output.is_free():
         return 1
     address = ros_address(options.address)
     with contextlib.closing(line_to(address)) as line:
@@ -39,33 +36,14 @@ def run(options: argparse.Namespace) -> int:
         print_error(f"{address.text}: {refusal}")
         return 1
     text = robot_file(proposal, name=options.name or "", today=time.strftime("%Y-%m-%d"))
-    if output is not None:
-        try:
-            files.replace(output, text.encode())
-        except OSError as fault:
-            print_error(f"{output} cannot be written: {fault.strerror}")
-            return 1
-    _report(proposal, options, text)
-    return 0
-
-
-def _report(proposal: RosProposal, options: argparse.Namespace, text: str) -> None:
-    """Say what was found."""
+    if not output.write(text):
+        return 1
     if options.json:
         put(json.dumps(_facts(proposal, options, text)))
-        return
-    if options.output is None:
-        put(text.rstrip())
-    say = put if options.output is not None else _aside
-    say(plain(f"{proposal.found.address.text}: a {proposal.title}"))
-    for remark in proposal.remarks():
-        say(remark)
-    if options.output is not None:
-        say(f"written: {options.output}; `rune-hub run {options.output}` starts its hub")
-
-
-def _aside(line: str) -> None:
-    sys.stderr.write(plain(line) + "\n")
+    else:
+        title = plain(f"{address.text}: a {proposal.title}")
+        output.report(text, title, *proposal.remarks())
+    return 0
 
 
 def _facts(proposal: RosProposal, options: argparse.Namespace, text: str) -> dict[str, object]:

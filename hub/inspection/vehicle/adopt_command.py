@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
-import sys
 import time
-from pathlib import Path
+from collections.abc import Iterator
 
-from hub import files
-from hub.inspection.output import print_error, put
+from hub.inspection.output import put
+from hub.inspection.robot_file_output import RobotFileOutput
 from hub.inspection.vehicle.vehicle_link import open_session
 from hub.plain_text import plain
 from hub.robots.mavlink import adopting
@@ -26,9 +25,8 @@ def run(options: argparse.Namespace) -> int:
         VehicleSilentError: There is no vehicle, or there are several.
         KeyFileError: The key cannot be used.
     """
-    output: Path | None = options.output
-    if output is not None and output.exists() and not options.force:
-        print_error(f"{output} is there; give another name, or --force to replace it")
+    output = RobotFileOutput(options.output, replace=options.force)
+    if not output.is_free():
         return 1
     key_file = str(options.key.absolute()) if options.key is not None else ""
     with contextlib.closing(open_session(options.address, key_file, options.station)) as session:
@@ -43,40 +41,26 @@ def run(options: argparse.Namespace) -> int:
         station=options.station,
         today=today,
     )
-    if output is not None:
-        try:
-            files.replace(output, text.encode())
-        except OSError as fault:
-            print_error(f"{output} cannot be written: {fault.strerror}")
-            return 1
-    _report(finder, options, text)
-    return 0
-
-
-def _report(finder: VehicleFinder, options: argparse.Namespace, text: str) -> None:
-    """Say what was found."""
+    if not output.write(text):
+        return 1
     remarks = [*adopting.remarks(finder, station=options.station, signs=options.key is not None)]
     if options.json:
         put(json.dumps(_facts(finder, options, remarks)))
-        return
-    if options.output is None:
-        put(text.rstrip())
-    say = put if options.output is not None else _aside
+    else:
+        output.report(text, *_lines(finder, options, remarks))
+    return 0
+
+
+def _lines(finder: VehicleFinder, options: argparse.Namespace, remarks: list[str]) -> Iterator[str]:
+    """What was found, line by line."""
     system = finder.vehicle.system if finder.vehicle is not None else 0
-    say(plain(f"{options.address}: system {system}, a {adopting.title(finder)}"))
+    yield plain(f"{options.address}: system {system}, a {adopting.title(finder)}")
     for each in finder.streams.values():
-        say(f"video {each.name!r} of component {each.component} at {each.address}")
-    for remark in remarks:
-        say(remark)
+        yield f"video {each.name!r} of component {each.component} at {each.address}"
+    yield from remarks
     if adopting.unsafe(finder, options.station):
         where = options.output or options.address
-        say(f"`rune-hub vehicle parameters {where} --write-safe` sets the safe values")
-    if options.output is not None:
-        say(f"written: {options.output}; `rune-hub run {options.output}` starts its hub")
-
-
-def _aside(line: str) -> None:
-    sys.stderr.write(plain(line) + "\n")
+        yield f"`rune-hub vehicle parameters {where} --write-safe` sets the safe values"
 
 
 def _facts(
