@@ -13,10 +13,11 @@ from hub.plain_text import plain
 from hub.robots.body_tables import ROBOTS_OWN
 from hub.robots.description import RobotDescription
 from hub.robots.ros.address import ros_address
-from hub.robots.ros.asking.findings import RosFindings, others
+from hub.robots.ros.asking.findings import RosFindings
 from hub.robots.ros.asking.proposal import RosProposal, open_way_of
 from hub.robots.ros.asking.stopping import stopping
 from hub.robots.ros.asking.survey import look_at
+from hub.robots.ros.own_nodes import foreign
 from hub.robots.ros_table import ROS_KIND
 
 _LISTENING_S: Final = 3.0
@@ -66,10 +67,10 @@ def _driving(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
     if not found.takes:
         advice = f"give it the capability clientPublish, and {name} in client_topic_whitelist"
         yield problem("the bridge takes no messages, so the robot cannot be driven", advice)
-    if found.graph.whole and not others(command.subscribers):
+    if found.graph.whole and not foreign(command.subscribers):
         advice = "start the node that drives, or correct [ros], key 'cmd_vel'"
         yield warning(f"no node subscribes to {name}: the robot will not move", advice)
-    if more := others(command.publishers):
+    if more := foreign(command.publishers):
         text = f"{plain(', '.join(more[:4]))[:300]} also publishes {name}: the newest counts"
         yield warning(text, "end it, or put twist_mux between")
     stop = stopping(found, command)

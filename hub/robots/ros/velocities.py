@@ -11,11 +11,10 @@ from hub.plain_text import plain
 from hub.robots.ros.command_stream import CommandStream
 from hub.robots.ros.commands import TYPES, velocity_payload
 from hub.robots.ros.line import RosLine
+from hub.robots.ros.own_nodes import foreign
 from hub.robots.ros.whereabouts import PATIENCE_S
 from hub.robots.ros_table import CommandType, RosTable
 
-_OWN: Final = ("foxglove_bridge", "rune")
-"""Parts of the names of nodes that publish for this hub."""
 _MOST_NAMED: Final = 3
 _STUCK_S: Final = 0.3
 _BLOCKED_S: Final = 1.0
@@ -86,8 +85,7 @@ class RosVelocities:
         if self._line.graph.whole:
             if not topic.subscribers:
                 yield f"no node of the robot subscribes to {name}: it does not follow"
-            others = [each for each in topic.publishers if not any(own in each for own in _OWN)]
-            if others:
+            if others := foreign(topic.publishers):
                 named = plain(", ".join(others[:_MOST_NAMED]))[:200]
                 yield f"{named} may drive too, on {name}: the robot follows the newest"
 

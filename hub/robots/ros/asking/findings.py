@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from typing import Final
 
@@ -18,8 +17,6 @@ from hub.toml_reader import RefusedError
 from hub.values import dataclass
 
 _LONGEST_FRAME: Final = 64
-_OURS: Final = re.compile(r"foxglove_bridge|(?:^|/)rune(?:_|$)")
-"""Names of nodes through which Rune itself publishes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -116,9 +113,6 @@ def frame_name(value: RosValue | None, field: str = "header.frame_id") -> str:
 
 def number(value: object) -> float:
     """A parameter that is a number; NaN: it is none."""
-    return float(value) if type(value) in (int, float) else math.nan  # type: ignore[arg-type]
-
-
-def others(nodes: tuple[str, ...]) -> tuple[str, ...]:
-    """The nodes of a robot that are not the way of Rune's own messages."""
-    return tuple(name for name in nodes if not _OURS.search(name))
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return math.nan
+    return float(value)

@@ -6,8 +6,9 @@ import re
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-from hub.robots.ros.asking.findings import RosFindings, frame_name, others, plain_type
+from hub.robots.ros.asking.findings import RosFindings, frame_name, plain_type
 from hub.robots.ros.line import RosTopic
+from hub.robots.ros.own_nodes import foreign
 from hub.values import dataclass
 
 COMMAND_TYPES: Final = ("geometry_msgs/Twist", "geometry_msgs/TwistStamped")
@@ -134,7 +135,7 @@ def _command_rank(found: RosFindings) -> Callable[[RosTopic], Any]:
     rank = _rank(found.namespace)
 
     def of_topic(topic: RosTopic) -> tuple[object, ...]:
-        alone = found.graph.whole and not others(topic.subscribers)
+        alone = found.graph.whole and not foreign(topic.subscribers)
         return alone, not topic.name.endswith("cmd_vel"), *rank(topic.name)
 
     return of_topic
@@ -142,7 +143,7 @@ def _command_rank(found: RosFindings) -> Callable[[RosTopic], Any]:
 
 def _takes(topic: RosTopic, found: RosFindings) -> bool:
     """Whether a topic may be one of commands, not of measured velocities."""
-    if found.graph.whole and others(topic.subscribers):
+    if found.graph.whole and foreign(topic.subscribers):
         return True
     last = topic.name.rpartition("/")[2]
     return "cmd" in topic.name or "command" in topic.name or last == "velocity"

@@ -12,11 +12,12 @@ from typing import Final
 from hub.plain_text import counted, plain
 from hub.robots.ros.address import RosAddress, RosLineKind
 from hub.robots.ros.asking import limits, tables
-from hub.robots.ros.asking.findings import RosFindings, is_name, others, plain_type
+from hub.robots.ros.asking.findings import RosFindings, is_name, plain_type
 from hub.robots.ros.asking.limits import RosLimits
 from hub.robots.ros.asking.parts import READ, RosParts, parts_of
 from hub.robots.ros.asking.stopping import Stopping, stopping
 from hub.robots.ros.asking.tables import BodyTables
+from hub.robots.ros.own_nodes import foreign
 from hub.robots.urdf import UrdfModel
 from hub.values import dataclass
 
@@ -104,7 +105,7 @@ class RosProposal:
         topics = [
             each.name
             for each in found.topics_of("std_msgs/Bool", *_NUMBER_TYPES)
-            if _LIGHT.search(each.name) and (others(each.subscribers) or not found.graph.whole)
+            if _LIGHT.search(each.name) and (foreign(each.subscribers) or not found.graph.whole)
         ]
         services = [
             each.name
@@ -125,7 +126,7 @@ class RosProposal:
                 continue
             bare = name.removesuffix("_joint")
             for topic in self.found.topics_of(*_NUMBER_TYPES):
-                takes = others(topic.subscribers) or not self.found.graph.whole
+                takes = foreign(topic.subscribers) or not self.found.graph.whole
                 if bare in topic.name and takes and len(name) <= 32:
                     made.setdefault(name, topic.name)
         return made
@@ -135,7 +136,7 @@ class RosProposal:
         found, command = self.found, self.parts.command
         if command is not None and not self.stopping.safe:
             yield Danger(name="time-out", why=self._without_time_out())
-        if command is not None and (more := others(command.publishers)):
+        if command is not None and (more := foreign(command.publishers)):
             text = f"{_listed(more)} also publishes {command.name}: the robot follows the newest"
             yield Danger(name="publisher", why=text)
         if open_way := open_way_of(found):
@@ -194,7 +195,7 @@ class RosProposal:
             return
         if self.stopping.safe:
             yield self.stopping.words
-        if self.found.graph.whole and not others(command.subscribers):
+        if self.found.graph.whole and not foreign(command.subscribers):
             yield f"no node subscribes to {command.name}: the robot will not move"
         if parts.commands:
             yield (

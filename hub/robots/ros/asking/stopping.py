@@ -6,8 +6,9 @@ import math
 import re
 from typing import Final
 
-from hub.robots.ros.asking.findings import RosFindings, number, others
+from hub.robots.ros.asking.findings import RosFindings, number
 from hub.robots.ros.line import RosTopic
+from hub.robots.ros.own_nodes import foreign
 from hub.values import dataclass
 
 SAFE_S: Final = 1.0
@@ -51,7 +52,7 @@ def stopping(found: RosFindings, command: RosTopic | None) -> Stopping:
     """What stops a robot; of several time-outs, that of a node that takes the commands."""
     if command is None:
         return Stopping()
-    takers = others(command.subscribers)
+    takers = foreign(command.subscribers)
     known: list[tuple[bool, Stopping]] = []
     for name, value in found.parameters.items():
         matched = _TIME_OUT.fullmatch(name)

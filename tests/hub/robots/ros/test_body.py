@@ -315,11 +315,12 @@ def test_another_publisher_and_a_missing_subscriber_are_named(tmp_path):
     robot.run(3.0, tick=0.1)
     assert "nothing on the robot subscribes to /cmd_vel" in robot.problem("velocities")[0]
     robot.line.whole = True
-    robot.line.topic("/cmd_vel", TWIST, publishers=("/foxglove_bridge", "/joy_teleop"))
+    own = "/foxglove_bridge", "/rune_12", "/bot/rune"
+    robot.line.topic("/cmd_vel", TWIST, publishers=(*own, "/joy_teleop", "/prune"))
     robot.run(0.1)
     deaf, other = robot.problem("velocities")
     assert "no node of the robot subscribes" in deaf
-    assert other.startswith("/joy_teleop may drive too")
+    assert other.startswith("/joy_teleop, /prune may drive too")
 
 
 def test_a_topic_of_velocities_of_another_type_is_named_and_not_used(tmp_path):
