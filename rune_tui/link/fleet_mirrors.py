@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import dataclasses
 import json
@@ -19,6 +20,9 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
+from hub.gcm.navigation import VELOCITY_COMMAND
+from hub.ipc.roles import Role
+from hub.ipc.security.publish_rights import may_publish
 from hub.plain_text import plain
 from hub.values import dataclass
 from rune_tui.layout.spec import LayoutSpec, RobotSpec
@@ -28,6 +32,7 @@ _logger = logging.getLogger(__name__)
 _RETRY_S = 0.3
 _END_WITHIN_S = 3.0
 _MOST_WORDS = 500
+_MOST_REFUSALS = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,6 +51,13 @@ class FleetPlace:
     operator: str
     keys: Path | None = None
 
+    @property
+    def may_command(self) -> bool:
+        """Whether the operator's role allows to drive; the mirror refuses a role that is none."""
+        named = self.operator.partition(":")[0]
+        role = next((each for each in Role if each.value == named), Role.OPERATE)
+        return may_publish(role, VELOCITY_COMMAND.name)
+
 
 class FleetMirror:
     """One such program, and what it says; a thread reads it and starts it again."""
@@ -60,6 +72,7 @@ class FleetMirror:
         self.place, self.robots = place, frozenset(robots)
         self._folder = Path(tempfile.mkdtemp(prefix="rune-"))  # mkdtemp admits only this user
         self._there: dict[str, bool] = {}
+        self._refusals: dict[str, collections.deque[str]] = {}
         self._trouble = "the fleet is not joined yet"
         self._process: subprocess.Popen[bytes] | None = None
         self._ending = threading.Event()
@@ -87,6 +100,11 @@ class FleetMirror:
             return self._trouble
         gone = robot in self._there
         return f"{robot} {'left' if gone else 'is not in'} the fleet {self.place.name}"
+
+    def next_refusal(self, robot: str) -> str:
+        """Why a robot refused a command, each once; empty: no more."""
+        waiting = self._refusals.get(robot)
+        return waiting.popleft() if waiting else ""
 
     def close(self) -> None:
         """End it."""
@@ -138,6 +156,7 @@ class FleetMirror:
         except ValueError:
             return
         event, robot = said.get("event"), str(said.get("robot", ""))
+        why = plain(str(said.get("why", "")))[:_MOST_WORDS]
         if event == "robot":
             self._there[robot] = True
         elif event == "gone":
@@ -145,7 +164,10 @@ class FleetMirror:
         elif event == "joined":
             self._trouble = ""
         elif event == "apart":
-            self._trouble = plain(str(said.get("why", "")))[:_MOST_WORDS]
+            self._trouble = why
+        elif event == "refused":
+            newest: collections.deque[str] = collections.deque(maxlen=_MOST_REFUSALS)
+            self._refusals.setdefault(robot, newest).append(why)
 
     def _stop(self) -> None:
         process = self._process
@@ -180,6 +202,16 @@ class FleetWay:
     def trouble(self) -> str:
         """Why the robot is not there now; empty: it is."""
         return self._mirror.why_not(self._robot)
+
+    @property
+    def may_command(self) -> bool:
+        """Whether the operator's role in the fleet allows to drive."""
+        return self._mirror.place.may_command
+
+    def next_refusal(self) -> str:
+        """Why the robot refused a command, each once; empty: no more."""
+        why = self._mirror.next_refusal(self._robot)
+        return why and f"the robot's gateway refused: {why}"
 
 
 class FleetMirrors:

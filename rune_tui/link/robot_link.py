@@ -134,7 +134,8 @@ class RobotLink:
             phase=LinkPhase.CONNECTING,
             since=clock(),
             endpoint=way.shown if way else self._client.endpoint,
-            may_command=own_keys is None or may_publish(own_keys.role, VELOCITY_COMMAND.name),
+            may_command=(way is None or way.may_command)
+            and (own_keys is None or may_publish(own_keys.role, VELOCITY_COMMAND.name)),
         )
         self._state = RobotState(name=spec.name, link=link)
         self._pictures = CameraStreams(
@@ -314,6 +315,8 @@ class RobotLink:
             self._state = self._state.with_(messages=kept)
         self._note_number()
         self._set_link(phase, detail)
+        while self._way is not None and (refusal := self._way.next_refusal()):
+            self._say(refusal)
 
     def _note_number(self) -> None:
         if self._client.number != self._state.link.number:

@@ -136,6 +136,15 @@ class SshTunnel:
         """Why the tunnel is closed now, in one sentence; empty: it is open."""
         return self._trouble
 
+    @property
+    def may_command(self) -> bool:
+        """It does; the robot's hub sees a client of its own machine."""
+        return True
+
+    def next_refusal(self) -> str:
+        """None: a tunnel reads no commands."""
+        return ""
+
     def open(self) -> None:
         """Open it and keep it open; ssh may ask for a password, on the terminal.
 

@@ -22,6 +22,13 @@ class Way(Protocol):
     def trouble(self) -> str:
         """Why it is closed now, in one sentence; empty: it is open."""
 
+    @property
+    def may_command(self) -> bool:
+        """Whether the operator's role on this way allows to drive."""
+
+    def next_refusal(self) -> str:
+        """Why a command was refused on the way, each once; empty: no more."""
+
 
 class FleetWays(Protocol):
     """The ways to the robots of fleets."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import signal
 import subprocess
@@ -15,9 +16,14 @@ from typing import Any
 import psutil
 import pytest
 
+from hub.doors.fleet.options import operator_of
 from hub.gcm import navigation
 from hub.gcm.control import CONTROL_STATE
 from hub.gcm.navigation import NAVIGATION_STATUS
+from hub.ipc.roles import Role
+from hub.zenoh.fleet_keys import FleetKey, KeyKind
+from hub.zenoh.fleet_session import FleetWay, open_fleet_session
+from hub.zenoh.settings import client_settings, parse_place
 from tests.conftest import leaving_nothing
 from tests.support.ports import free_port
 from tests.support.waiting import until
@@ -109,9 +115,20 @@ def test_console_drives_and_has_control_as_at_a_hub(site: Site, console: Console
     assert state.operator == "ann"
     console.wait(lambda: "you have control" in console.text, 10.0, console.text)
     mirror = mirror_of(console)
+    _refuse(site, "that was 9 s old")
+    console.wait(lambda: "gateway refused: that was 9 s old" in console.text, 10.0, console.text)
     assert console.quit() == 0
     site.observer.wait(lambda: site.newest(CONTROL_STATE.name).owner == 0, 10.0)
     until(lambda: gone([mirror]), 10.0, "the mirror is left")
+
+
+def _refuse(site: Site, why: str) -> None:
+    """Refuse a command as the robot's gateway does."""
+    who = operator_of(argparse.Namespace(operator=None), Role.OPERATE)
+    key = FleetKey(kind=KeyKind.REFUSAL, robot="rover", operator=who).under("rune/lab")
+    place = parse_place(site.place)
+    with closing(open_fleet_session(place, client_settings(place))) as session:
+        session.put(key, why.encode(), None, FleetWay.STATE)
 
 
 @pytest.mark.timeout(120)

@@ -112,6 +112,8 @@ def _sentence(event: dict[str, object]) -> str:
         return f"{robot} is there: {event['endpoint']}"
     if kind == "gone":
         return f"{robot} is gone: {event['why']}"
+    if kind == "refused":
+        return f"{robot} refused a command: {event['why']}"
     if kind == "joined":
         return f"joined the router at {event['router']}"
     return str(event["why"])

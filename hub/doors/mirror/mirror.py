@@ -43,7 +43,7 @@ class Mirror:
             folder: Private folder for their hubs.
             loop: Serves all.
             faults: Counts what is refused.
-            report: Gets an event each time that a robot comes or goes.
+            report: Gets an event each time that a robot comes, goes or refuses a command.
         """
         self._line, self._fleet, self._operator = line, fleet, operator
         self._wanted, self._folder = frozenset(robots), folder

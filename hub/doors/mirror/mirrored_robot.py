@@ -38,7 +38,7 @@ class MirroredRobot:
             line: To the robot.
             folder: Private folder; the robot's hub listens in one of its name in it.
             loop: Serves it.
-            report: Gets an event each time that its hub opens or closes.
+            report: Gets an event each time that its hub opens or closes, and for each refusal.
         """
         self._place = folder / line.robot
         self._line, self._loop, self._report = line, loop, report
@@ -74,6 +74,10 @@ class MirroredRobot:
         self._line.begin()
         self._line.read_clock()
         self._line.follow(KeyKind.DEFINITIONS, self._defined)
+        self._line.hear_refusals(self._refused)
+
+    def _refused(self, why: str) -> None:
+        self._report({"event": "refused", "robot": self._line.robot, "why": why})
 
     def _defined(self, payload: bytes) -> None:
         try:

@@ -8,6 +8,7 @@ import secrets
 from collections.abc import Callable
 from typing import Any
 
+from hub.bucket import Bucket
 from hub.doors.mirror.fleet_line import Declared, FleetLine
 from hub.errors import FrameError
 from hub.ipc.definition import MessageDefinition, Plane
@@ -15,6 +16,7 @@ from hub.ipc.roles import Principal
 from hub.ipc.transport.clock_sync import ClockSync
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
+from hub.plain_text import plain
 from hub.zenoh.attachment import CLOCK, Attachment, lifespan, unpack
 from hub.zenoh.fleet_keys import MAX_SESSION, FleetKey, KeyKind
 
@@ -22,6 +24,8 @@ LOST_S = 1.5
 """Time without an answer after which a robot counts as lost, as at any hub [s]."""
 CLOCK_S = 0.5
 _FARTHEST_NS = 1 << 62
+_MOST_WORDS = 500
+_REFUSALS, _REFUSALS_PER_S = 5.0, 1.0
 _LONGEST = frames.MAX_FRAME - frames.MAX_TOPIC - 8 - frames.HEADER_SIZE
 _ROOM = {Plane.STATE: KeyKind.STATE, Plane.PICTURE: KeyKind.PICTURE}
 
@@ -54,6 +58,7 @@ class RobotLine:
         self._heard = -math.inf
         self._sequences: collections.Counter[tuple[str, int]] = collections.Counter()
         self._declared: dict[str, Declared] = {}
+        self._refusals = Bucket(_REFUSALS_PER_S, _REFUSALS)
         self._run = 0
 
     @property
@@ -123,6 +128,17 @@ class RobotLine:
             answered=lambda payload, _: take(payload),
             failed=lambda *_: None,
         )
+
+    def hear_refusals(self, came: Callable[[str], None]) -> None:
+        """Call `came` with each sentence why the robot refused a command of this operator."""
+        key = self._key(KeyKind.REFUSAL, operator=self.operator)
+
+        def refused(_: str, payload: bytes, __: bytes | None) -> None:
+            if key in self._declared and self._refusals.take(1.0, self._clock()):
+                came(plain(payload[: 4 * _MOST_WORDS].decode("utf-8", "replace"))[:_MOST_WORDS])
+
+        if key not in self._declared:
+            self._declared[key] = self._line.subscribe(key, refused)
 
     def subscribe(
         self, definition: MessageDefinition[Any], came: Callable[[frames.Frame], None]

@@ -21,6 +21,7 @@ from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
 from rune_tui.layout.spec import CapabilitySpec, LayoutSpec
 from rune_tui.link.robot_link import RobotLink
+from rune_tui.link.way import Way
 from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase
@@ -65,12 +66,12 @@ class Desk:
         path.write_text(LAYOUT.format(hub=endpoint))
         return open_layout(path)
 
-    def link(self, role: Role | None) -> RobotLink:
+    def link(self, role: Role | None, way: Way | None = None) -> RobotLink:
         """A started link: with a key of this role, or on the hub's machine without one."""
         endpoint = self.central.endpoints[1 if role else 0]
         keys = self._keyring.make(f"one-{role.value}", role) if role else None
         (robot,) = self.layout(endpoint).robots
-        link = RobotLink(robot, keys=keys)
+        link = RobotLink(robot, keys=keys, way=way)
         link.start()
         self._opened.enter_context(closing(link))
         return link
@@ -85,6 +86,18 @@ class Desk:
 
     def close(self) -> None:
         self._opened.close()
+
+
+class FakeWay:
+    """The way to a robot of a fleet."""
+
+    endpoint, shown, trouble = "", "fleet rune", ""
+
+    def __init__(self, *refusals: str, may_command: bool = True) -> None:
+        self.may_command, self._refusals = may_command, list(refusals)
+
+    def next_refusal(self) -> str:
+        return self._refusals.pop(0) if self._refusals else ""
 
 
 @pytest.fixture
@@ -119,6 +132,16 @@ def test_who_may_drive_reads_nothing_of_keys(desk: Desk, role: Role | None) -> N
     link = desk.link(role)
     _connected(link)
     assert "OBSERVER" not in desk.screen(link)
+
+
+def test_refusals_on_the_way_are_notices_and_a_role_that_may_not_drive_only_watches(
+    desk: Desk,
+) -> None:
+    link = desk.link(None, FakeWay("the command is old", "the robot is full"))
+    until(lambda: link.state.link.refusal_count == 2, 10.0)
+    assert link.state.link.refusal == "the robot is full"
+    assert WATCHES not in desk.screen(link)
+    assert WATCHES in desk.screen(desk.link(None, FakeWay(may_command=False)))
 
 
 def test_a_robot_without_pictures_is_not_waited_for_in_silence(desk: Desk) -> None:

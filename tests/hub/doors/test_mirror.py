@@ -24,6 +24,7 @@ from hub.ipc.roles import Principal, Role
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.ipc.wire.definition_listing import to_listing
+from hub.plain_text import plain
 from hub.zenoh.attachment import CLOCK, Attachment, unpack
 from tests.support.memory_fleet import MemoryFleet
 from tests.support.waiting import until
@@ -224,6 +225,19 @@ def test_a_robot_that_does_not_answer_is_lost_and_comes_back_at_its_place(bench:
     bench.robot.awake = True
     bench.until(lambda: client.connected)
     assert bench.events[-1] == {"event": "robot", "robot": "rover", "endpoint": endpoint}
+
+
+def test_refusals_of_the_robot_are_events_in_words_a_few_at_once(bench: Bench) -> None:
+    bench.open()
+    key = "rune/v1/rover/refusal/operate:ann"
+    bench.fleet.give(key, b"too old \x1b[2J\xff")
+    assert bench.events[1:] == [
+        {"event": "refused", "robot": "rover", "why": plain("too old \x1b[2J\ufffd")}
+    ]
+    for _ in range(1000):
+        bench.fleet.give(key, b"a" * 100_000)
+    assert len(bench.events) < 20
+    assert max(len(str(event.get("why", ""))) for event in bench.events) == 500
 
 
 def test_hostile_bytes_harm_nobody(bench: Bench) -> None:
