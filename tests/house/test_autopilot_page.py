@@ -44,7 +44,7 @@ _SAFE = {
 
 @pytest.mark.parametrize(("event", "place"), [("zero speed", 0), ("the link is cut both ways", 1)])
 def test_the_times_to_stop_of_the_page_are_those_that_are_computed(event: str, place: int) -> None:
-    """The longest that was measured is what operators are told."""
+    """The page states the longest time that was measured."""
     lines = _PAGE.read_text().splitlines()
     heads = next(line for line in lines if line.startswith("| event | rover, from"))
     row = next(line for line in lines if line.startswith(f"| {event} |"))

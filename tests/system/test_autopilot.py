@@ -31,7 +31,7 @@ from tests.system.autopilot_site import AutopilotSite, Operator
 from tests.system.harness import in_soak
 
 TOLD_S = 0.35 + 0.5
-"""Longest time from the cause until the vehicle is told to stop, on a machine that is busy [s]."""
+"""Longest time from the cause until the vehicle gets the stop command, on a machine that is busy [s]."""
 AHEAD = Twist.planar(0.5, 0.0)
 MODE, ARM = 176, 400
 GUIDED, HOLD = 15, 4

@@ -100,7 +100,7 @@ def mirror_of(console: ConsoleProcess) -> psutil.Process:
 
 
 def stopped_after(observer: Observer) -> float:
-    """Time from now until the wheels are told to stop [s]."""
+    """Time from now until the wheels are commanded to stop [s]."""
     began = time.monotonic()
     observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "the wheels are driven on")
     took = time.monotonic() - began

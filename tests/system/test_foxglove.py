@@ -243,7 +243,7 @@ def test_nothing_moves_while_somebody_else_has_control(panels: Panels, observer:
         observer.client.listen(0.01)
         return any("alice has control" in each for each in panels.said)
 
-    panels.wait(refused, why="the panel is not told;")
+    panels.wait(refused, why="the panel gets no refusal;")
     assert observer.truth.commanded_linear == 0.0
     assert all(sent)
     free(observer.client)
