@@ -7,7 +7,6 @@ both topics on one.
 
 from __future__ import annotations
 
-import selectors
 import statistics
 import tempfile
 import time
@@ -21,6 +20,7 @@ from benchmarks.figures import report, say
 from hub.errors import CameraError
 from hub.robots.ros.address import ros_address
 from hub.robots.ros.line import RosLine, RosMessage
+from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.opening import line_to
 from hub.robots.ros.picture_feed import PictureFeed
 from hub.ros.decoding import RosDecoder
@@ -42,37 +42,27 @@ _FIRST_S = 2.0
 
 
 class Reader:
-    """A thread's loop around one line: true ages of messages by topic [ms]."""
+    """True ages of the messages of a line, by topic [ms]."""
 
     def __init__(self, line: RosLine, *topics: str) -> None:
-        self.line = line
         self.ages: dict[str, list[float]] = {each: [] for each in topics}
-        self._selector = selectors.DefaultSelector()
+        self._loop = LineLoop(line)
         for each in topics:
             line.subscribe(each, self._take)
-        line.watch(self, lambda: line.advance(time.monotonic()))
-
-    def watch(self, file: int, work: Callable[[], None]) -> None:
-        self._selector.register(file, selectors.EVENT_READ, work)
-
-    def unwatch(self, file: int) -> None:
-        self._selector.unregister(file)
 
     def read(self, seconds: float, meanwhile: Callable[[], object] = lambda: None) -> None:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            self.line.advance(time.monotonic())
+            self._loop.advance()
             meanwhile()
-            for key, _ in self._selector.select(0.01):
-                key.data()
+            self._loop.wait(0.01)
 
     def forget(self) -> None:
         for each in self.ages.values():
             each.clear()
 
     def close(self) -> None:
-        self.line.close()
-        self._selector.close()
+        self._loop.close()
 
     def _take(self, message: RosMessage) -> None:
         stamp = RosDecoder.of(message.topic).decode(message.payload).get("header.stamp")
@@ -93,8 +83,9 @@ def thin(robot: SimulatedRos) -> None:
     peers = {"one connection": statistics.median(one), "one connection, at the end": one[-1]}
     for name, room in _QUEUES.items():
         ages, pictures = apart(robot, room)
-        deep = f"of which {room / _RATE * 8e3:.0f} ms may wait in the line"
-        note = f"200 kB/s, pictures of 576 kB/s; {deep}; {summary(ages)}"
+        queue_ms = room / _RATE * 8e3
+        queue = f"a queue of {queue_ms:.0f} ms in the line"
+        note = f"200 kB/s, pictures of 576 kB/s; {queue}; {summary(ages)}"
         bar = 50.0 if name == "ros_odom_thin" else None
         report(name, statistics.median(ages), "ms", bar=bar, peers=peers, note=note)
         if bar is not None:
@@ -147,13 +138,10 @@ def cost(folder: Path, robot: SimulatedRos) -> None:
     tables = ros_tables(robot.port)
     with closing(HubProcess(folder, kind="ros", modules=("driver",), tables=tables)) as hub:
         driver = psutil.Process(hub.pids["driver"])
-        time.sleep(_FIRST_S)
-        before, begun = driver.cpu_times(), time.monotonic()
-        time.sleep(_SECONDS)
-        after, seconds = driver.cpu_times(), time.monotonic() - begun
-        used = after.user + after.system - before.user - before.system
+        driver.cpu_percent(_FIRST_S)  # its start does not count
+        share = driver.cpu_percent(_SECONDS)
         note = "odometry 50 Hz, scans of 360 beams 10 Hz"
-        report("ros_driver_cpu", 100.0 * used / seconds, "% of a core", bar=5.0, note=note)
+        report("ros_driver_cpu", share, "% of a core", bar=5.0, note=note)
 
 
 def main() -> None:

@@ -30,8 +30,8 @@ from hub.robots.mavlink.wire.frames import FramePacker
 from tests.system.autopilot_site import AutopilotSite, Operator
 from tests.system.harness import in_soak
 
-TOLD_S = 0.35 + 0.5
-"""Longest time from the cause until the vehicle gets the stop command, on a machine that is busy [s]."""
+COMMANDED_S = 0.35 + 0.5
+"""Longest time from the cause until the vehicle gets the stop command, on a busy machine [s]."""
 AHEAD = Twist.planar(0.5, 0.0)
 MODE, ARM = 176, 400
 GUIDED, HOLD = 15, 4
@@ -59,7 +59,7 @@ def rover(lasting: AutopilotSite) -> AutopilotSite:
     return lasting
 
 
-def told_after(site: AutopilotSite, cause: float) -> float:
+def commanded_after(site: AutopilotSite, cause: float) -> float:
     """Time from the cause to the last order to move [s]."""
     moving = site.relay.moving(cause)
     return moving[-1][0] - cause if moving else 0.0
@@ -106,8 +106,8 @@ def test_a_vehicle_that_floats_follows_each_velocity_and_stops_without_an_operat
         )
         site.operator.twist, silent = None, time.monotonic()
         stands(site)
-        assert told_after(site, silent) < TOLD_S
-        assert time.monotonic() - silent < TOLD_S + rest_s
+        assert commanded_after(site, silent) < COMMANDED_S
+        assert time.monotonic() - silent < COMMANDED_S + rest_s
         assert site.phase is AutopilotPhase.DRIVING, "its operator still has control"
         site.operator.client.close()
         site.operator = Operator(site.hub.endpoint, "another")
@@ -130,7 +130,7 @@ def test_a_rover_follows_a_velocity_and_a_turn(rover: AutopilotSite) -> None:
 def test_it_stops_when_the_operator_is_silent(rover: AutopilotSite) -> None:
     rover.operator.twist, silent = None, time.monotonic()
     stands(rover)
-    assert told_after(rover, silent) < TOLD_S
+    assert commanded_after(rover, silent) < COMMANDED_S
     assert rover.phase is AutopilotPhase.DRIVING
 
 
@@ -144,7 +144,7 @@ def test_no_motion_begins_when_a_cut_link_is_back(
     rover.wait(lambda: rover.phase is AutopilotPhase.GONE)
     rover.wait(lambda: rover.robot.motion is MotionState.NO_DRIVER)
     stands(rover)
-    assert told_after(rover, cut) < 1.5
+    assert commanded_after(rover, cut) < 1.5
     back = time.monotonic()
     rover.relay.join()
     rover.wait(lambda: rover.phase is AutopilotPhase.ELSEWHERE, why="it did not come back:")
@@ -201,18 +201,18 @@ def test_a_goal_drives_it_and_a_vehicle_that_does_not_follow_waits_for_the_next_
     stopped = time.monotonic()
     site.operator.client.publish(STOP, Stop(reason="space"))
     stands(site)
-    assert told_after(site, stopped) < TOLD_S
+    assert commanded_after(site, stopped) < COMMANDED_S
     assert site.task.cause is Cause.STOP
     go_ahead(site, 20.0)
     site.wait(lambda: site.speed > 0.3)
     left = time.monotonic()
     site.operator.order(VehicleOrder.MODE, "hold")
     site.wait(lambda: "the driver does not follow" in site.task.why)
-    assert told_after(site, left) < TOLD_S
+    assert commanded_after(site, left) < COMMANDED_S
     site.operator.order(VehicleOrder.DRIVE)
     site.wait(lambda: site.phase is AutopilotPhase.DRIVING)
     site.go_on(1.0)
-    assert told_after(site, left) < TOLD_S, "the old goal waits for another one"
+    assert commanded_after(site, left) < COMMANDED_S, "the old goal waits for another one"
     site.operator.client.publish(GOAL_COMMAND, GoalCommand())
     site.wait(lambda: site.robot.motion is MotionState.STANDING, why="it was not ended:")
     go_ahead(site, 1.5)
@@ -259,7 +259,7 @@ def navigation_killed(site: AutopilotSite) -> None:
     os.kill(site.hub.pids["navigation"], signal.SIGKILL)
     stands(site)
     site.go_on(1.5)
-    assert told_after(site, killed) < TOLD_S, "the stick is still deflected"
+    assert commanded_after(site, killed) < COMMANDED_S, "the stick is still deflected"
     site.move(AHEAD)
 
 
@@ -269,12 +269,12 @@ def driver_killed(site: AutopilotSite) -> None:
     stands(site)
     site.wait(lambda: site.phase is AutopilotPhase.ELSEWHERE)
     site.go_on(0.5)
-    assert told_after(site, killed) < TOLD_S
+    assert commanded_after(site, killed) < COMMANDED_S
     assert not site.relay.orders(killed), "it was armed, and another's"
     site.operator.order(VehicleOrder.DRIVE)
     site.wait(lambda: site.phase is AutopilotPhase.DRIVING)
     site.go_on(0.5)
-    assert not site.relay.moving(killed + TOLD_S), "the stick is still deflected"
+    assert not site.relay.moving(killed + COMMANDED_S), "the stick is still deflected"
     site.move(AHEAD)
 
 
@@ -284,7 +284,7 @@ def autopilot_killed(site: AutopilotSite) -> None:
     site.wait(lambda: site.phase is not AutopilotPhase.DRIVING)
     site.wait(lambda: site.phase is AutopilotPhase.DISARMED and site.autopilot.armable)
     assert not site.relay.orders(killed)
-    assert told_after(site, killed) < 1.5
+    assert commanded_after(site, killed) < 1.5
     site.drive()
     site.move(AHEAD)
 
@@ -295,4 +295,4 @@ def hub_killed(site: AutopilotSite) -> None:
     end = killed + 10.0
     while not (site.speed < 0.05 and time.monotonic() > killed + 0.5):
         assert time.monotonic() < end
-    assert told_after(site, killed) < TOLD_S
+    assert commanded_after(site, killed) < COMMANDED_S

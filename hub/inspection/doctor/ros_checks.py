@@ -17,6 +17,7 @@ from hub.robots.ros.asking.findings import RosFindings
 from hub.robots.ros.asking.proposal import RosProposal, open_way_of
 from hub.robots.ros.asking.stopping import stopping
 from hub.robots.ros.asking.survey import look_at
+from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.own_nodes import foreign
 from hub.robots.ros_table import ROS_KIND
 
@@ -33,8 +34,8 @@ def ros(robot: RobotDescription) -> list[Finding]:
 
     try:
         address = ros_address(robot.ros.address)
-        with contextlib.closing(line_to(address)) as line:
-            found = look_at(line, address, _LISTENING_S, also=[*_topics(robot)])
+        with contextlib.closing(LineLoop(line_to(address))) as loop:
+            found = look_at(loop, address, _LISTENING_S, also=[*_topics(robot)])
     except RosSilentError as fault:
         return [problem(str(fault), "start its bridge or router, or correct [ros]")]
     except HubError as fault:

@@ -15,6 +15,7 @@ from hub.robots.ros.address import ros_address
 from hub.robots.ros.asking.proposal import RosProposal
 from hub.robots.ros.asking.robot_text import robot_file
 from hub.robots.ros.asking.survey import look_at
+from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.opening import line_to
 
 
@@ -29,8 +30,8 @@ def run(options: argparse.Namespace) -> int:
     if not output.is_free():
         return 1
     address = ros_address(options.address)
-    with contextlib.closing(line_to(address)) as line:
-        found = look_at(line, address, options.seconds, namespace=options.namespace)
+    with contextlib.closing(LineLoop(line_to(address))) as loop:
+        found = look_at(loop, address, options.seconds, namespace=options.namespace)
     proposal = RosProposal(found)
     if refusal := proposal.refusal():
         print_error(f"{address.text}: {refusal}")

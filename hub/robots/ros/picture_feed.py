@@ -11,9 +11,9 @@ Without the last rule a thin network would show ever older pictures: the robot's
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import math
-import selectors
 import threading
 import time
 from collections.abc import Callable
@@ -22,6 +22,7 @@ from typing import Final
 from hub.errors import CameraError
 from hub.plain_text import plain
 from hub.robots.ros.line import RosLine, RosMessage, RosTopic
+from hub.robots.ros.line_loop import LineLoop
 from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
@@ -75,18 +76,14 @@ class PictureFeed:
             clock: Monotonic time [s].
         """
         self.info: FedMessage | None = None
-        self._line, self._topics, self._clock = (
-            line,
-            [each for each in (topic, info) if each],
-            clock,
-        )
+        self._line, self._clock = line, clock
+        self._topics = [each for each in (topic, info) if each]
         self._newest: FedMessage | None = None
         self._wanted = -math.inf
         self._awake = False
         self._renewed = -math.inf
         self._why = "it is not connected yet"
         self._ended = threading.Event()
-        self._selector = selectors.DefaultSelector()
         self._thread = threading.Thread(target=self._run, name="ros-pictures", daemon=True)
         self._thread.start()
 
@@ -114,26 +111,12 @@ class PictureFeed:
         self._ended.set()
         self._thread.join(_CLOSE_S)
 
-    def watch(self, file: int, work: Callable[[], None]) -> None:
-        """Call `work` whenever the file descriptor is readable; for the line."""
-        self._selector.register(file, selectors.EVENT_READ, work)
-
-    def unwatch(self, file: int) -> None:
-        """Stop watching it."""
-        self._selector.unregister(file)
-
     def _run(self) -> None:
-        self._line.watch(self, self._read)
-        while not self._ended.is_set():
-            self._read()
-            self._follow()
-            for each, _ in self._selector.select(_LOOK_S):
-                each.data()
-        self._line.close()
-        self._selector.close()
-
-    def _read(self) -> None:
-        self._line.advance(self._clock())
+        with contextlib.closing(LineLoop(self._line, self._clock)) as loop:
+            while not self._ended.is_set():
+                loop.advance()
+                self._follow()
+                loop.wait(_LOOK_S)
 
     def _follow(self) -> None:
         """Subscribe while a picture is wanted."""

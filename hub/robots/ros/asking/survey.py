@@ -24,6 +24,7 @@ from hub.robots.ros.address import RosAddress
 from hub.robots.ros.asking.findings import HeardTopic, RosFindings
 from hub.robots.ros.asking.parts import TRANSFORMS, parts_of
 from hub.robots.ros.line import RosLine, RosMessage
+from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.topic_reader import TopicReader
 from hub.ros.frame_tree import FrameTree
 from hub.ros.values import RosValue
@@ -165,7 +166,7 @@ class RosSurvey:
 
 
 def look_at(
-    line: RosLine,
+    loop: LineLoop,
     address: RosAddress,
     seconds: float,
     *,
@@ -176,7 +177,7 @@ def look_at(
     """Look at a robot.
 
     Args:
-        line: A line to it.
+        loop: The loop of a line to it.
         address: Where it is.
         seconds: Longest time for a connection, and then for its messages [s].
         namespace: Only what is below this name counts; empty: all does.
@@ -186,6 +187,7 @@ def look_at(
     Raises:
         RosSilentError: Nothing answers.
     """
+    line = loop.line
     survey = RosSurvey(line, address, namespace, also)
     end = clock() + seconds
     while not survey.advance(now := clock()):
@@ -193,7 +195,7 @@ def look_at(
             end = survey.begun + seconds
         if now > end:
             break
-        time.sleep(_PAUSE_S)
+        loop.wait(_PAUSE_S)
     if survey.begun == math.inf:
         why = line.state.why or "there is no answer; start its bridge or router"
         text = f"no robot with ROS answers at {address.text}: {why}"
