@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractContextManager
 
     from rune_tui.layout.spec import LayoutSpec
-    from rune_tui.layout.watching import LayoutSource
+    from rune_tui.layout.watching import LayoutArrivals, LayoutSource
     from rune_tui.link.fleet_mirrors import FleetMirrors
     from rune_tui.link.robot_links import RobotLinks
     from rune_tui.link.tunnel import Tunnel
@@ -99,7 +99,7 @@ def _run(options: argparse.Namespace) -> int:
         hubs = _endpoints(options.hub)
         fleets = stack.enter_context(fleets_of(options))
         names = stack.enter_context(_made(options.layouts, hubs, options, fleets))
-        source = _source(names, options.set, watched=options.watch)
+        source = _source(names, options.set, watched=options.watch, arrivals=fleets.arrivals)
         log = log_to_file()
         tunnels = stack.enter_context(_tunnels(options, source.layout))
         links = _links(source.layout, hubs, options.keys, tunnels, options.operator, fleets)
@@ -122,7 +122,6 @@ def _made(
         from rune_tui.commands.fleet import with_fleet_files
 
         return with_fleet_files(fleets, options.fleet_name, options.only)
-
     if AUTO in names and options.ssh:
         text = "auto asks the hub itself: on the robot, `rune layout auto -o FILE` makes the file"
         raise _UsageError(text)
@@ -193,14 +192,18 @@ def _say_start(robots: int) -> None:
 
 
 def _source(
-    names: Sequence[str], variables: Sequence[tuple[str, str]], *, watched: bool
+    names: Sequence[str],
+    variables: Sequence[tuple[str, str]],
+    *,
+    watched: bool,
+    arrivals: LayoutArrivals | None = None,
 ) -> LayoutSource:
     """The layouts of these names; reads all now, so that mistakes appear at the start."""
     from rune_tui.layout.watching import LayoutSource
 
     layouts = [_load(name, variables) for name in names]
     read = functools.partial(_load, variables=variables)
-    return LayoutSource(names, read, layouts[0], watched=watched)
+    return LayoutSource(names, read, layouts[0], watched=watched, arrivals=arrivals)
 
 
 def _check(options: argparse.Namespace) -> int:

@@ -102,7 +102,12 @@ class EffectRunner:
         self.file_writer = FileWriter(
             links, partial(app.run_worker, exit_on_error=False), self.notify
         )
-        self.layouts = LayoutFollower(source, self.open_layout, self.report_trouble)
+        self.layouts = LayoutFollower(
+            source,
+            self.open_layout,
+            self.report_trouble,
+            lambda news: self.notify(Outcome(text=news)),
+        )
 
     def run(self, effects: Iterable[Effect]) -> None:
         """Execute some effects; the limits of a study's condition hold for all of them.

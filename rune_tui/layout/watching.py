@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Protocol
 
 from rune_tui.errors import LayoutError
 from rune_tui.layout.spec import LayoutSpec
@@ -18,6 +19,16 @@ CHECK_S = 0.25
 
 _Mark = tuple[int, int, int] | None
 """The marks of a file that change when it is saved; None: there is no file."""
+
+
+class LayoutArrivals(Protocol):
+    """Layouts that are made while the console runs, as for robots that join a fleet."""
+
+    def look(self) -> str:
+        """The news since the last call and how it is shown, in one sentence; empty: none."""
+
+    def names(self) -> Sequence[str]:
+        """The names of all layouts now, with all of before; the first shows the news."""
 
 
 class LayoutSource:
@@ -34,6 +45,7 @@ class LayoutSource:
         layout: LayoutSpec,
         *,
         watched: bool,
+        arrivals: LayoutArrivals | None = None,
     ) -> None:
         """Begin with the first.
 
@@ -42,11 +54,12 @@ class LayoutSource:
             read: Reads the layout of a name; raises LayoutError.
             layout: The layout of the first name.
             watched: Whether `check` checks the files.
+            arrivals: Layouts that come later; None: there are none.
         """
         self.layout = layout
         self._names = names
         self._read = read
-        self._watched = watched
+        self._watched, self._arrivals, self._came = watched, arrivals, False
         self._open = self._tried = 0
         self._seen = _marks(layout.files)
         self._changing: Mapping[Path, _Mark] | None = None
@@ -54,12 +67,18 @@ class LayoutSource:
     @property
     def changes(self) -> bool:
         """Whether there can ever be another layout than the first."""
-        return self._watched or self.several
+        return self._watched or self.several or self._arrivals is not None
 
     @property
     def several(self) -> bool:
         """Whether there is a next layout."""
-        return len(self._names) > 1
+        return len(self._names) > 1 or self._came
+
+    def news(self) -> str:
+        """What can be shown since the last call, in one sentence; empty: nothing new."""
+        said = "" if self._arrivals is None else self._arrivals.look()
+        self._came |= bool(said)
+        return said
 
     def check(self) -> LayoutSpec | LayoutError | None:
         """The saved layout, or its mistakes; None: nothing was saved.
@@ -78,8 +97,16 @@ class LayoutSource:
         return self._opened(self._open, marks)
 
     def next(self) -> LayoutSpec | LayoutError:
-        """The layout behind the one that was tried last, the first behind the last."""
-        self._tried = (self._tried + 1) % len(self._names)
+        """The layout behind the one that was tried last, the first behind the last.
+
+        After news it is the first, which shows them.
+        """
+        if self._arrivals is not None:
+            before, self._names = self._names, self._arrivals.names()
+            self._open = self._names.index(before[self._open])
+            self._tried = self._names.index(before[self._tried])
+        self._tried = 0 if self._came else (self._tried + 1) % len(self._names)
+        self._came = False
         return self._opened(self._tried, {})
 
     def _opened(self, index: int, before: Mapping[Path, _Mark]) -> LayoutSpec | LayoutError:

@@ -26,6 +26,7 @@ from hub.ipc.security.publish_rights import may_publish
 from hub.plain_text import plain
 from hub.values import dataclass
 from rune_tui.layout.spec import LayoutSpec, RobotSpec
+from rune_tui.layout.watching import LayoutArrivals
 
 _logger = logging.getLogger(__name__)
 
@@ -215,10 +216,15 @@ class FleetWay:
 
 
 class FleetMirrors:
-    """All fleets of a console, one program for each, and more for robots of later layouts."""
+    """All fleets of a console, one program for each, and more for robots of later layouts.
+
+    Attributes:
+        arrivals: Layouts for robots that join later; None: the console names its layouts.
+    """
 
     def __init__(self, place: FleetPlace) -> None:
         """Join none yet; layouts may name other fleets than the one of the place."""
+        self.arrivals: LayoutArrivals | None = None
         self._place = place
         self._mirrors: list[FleetMirror] = []
         self._ways: dict[tuple[str, str], FleetWay] = {}

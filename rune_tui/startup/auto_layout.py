@@ -83,6 +83,8 @@ _SPEED_OPTIONS = {
     Freedom.HEAVE: "climb",
 }
 """The option with the speed of each degree of freedom."""
+_NEXT = '    <widget handler="widgetNextLayout"><event key="f4"/></widget>'
+"""The key to the layout of all robots of a fleet, as they have it to this one."""
 _HOLD_KEYS = ("g", "y")
 """Keys of the first holds."""
 _JOINT_KEYS = (("2", "1"), ("4", "3"), ("6", "5"), ("8", "7"))
@@ -148,6 +150,7 @@ def layout_text(
         '    <widget handler="widgetHelp"><event key="f1"/><event key="?"/></widget>',
         '    <widget handler="widgetScreenshot"><event key="f12"/></widget>',
         '    <widget handler="widgetRecord"><event key="f10"/></widget>',
+        *([_NEXT] if fleet else []),
         f'    <viewport name="{large.name}">',
         f"      {large.body}",
         *(f"      {line}" for line in _controls(body, capabilities)),

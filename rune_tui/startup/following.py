@@ -25,6 +25,7 @@ class LayoutFollower:
         source: LayoutSource,
         open_it: Callable[[LayoutSpec], Awaitable[None]],
         report: Callable[[str], None],
+        say: Callable[[str], None],
     ) -> None:
         """Prepare.
 
@@ -32,10 +33,11 @@ class LayoutFollower:
             source: The layouts on the command line.
             open_it: Opens a layout; after a fault in it, the old layout stays.
             report: Called with the reason if a layout cannot be opened.
+            say: Called with what another layout can show since now.
         """
         self._source = source
         self._open = open_it
-        self._report = report
+        self._report, self._say = report, say
         self._wanted = asyncio.Event()
 
     def next(self) -> bool:
@@ -52,6 +54,8 @@ class LayoutFollower:
             look = self._source.next if self._wanted.is_set() else self._source.check
             self._wanted.clear()
             try:
+                if news := await asyncio.to_thread(self._source.news):
+                    self._say(news)
                 found = await asyncio.to_thread(look)
                 if isinstance(found, LayoutError):
                     self._report(first_problem(found))

@@ -40,13 +40,16 @@ class Site:
     def __init__(self, folder: Path) -> None:
         self.place = f"tcp/127.0.0.1:{free_port()}"
         self.start_router()
-        tables = f'\n[fleet]\nrouter = "{self.place}"\nname = "rover"\nfleet = "rune/lab"\n'
-        self.hub = HubProcess(folder, tables=tables)
+        self.hub = HubProcess(folder, tables=self.table("rover"))
         watched = (navigation.GROUND_TRUTH, CONTROL_STATE, NAVIGATION_STATUS)
         self.observer = Observer(self.hub.endpoint, *watched)
         self.layout = folder / "layout.xml"
         text = LAYOUT.replace('hub="{hub}"', 'fleet="rune/lab"')
         self.layout.write_text(text.replace("magellan", "rover"))
+
+    def table(self, name: str) -> str:
+        """The table of a robot file."""
+        return f'\n[fleet]\nrouter = "{self.place}"\nname = "{name}"\nfleet = "rune/lab"\n'
 
     def start_router(self) -> None:
         words = ["fleet", "router", "--fleet", "rune/lab", "--listen", self.place]
@@ -181,6 +184,28 @@ def test_auto_names_who_is_there_and_makes_a_layout(site: Site, tmp_path: Path) 
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert (done.returncode, "in the fleet rune/lab: rover" in done.stderr) == (0, True), done
     assert "linked" in picture.read_text()
+
+
+@pytest.mark.soak
+@pytest.mark.timeout(120)
+def test_robot_that_joins_later_is_named_and_a_key_shows_it_beside_the_driven_one(
+    site: Site, tmp_path: Path
+) -> None:
+    words = ["run", "auto", "--fleet", site.place, "--fleet-name", "rune/lab"]
+    observer = site.observer
+    with closing(ConsoleProcess([*words, "--operator", "ann"])) as console:
+        console.wait_for_picture(40.0)
+        with closing(HubProcess(tmp_path, tables=site.table("boat"))):
+            console.wait(lambda: "boat joined the fleet" in console.text, 30.0, console.text)
+            assert "2 boat" not in console.text, "the view waits for the key"
+            drive(console, observer)
+            with console.holding("w"):
+                console.type("\x1bOS")  # F4
+                console.wait(lambda: "2 boat" in console.text, 10.0, console.text)
+                stopped_after(observer)
+            # The robot of before is the chosen one still, and begins from neutral.
+            console.hold_until("s", lambda: observer.truth.linear < -0.2)
+            assert console.quit() == 0
 
 
 @pytest.mark.soak
