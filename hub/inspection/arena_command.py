@@ -9,7 +9,8 @@ from pathlib import Path
 
 from hub import files
 from hub.command_line import ExitCode
-from hub.inspection.output import print_error, put, table
+from hub.command_output import print_error, put
+from hub.inspection.output import table
 from hub.inspection.png_file import png
 from hub.sim.arena import arena_path, load_arena, shipped_arenas
 from hub.sim.arena_file import read_arena_file

@@ -7,10 +7,11 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from hub.command_output import put
 from hub.errors import NotAllowedError, UnknownModuleError
 from hub.inspection import value_text
 from hub.inspection.message_commands import find
-from hub.inspection.output import put, span, table
+from hub.inspection.output import span, table
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo

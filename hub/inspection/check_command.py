@@ -6,9 +6,10 @@ import json
 import math
 from collections.abc import Iterator
 
+from hub.command_output import put
 from hub.gcm.body import BodyFrame, CameraBody, HoldKind, RobotBody
 from hub.inspection import value_text
-from hub.inspection.output import put, table
+from hub.inspection.output import table
 from hub.robots.description import RobotDescription
 from hub.robots.registry import body_of
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+from hub.command_output import put
 from hub.errors import HubError
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.common import COMMON_RESULT
@@ -17,7 +18,7 @@ from hub.gcm.control import (
 )
 from hub.inspection import value_text
 from hub.inspection.module_commands import ask_daemon, last_report
-from hub.inspection.output import put, report, span
+from hub.inspection.output import report, span
 from hub.ipc.client import Client
 from hub.plain_text import plain
 

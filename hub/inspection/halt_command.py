@@ -7,9 +7,9 @@ import math
 import time
 
 from hub.command_line import login_name
+from hub.command_output import print_error, put
 from hub.gcm.control import CONTROL_STATE, PLAYED, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
-from hub.inspection.output import print_error, put
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from hub.inspection.output import put
+from hub.command_output import put
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring, default_folder
 

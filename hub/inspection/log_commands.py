@@ -11,8 +11,9 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from hub.command_output import print_error, put
 from hub.errors import RecordingError
-from hub.inspection.output import print_error, put, span, table
+from hub.inspection.output import span, table
 from hub.paths import for_recordings
 from hub.plain_text import plain
 from hub.recording.recording_set import RecordingSet

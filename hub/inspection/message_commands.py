@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+from hub.command_output import print_error, put
 from hub.errors import (
     HubError,
     NoHandlerError,
@@ -21,7 +22,7 @@ from hub.gcm.catalog import BY_NAME
 from hub.gcm.common import CommonResult
 from hub.gcm.control import CONTROL_STATE, is_restricted
 from hub.inspection import value_text
-from hub.inspection.output import outcome, print_error, put
+from hub.inspection.output import outcome
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo, decode

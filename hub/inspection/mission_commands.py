@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from hub.command_line import login_name
+from hub.command_output import put
 from hub.errors import MissionError, NoHandlerError, QueryError, RobotFileError
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
-from hub.inspection.output import put, report, span, table
+from hub.inspection.output import report, span, table
 from hub.ipc.client import Client
 from hub.missions.export import MissionPhase, facts_of_marks, mission_facts, moment
 from hub.missions.export import export as export_files

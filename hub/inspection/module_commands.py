@@ -9,6 +9,7 @@ import time
 from collections.abc import Sequence
 from typing import TypeVar
 
+from hub.command_output import put
 from hub.errors import (
     HandlerFailedError,
     NoHandlerError,
@@ -20,7 +21,7 @@ from hub.gcm import supervision
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import value_text
-from hub.inspection.output import put, report, span, table
+from hub.inspection.output import report, span, table
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo

@@ -1,26 +1,12 @@
-"""How the commands write to standard output: lines, tables, spans of time."""
+"""How the commands write answers to requests, tables and spans of time."""
 
 from __future__ import annotations
 
-import os
-import select
-import sys
 from collections.abc import Sequence
 
+from hub.command_output import print_error, put
 from hub.gcm.common import CommonResult
 from hub.plain_text import plain
-
-
-def put(line: str) -> None:
-    """Write a line at once, with control characters spelt out."""
-    sys.stdout.write(plain(line, lines=True) + "\n")
-    sys.stdout.flush()
-
-
-def stdin_ended() -> bool:
-    """Whether standard input has ended; its content does not count."""
-    ready, _, _ = select.select([sys.stdin], [], [], 0.0)
-    return bool(ready) and not os.read(sys.stdin.fileno(), 4096)
 
 
 def outcome(result: CommonResult) -> int:
@@ -36,11 +22,6 @@ def report(result: CommonResult) -> int:
     if result.done:
         put(plain(result.text))
     return outcome(result)
-
-
-def print_error(text: str) -> None:
-    """Write a sentence to standard error."""
-    sys.stderr.write(f"rune-hub: {plain(text, lines=True)}\n")
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, words: int = 1) -> None:

@@ -18,6 +18,7 @@ from contextlib import closing
 from typing import Any
 
 from hub.command_line import ExitCode
+from hub.command_output import print_error, put
 from hub.control_gate import ControlGate
 from hub.errors import RecordingError
 from hub.gcm.catalog import MESSAGES
@@ -36,7 +37,6 @@ from hub.gcm.recording import RECORD_COMMAND
 from hub.gcm.standard import Header, Time
 from hub.gcm.supervision import MODULE_COMMAND
 from hub.inspection.keys_of_terminal import read_keys
-from hub.inspection.output import print_error, put
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition, Plane

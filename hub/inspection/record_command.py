@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 from hub.command_line import ExitCode, login_name
+from hub.command_output import print_error, put, stdin_ended
 from hub.errors import HubError, NoHandlerError, QueryError, RecordingError
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.capability import Capability
@@ -21,7 +22,7 @@ from hub.gcm.recording import RECORD_COMMAND, RECORD_MARK, RecordAction, RecordC
 from hub.gcm.supervision import CAPABILITY_WANTS, MODULE_REPORTS, CapabilityWants
 from hub.gcm.vision import ImageCoding
 from hub.inspection.keys_of_terminal import read_keys
-from hub.inspection.output import print_error, put, report, span, stdin_ended
+from hub.inspection.output import report, span
 from hub.ipc.client import Client
 from hub.recording.live.bus_recorder import BusRecorder
 from hub.recording.live.places import SUFFIX, date_name, numbered

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from hub import files
-from hub.inspection.output import print_error, put
+from hub.command_output import print_error, put
 from hub.plain_text import plain
 
 

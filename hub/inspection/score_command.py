@@ -6,9 +6,10 @@ import json
 import math
 from collections.abc import Iterator
 
+from hub.command_output import put
 from hub.errors import ArenaError
 from hub.inspection.mission_commands import chosen
-from hub.inspection.output import put, table
+from hub.inspection.output import table
 from hub.missions.export import marks_of
 from hub.missions.scoring import Score, Victim, VictimScore, score
 from hub.nearest import did_you_mean

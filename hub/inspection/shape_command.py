@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         HubError: The profile has mistakes, no hub answers, or no address is free.
     """
-    from hub.inspection.output import print_error, put
+    from hub.command_output import print_error, put
     from hub.shaper.profile import load_profile, profile_path
 
     if options.list:
@@ -74,7 +74,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _list_all(*, as_json: bool) -> int:
-    from hub.inspection.output import put, table
+    from hub.command_output import put
+    from hub.inspection.output import table
     from hub.shaper.profile import load_profile, shipped_profiles
 
     profiles = [load_profile(name) for name in shipped_profiles()]
@@ -111,8 +112,8 @@ def _facts(profile: LinkProfile) -> dict[str, object]:
 
 
 def _relay(options: argparse.Namespace, profile: LinkProfile) -> int:
+    from hub.command_output import stdin_ended
     from hub.inspection.message_commands import connect
-    from hub.inspection.output import stdin_ended
     from hub.shaper.reporter import Reporter
 
     with contextlib.ExitStack() as stack:
@@ -176,7 +177,7 @@ def _listen(options: argparse.Namespace, client: Client, profile: LinkProfile) -
 def _say_ready(
     options: argparse.Namespace, relay: Relay, profile: LinkProfile, outputs: list[TextIO]
 ) -> None:
-    from hub.inspection.output import put
+    from hub.command_output import put
 
     endpoint = f"tcp://{relay.address}:{relay.ports[0]}"
     ready = {

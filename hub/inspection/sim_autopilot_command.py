@@ -85,7 +85,7 @@ def run_sim_autopilot(options: argparse.Namespace) -> int:
         AutopilotSettingError: A port is not free, or there is no such parameter.
         ArenaError: There is no such arena, or the vehicle cannot be in it.
     """
-    from hub.inspection.output import put, stdin_ended
+    from hub.command_output import put, stdin_ended
     from hub.robots.simulated_autopilot.autopilot import SimulatedAutopilot
     from hub.robots.simulated_autopilot.kinds import AUTOPILOT_KINDS, robot_file
     from hub.robots.simulated_autopilot.motion import FittedMotion

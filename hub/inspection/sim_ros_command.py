@@ -82,7 +82,7 @@ def run_sim_ros(options: argparse.Namespace) -> int:
         EndpointError: foxglove-sdk is missing, the port is not free, or a file cannot be written.
         ArenaError: There is no such arena.
     """
-    from hub.inspection.output import put, stdin_ended
+    from hub.command_output import put, stdin_ended
 
     try:
         from hub.robots.simulated_ros.bridge import BridgeSettings, SimulatedBridge

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-import sys
 import time
 from typing import Any
 
+from hub.command_output import put
 from hub.errors import CodecError, FrameError
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.ipc.roles import Principal
@@ -21,7 +21,7 @@ _ANSWER_S = 2.0
 def list_robots(session: FleetSession, fleet: str, *, as_json: bool) -> int:
     """Show the robots that are there."""
     for robot in _robots(session, fleet):
-        _write(json.dumps({"robot": robot}) if as_json else robot)
+        put(json.dumps({"robot": robot}) if as_json else robot)
     return 0
 
 
@@ -32,13 +32,13 @@ def show_status(
     robots = _robots(session, fleet)
     if not as_json:
         number = counted(len(robots), "robot")
-        _write(f"fleet {fleet} at {place}, as {asker}: {number}")
+        put(f"fleet {fleet} at {place}, as {asker}: {number}")
     for robot in robots:
         facts = _facts(session, fleet, robot)
         if as_json:
-            _write(json.dumps(facts))
+            put(json.dumps(facts))
         else:
-            _write(f"  {robot:<20} {_words(facts)}")
+            put(f"  {robot:<20} {_words(facts)}")
     return 0
 
 
@@ -80,7 +80,3 @@ def _words(facts: dict[str, Any]) -> str:
     drives = f"{owner} has control" if owner else f"free: {facts['why']}"
     moved = f", moved by {facts['moved_by']}" if facts["moved_by"] else ""
     return f"{drives}{moved}; {facts['round_trip_ms']:g} ms away, {facts['age_s']:g} s old"
-
-
-def _write(text: str) -> None:
-    sys.stdout.write(text + "\n")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import re
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
 from hub.command_line import CommandParser, Commands, login_name, number_type
+from hub.command_output import put
 from hub.errors import HubError
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, endpoint_of
 from hub.ipc.roles import Principal, Role
@@ -135,12 +135,12 @@ def _run_keys(options: argparse.Namespace) -> int:
     certificates = Certificates(options.folder or _default_folder())
     if options.action == "make":
         files = certificates.make(options.name, options.role, days=options.days)
-        _write(f"{files.certificate}\n{files.key}\n{files.authority}")
+        put(f"{files.certificate}\n{files.key}\n{files.authority}")
     elif options.action == "remove":
         certificates.remove(options.name)
     else:
         for name in certificates.holders():
-            _write(json.dumps({"name": name}) if options.json else name)
+            put(json.dumps({"name": name}) if options.json else name)
     return 0
 
 
@@ -205,7 +205,3 @@ def _fleet(text: str) -> str:
 
 def _operator(text: str) -> Principal:
     return _checked(parse_operator, text)
-
-
-def _write(text: str) -> None:
-    sys.stdout.write(text + "\n")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import signal
-import sys
 import threading
 from collections.abc import Sequence
 from pathlib import Path
 
+from hub.command_output import put
 from hub.doors.fleet.access import access_table
 from hub.doors.fleet.certificates import Certificates
 from hub.zenoh.fleet_session import FleetSession, open_fleet_session
@@ -34,13 +34,13 @@ def run_router(places: Sequence[RouterPlace], folder: Path | None, fleet: str) -
     certificates = None if folder is None else Certificates(folder)
     seen = certificates.changed() if certificates else 0
     session = _open(places, certificates, fleet)
-    _say(f"router of the fleet {fleet} at {', '.join(map(str, places))}; Ctrl-C ends it")
+    put(f"router of the fleet {fleet} at {', '.join(map(str, places))}; Ctrl-C ends it")
     while not ended.wait(_LOOK_S):
         if certificates is not None and (now := certificates.changed()) != seen:
             seen = now
             session.close()
             session = _open(places, certificates, fleet)
-            _say("the list of certificates has changed, and counts now")
+            put("the list of certificates has changed, and counts now")
     session.close()
     return 0
 
@@ -55,8 +55,3 @@ def _open(
         access=None if certificates is None else access_table(fleet, certificates.holders()),
     )
     return open_fleet_session(places[0], settings, mode="router")
-
-
-def _say(text: str) -> None:
-    sys.stdout.write(text + "\n")
-    sys.stdout.flush()

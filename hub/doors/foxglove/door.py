@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from hub import files
+from hub.command_output import put
 from hub.doors.foxglove.layout import LAYOUT, layout_of
 from hub.doors.panels.hub_topics import PictureWishes
 from hub.doors.panels.panel_door import PanelDoor
-from hub.doors.panels.serving import body_of, put_line, serve
+from hub.doors.panels.serving import body_of, serve
 from hub.errors import DoorError
 from hub.gcm.body import RobotBody
 from hub.ipc.client import Client
@@ -97,10 +98,10 @@ def _announce(address: str, settings: ServerSettings, options: argparse.Namespac
     layout = options.layout or LAYOUT
     if options.json:
         facts = {"event": "ready", "address": address, "layout": str(layout)}
-        put_line(json.dumps(facts | {"drive": settings.drive, "pid": os.getpid()}))
+        put(json.dumps(facts | {"drive": settings.drive, "pid": os.getpid()}))
         return
-    put_line(f"{settings.name} at {address}: in Foxglove or Lichtblick, open this connection")
-    put_line(f"Layout: {layout} (import it there)")
+    put(f"{settings.name} at {address}: in Foxglove or Lichtblick, open this connection")
+    put(f"Layout: {layout} (import it there)")
     if settings.drive:
-        put_line("Panels drive the robot by /cmd_vel; every program that connects can do that.")
-    put_line("Ctrl-C ends it.")
+        put("Panels drive the robot by /cmd_vel; every program that connects can do that.")
+    put("Ctrl-C ends it.")

@@ -14,6 +14,7 @@ import threading
 from pathlib import Path
 
 from hub.command_line import ExitCode
+from hub.command_output import put
 from hub.doors.mirror.mirror import Mirror
 from hub.ipc.roles import Principal
 from hub.ipc.transport.fault_counter import FaultCounter
@@ -37,9 +38,7 @@ class MirrorEvents:
 
     def say(self, event: dict[str, object]) -> None:
         """Say one thing."""
-        text = json.dumps(event) if self._as_json else _sentence(event)
-        sys.stdout.write(text + "\n")
-        sys.stdout.flush()
+        put(json.dumps(event) if self._as_json else _sentence(event))
 
     def look(self, *, joined: bool) -> None:
         """Say whether a router answers, at each change."""

@@ -1,14 +1,12 @@
-"""A door's process: what it asks the hub at its start, what it prints, and when it ends."""
+"""A door's process: what it asks the hub at its start, and when it ends."""
 
 from __future__ import annotations
 
 import contextlib
-import os
-import select
 import signal
-import sys
 from typing import Final
 
+from hub.command_output import stdin_ended
 from hub.doors.panels.panel_door import PanelDoor
 from hub.errors import QueryError
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
@@ -26,12 +24,6 @@ def body_of(client: Client) -> RobotBody | None:
     return None
 
 
-def put_line(line: str) -> None:
-    """Print a line at once."""
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()
-
-
 def serve(door: PanelDoor, *, stop_with_stdin: bool) -> None:
     """Serve until a signal, or the end of standard input."""
     ending = False
@@ -44,8 +36,8 @@ def serve(door: PanelDoor, *, stop_with_stdin: bool) -> None:
     try:
         while not ending:
             door.listen(_LISTEN_S)
-            if stop_with_stdin and select.select([sys.stdin], [], [], 0.0)[0]:
-                ending = not os.read(sys.stdin.fileno(), 4096)
+            if stop_with_stdin and stdin_ended():
+                ending = True
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)

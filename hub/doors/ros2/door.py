@@ -10,9 +10,10 @@ import re
 from collections.abc import Callable
 from typing import Final
 
+from hub.command_output import put
 from hub.doors.panels.hub_topics import PictureWishes
 from hub.doors.panels.panel_door import PanelDoor
-from hub.doors.panels.serving import body_of, put_line, serve
+from hub.doors.panels.serving import body_of, serve
 from hub.doors.panels.wishes import CMD_VEL
 from hub.doors.ros2.node_server import NodeSettings, RosNodeServer
 from hub.errors import DoorError
@@ -63,14 +64,14 @@ def _announce(client: Client, settings: NodeSettings, options: argparse.Namespac
     """Say what nodes see."""
     if options.json:
         facts = {"event": "ready", "router": options.connect, "domain": settings.domain}
-        put_line(json.dumps(facts | {"drive": settings.drive, "pid": os.getpid()}))
+        put(json.dumps(facts | {"drive": settings.drive, "pid": os.getpid()}))
         return
     body = body_of(client)
     name = f"{settings.namespace}/rune"
-    put_line(
+    put(
         f"{body.name if body else 'The robot'} is the node {name} of domain {settings.domain}, by "
         f"the router at {options.connect}"
     )
     if settings.drive:
-        put_line(f"Every node of this domain drives it by {settings.namespace}{CMD_VEL}.")
-    put_line("Ctrl-C ends it.")
+        put(f"Every node of this domain drives it by {settings.namespace}{CMD_VEL}.")
+    put("Ctrl-C ends it.")

@@ -6,6 +6,7 @@ import functools
 import json
 from collections.abc import Callable, Iterator, Mapping
 
+from hub.command_output import put
 from hub.errors import RobotFileError
 from hub.inspection.doctor import (
     autopilot_checks,
@@ -16,7 +17,6 @@ from hub.inspection.doctor import (
     ros_checks,
 )
 from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
-from hub.inspection.output import put
 from hub.plain_text import plain
 from hub.robots.description import RobotDescription
 from hub.robots.robot_file import find_robot_file, read_description

@@ -8,7 +8,7 @@ import json
 import math
 import time
 
-from hub.inspection.output import print_error, put
+from hub.command_output import print_error, put
 from hub.inspection.robot_file_output import RobotFileOutput
 from hub.plain_text import plain
 from hub.robots.ros.address import ros_address

@@ -8,7 +8,7 @@ import json
 import time
 from collections.abc import Iterator
 
-from hub.inspection.output import put
+from hub.command_output import put
 from hub.inspection.robot_file_output import RobotFileOutput
 from hub.inspection.vehicle.vehicle_link import open_session
 from hub.plain_text import plain

@@ -12,10 +12,10 @@ from typing import Any, Final
 import numpy as np
 
 from hub.command_line import ExitCode
+from hub.command_output import print_error, put, stdin_ended
 from hub.errors import VehicleAddressError
 from hub.gcm.autopilot import MAVLINK_FRAMES, MAVLINK_REQUEST, MavlinkFrames, MavlinkRequest
 from hub.inspection.message_commands import connect
-from hub.inspection.output import print_error, put, stdin_ended
 from hub.inspection.vehicle.vehicle_link import place_of
 from hub.robots.mavlink.forwarding import FrameForwarder
 from hub.robots.mavlink.link.address import VehicleLinkKind, vehicle_address

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Final
 
 from hub.command_line import ExitCode
+from hub.command_output import print_error, put
 from hub.errors import KeyFileError
-from hub.inspection.output import print_error, put
 from hub.inspection.vehicle.vehicle_link import (
     claimed,
     find_at,

@@ -9,7 +9,8 @@ import math
 from typing import Final
 
 from hub.command_line import ExitCode
-from hub.inspection.output import print_error, put, table
+from hub.command_output import print_error, put
+from hub.inspection.output import table
 from hub.inspection.vehicle.vehicle_link import find_at, open_session, place_of
 from hub.robots.mavlink.asking.mission import MissionItem, MissionReading
 

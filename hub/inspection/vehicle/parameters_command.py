@@ -9,8 +9,9 @@ import math
 from collections.abc import Mapping
 
 from hub.command_line import ExitCode
+from hub.command_output import print_error, put
 from hub.gcm.autopilot import UnsafeParameter
-from hub.inspection.output import print_error, put, table
+from hub.inspection.output import table
 from hub.inspection.vehicle.vehicle_link import (
     VehiclePlace,
     claimed,
