@@ -36,13 +36,13 @@ from hub.errors import (
     VehicleSilentError,
 )
 from hub.inspection import shape_command
+from hub.inspection.adopt_options import add_adopt, run_adopt, with_kind
 from hub.inspection.log_options import add_log, run_log
 from hub.inspection.mission_options import add_missions, order_mission, run_mission
 from hub.inspection.record_options import add_record, recording_settings, run_record
-from hub.inspection.ros.options import with_kind
 from hub.inspection.sim_autopilot_command import add_sim_autopilot, run_sim_autopilot
 from hub.inspection.sim_ros_command import add_sim_ros, run_sim_ros
-from hub.inspection.vehicle.options import add_adopt, add_vehicle, run_adopt, run_vehicle
+from hub.inspection.vehicle.options import add_vehicle, run_vehicle
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
 from hub.ipc.roles import Role
 from hub.nonblocking_logging import LEVELS, start_logging
