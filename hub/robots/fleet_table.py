@@ -7,7 +7,6 @@ from typing import Any
 
 from hub import toml_reader as toml
 from hub.errors import EndpointError, FleetKeyError
-from hub.ipc.roles import Role
 from hub.toml_reader import key, number, plain_name, text
 from hub.values import dataclass
 from hub.zenoh.fleet_keys import DEFAULT_FLEET, check_fleet
@@ -62,15 +61,5 @@ class FleetTable:
         """
         files = None
         if self.certificates:
-            files = CertificateFiles.of(Path(self.certificates), robot_certificate(name))
+            files = CertificateFiles.of(Path(self.certificates), f"robot-{name}")
         return client_settings(self.place, certificates=files)
-
-
-def robot_certificate(name: str) -> str:
-    """Name of the files of a robot's certificate."""
-    return f"robot-{name}"
-
-
-def operator_certificate(role: Role, name: str) -> str:
-    """Name of the files of an operator's certificate."""
-    return f"{role.value}-{name}"

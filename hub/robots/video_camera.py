@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-
 from hub.robots.cropping import cropped_fov
 from hub.robots.fixed_camera import FixedCamera
 from hub.robots.interfaces import Picture
@@ -22,7 +19,6 @@ class VideoCamera(FixedCamera):
         horizontal_fov: float,
         forward: float,
         height: float,
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Start to read, without waiting; an absent source may appear later.
 
@@ -31,13 +27,12 @@ class VideoCamera(FixedCamera):
             horizontal_fov: Field of view from left to right [rad].
             forward: Ahead of the robot's centre [m].
             height: Above the ground [m].
-            clock: Monotonic time [s].
 
         Raises:
             CameraError: The source is an address of an unknown kind.
         """
         super().__init__(horizontal_fov=horizontal_fov, forward=forward, height=height)
-        self._reader = VideoReader(video_source(source), clock=clock)
+        self._reader = VideoReader(video_source(source))
 
     def take(self, width_px: int, height_px: int, _now: float) -> Picture:
         """The newest picture.

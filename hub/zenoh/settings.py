@@ -93,24 +93,20 @@ def parse_place(text: str) -> RouterPlace:
 
 
 def client_settings(
-    place: RouterPlace, *, certificates: CertificateFiles | None = None, by_priority: bool = True
+    place: RouterPlace, *, certificates: CertificateFiles | None = None
 ) -> dict[str, Any]:
-    """The settings of a client of a router.
+    """The settings of a client of a router: commands and states have a link of their own.
 
     Args:
         place: Where the router listens.
         certificates: For a place with TLS.
-        by_priority: Whether commands and states have a link of their own; the router must allow it.
 
     Raises:
         EndpointError: TLS and certificates do not go together.
     """
-    locators: list[Any] = [f"{place}#so_sndbuf={_SEND_BUFFER}"]
-    if by_priority:
-        each = [f"{place}?{link}#so_sndbuf={_SEND_BUFFER}" for link in _LINKS]
-        locators = [{"strategy": "allOf", "locators": each}]
+    locators = [f"{place}?{link}#so_sndbuf={_SEND_BUFFER}" for link in _LINKS]
     return _common([place], certificates, side="connect") | {
-        "connect/endpoints": locators,
+        "connect/endpoints": [{"strategy": "allOf", "locators": locators}],
         "connect/timeout_ms": 0,
         "connect/retry": _RETRY,
     }

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
 
 from hub.errors import CameraError, RosMessageError
 from hub.robots.body_tables import CameraTable
@@ -23,15 +21,12 @@ from hub.ros.values import RosValue
 class RosCamera(FixedCamera):
     """The newest picture of a topic; implements `Camera`."""
 
-    def __init__(
-        self, line: RosLine, table: CameraTable, clock: Callable[[], float] = time.monotonic
-    ) -> None:
+    def __init__(self, line: RosLine, table: CameraTable) -> None:
         """Start to connect, without waiting.
 
         Args:
             line: A line that nothing else uses.
             table: The camera's table in the robot file.
-            clock: Monotonic time [s].
 
         Raises:
             CameraError: The table names no topic.
@@ -41,7 +36,7 @@ class RosCamera(FixedCamera):
             raise CameraError(text)
         super().__init__(horizontal_fov=table.fov, forward=table.forward, height=table.height)
         self._table = table
-        self._feed = PictureFeed(line, table.topic, table.info, clock)
+        self._feed = PictureFeed(line, table.topic, table.info)
         self._taken: tuple[FedMessage, Size, Picture] | None = None
         self._info: FedMessage | None = None
 

@@ -16,15 +16,9 @@ class LineLoop:
         line: The line; it is closed with the loop.
     """
 
-    def __init__(self, line: RosLine, clock: Callable[[], float] = time.monotonic) -> None:
-        """Watch a line.
-
-        Args:
-            line: It belongs to this loop from now on.
-            clock: Monotonic time [s].
-        """
+    def __init__(self, line: RosLine) -> None:
+        """Watch a line, which belongs to this loop from now on."""
         self.line = line
-        self._clock = clock
         self._selector = selectors.DefaultSelector()
         line.watch(self, self.advance)
 
@@ -38,7 +32,7 @@ class LineLoop:
 
     def advance(self) -> None:
         """Let the line do what is due."""
-        self.line.advance(self._clock())
+        self.line.advance(time.monotonic())
 
     def wait(self, seconds: float) -> None:
         """Wait until the line receives something, this time at most [s], and let it read that."""

@@ -16,7 +16,6 @@ import logging
 import math
 import threading
 import time
-from collections.abc import Callable
 from typing import Final
 
 from hub.errors import CameraError
@@ -60,23 +59,16 @@ class PictureFeed:
         info: The newest message of the topic `info`; None: none came yet.
     """
 
-    def __init__(
-        self,
-        line: RosLine,
-        topic: str,
-        info: str,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
+    def __init__(self, line: RosLine, topic: str, info: str) -> None:
         """Start to connect.
 
         Args:
             line: The line; it belongs to this object from now on.
             topic: The topic of pictures.
             info: The topic of the camera's data; empty: none.
-            clock: Monotonic time [s].
         """
         self.info: FedMessage | None = None
-        self._line, self._clock = line, clock
+        self._line = line
         self._topics = [each for each in (topic, info) if each]
         self._newest: FedMessage | None = None
         self._wanted = -math.inf
@@ -112,7 +104,7 @@ class PictureFeed:
         self._thread.join(_CLOSE_S)
 
     def _run(self) -> None:
-        with contextlib.closing(LineLoop(self._line, self._clock)) as loop:
+        with contextlib.closing(LineLoop(self._line)) as loop:
             while not self._ended.is_set():
                 loop.advance()
                 self._follow()
@@ -123,7 +115,7 @@ class PictureFeed:
         state = self._line.state
         away = f"the line is away: {plain(state.why)[:200]}" if state.why else "the line is away"
         self._why = "" if state.up else away
-        awake = self._clock() - self._wanted <= _WANTED_S
+        awake = time.monotonic() - self._wanted <= _WANTED_S
         if awake is self._awake:
             return
         self._awake = awake

@@ -54,7 +54,6 @@ ROBOT_FILE: Final = Path(__file__).with_name("wheels.toml")
 COMMANDS: Final = "/cmd_vel"
 IMAGE: Final = "/camera/image_raw"
 _CONTROLLER: Final = "/diff_drive_controller"
-_LOCALISER: Final = "/amcl"
 _SCANNER: Final = "/lidar_driver"
 _BASE: Final = "/base_driver"
 _CAMERA: Final = "/camera_driver"

@@ -6,7 +6,7 @@ A session sends no heartbeat: a vehicle that receives one counts on more, and ac
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Final, Protocol, TypeAlias
 
 from hub.robots.mavlink.asking.silence import silence
@@ -53,9 +53,6 @@ class VehicleSession:
         address: str,
         signer: Signer | None = None,
         station: int = STATION,
-        *,
-        pause: Callable[[float], None] = time.sleep,
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Take an address; the first question opens the link.
 
@@ -63,8 +60,6 @@ class VehicleSession:
             address: As `vehicle_address` reads it.
             signer: Signs what is sent; None: it has no signatures.
             station: Number of this ground station.
-            pause: Waits between two looks at the link [s].
-            clock: The monotonic clock [s].
 
         Raises:
             VehicleAddressError: It is no address.
@@ -73,7 +68,6 @@ class VehicleSession:
         self._link: ByteLink = link_to(self.address)
         self._parser = FrameParser(signer)
         self._packer = FramePacker(station, STATION_COMPONENT, signer)
-        self._pause, self._clock = pause, clock
         self.frames = 0
 
     def ask(self, question: VehicleQuestion, seconds: float) -> bool:
@@ -83,10 +77,10 @@ class VehicleSession:
             question: The question.
             seconds: Longest time for it [s].
         """
-        until = self._clock() + seconds
+        until = time.monotonic() + seconds
         find = self._parser.datagram if self._link.datagrams else self._parser.feed
         while not question.done:
-            now = self._clock()
+            now = time.monotonic()
             if now > until:
                 return False
             pieces = self._link.read(now)
@@ -97,7 +91,7 @@ class VehicleSession:
             for name, fields in question.due(now):
                 self._link.write(self._packer.pack(name, **fields))
             if not pieces:
-                self._pause(_BETWEEN_S)
+                time.sleep(_BETWEEN_S)
         return True
 
     def silence(self) -> str:

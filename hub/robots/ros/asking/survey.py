@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from hub.errors import RosSilentError
@@ -172,7 +172,6 @@ def look_at(
     *,
     namespace: str = "",
     also: Sequence[str] = (),
-    clock: Callable[[], float] = time.monotonic,
 ) -> RosFindings:
     """Look at a robot.
 
@@ -182,15 +181,14 @@ def look_at(
         seconds: Longest time for a connection, and then for its messages [s].
         namespace: Only what is below this name counts; empty: all does.
         also: Further topics to listen to.
-        clock: The monotonic clock [s].
 
     Raises:
         RosSilentError: Nothing answers.
     """
     line = loop.line
     survey = RosSurvey(line, address, namespace, also)
-    end = clock() + seconds
-    while not survey.advance(now := clock()):
+    end = time.monotonic() + seconds
+    while not survey.advance(now := time.monotonic()):
         if survey.begun < math.inf:
             end = survey.begun + seconds
         if now > end:
@@ -202,5 +200,5 @@ def look_at(
         raise RosSilentError(text)
     found = survey.findings
     survey.end()
-    line.advance(clock())
+    line.advance(time.monotonic())
     return found
