@@ -17,6 +17,7 @@ from hub.gcm.imu import Acceleration
 from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.gcm.own_navigation import DriveGoal, OwnNavigation
 from hub.gcm.ranges import LaserScan
 from hub.gcm.vehicle import VehicleState
 from hub.gcm.vision import CameraCommand, CameraState
@@ -199,6 +200,20 @@ class BodyModes(Protocol):
 
     def take_frames(self, *, wanted: bool) -> tuple[MavlinkFrames, ...]:
         """The bytes of its link since the last call; `wanted`: keep those from now on."""
+
+
+@runtime_checkable
+class BodyNavigates(Protocol):
+    """A `Body` with navigation of its own, which drives to places."""
+
+    def go(self, goal: DriveGoal) -> None:
+        """Drive there until the next `command`; a number that is known changes nothing.
+
+        A `command` ends it: the body cancels the goal before it follows the velocity.
+        """
+
+    def own_navigation(self) -> OwnNavigation:
+        """The state of that navigation."""
 
 
 @runtime_checkable

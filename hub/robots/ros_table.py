@@ -83,6 +83,12 @@ class RosTable:
     joints: str = key(ros_name, "", "topic of its joints, a JointState", without="none")
     pressure: str = key(ros_name, "", "topic of the pressure, a FluidPressure", without="none")
     diagnostics: str = key(ros_name, "/diagnostics", "topic of what is wrong with it")
+    navigation: str = key(
+        ros_name,
+        "",
+        "action of its own navigation, Nav2's NavigateToPose or move_base, which drives to goals",
+        without="Rune's navigation drives to goals",
+    )
     map: str = key(
         ros_name,
         "",

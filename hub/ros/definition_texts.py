@@ -7,7 +7,7 @@ the matrices of a camera have capitals.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 from hub.errors import RosMessageError
@@ -20,24 +20,27 @@ _HEADER: Final = "uint32 seq\ntime stamp\nstring frame_id\n"
 _TIMES: Final = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 _CAPITALS: Final = re.compile(r"(?<=\] )([dkrp])$", re.MULTILINE)
 
+_NONE: Final[Mapping[str, str]] = {}
 
-def definition_text(name: str, encoding: str) -> str:
+
+def definition_text(name: str, encoding: str, more: Mapping[str, str] = _NONE) -> str:
     """The definition of a type, and after a line of `=` each type within it.
 
     Args:
         name: The type, such as "nav_msgs/msg/Odometry".
         encoding: "ros2msg" or "ros1msg".
+        more: Fields of types besides the known ones, by their names.
 
     Raises:
         RosMessageError: The type is not known.
     """
     old = encoding == "ros1msg"
-    texts = {full_name(name): _text(full_name(name), old=old)}
+    texts = {full_name(name): _text(full_name(name), more, old=old)}
     waiting = [full_name(name)]
     while waiting:
         for used in _used(texts[waiting.pop(0)]):
             if used not in texts:
-                texts[used] = _text(used, old=old)
+                texts[used] = _text(used, more, old=old)
                 waiting.append(used)
     first, *others = texts.items()
     parts = (f"{_LINE}\nMSG: {short_name(used)}\n{text}" for used, text in others)
@@ -49,10 +52,10 @@ def short_name(name: str) -> str:
     return name.replace("/msg/", "/").replace("/srv/", "/")
 
 
-def _text(name: str, *, old: bool) -> str:
+def _text(name: str, more: Mapping[str, str], *, old: bool) -> str:
     if old and name == "std_msgs/msg/Header":
         return _HEADER
-    text = known_text(name)
+    text = more.get(name) or known_text(name)
     if text is None:
         refusal = f"{name[:80]} is no type that Rune knows"
         raise RosMessageError(refusal)

@@ -65,6 +65,7 @@ COMMANDS: Mapping[str, Right] = {
     "GCM_Module_Command": _SUPERVISOR,
     # Wheel commands. The driver checks the sender again.
     "GCM_Drive_Command": Right(role=Role.MODULE, module="navigation"),
+    "GCM_Drive_Goal": Right(role=Role.MODULE, module="navigation"),
 }
 """All messages of GCM on the command plane."""
 

@@ -32,6 +32,7 @@ from hub.modules.driver import reports
 from hub.modules.driver.autopilot_reports import AutopilotReports
 from hub.modules.driver.navigator import Navigator
 from hub.modules.driver.operator_loss import OperatorLoss
+from hub.modules.driver.own_goals import BodyGoals
 from hub.modules.driver.publishing_rate import PublishingRate
 from hub.modules.driver.vehicle_orders import VehicleOrders
 from hub.modules.driver.watchdog import CommandWatchdog
@@ -79,6 +80,7 @@ class Driver:
         self._reckoning = secrets.randbelow(2**32 - 1) + 1
         client.directory.follow(self._navigator.name, self._navigator.connected)
         client.subscribe(navigation.DRIVE_COMMAND, self._command)
+        self._goals = BodyGoals(client, self._body, self._allows_goal)
         self._orders = VehicleOrders(
             client,
             self._body,
@@ -121,6 +123,16 @@ class Driver:
             if not twist.neutral:
                 self._loss.watch.moved(now)
                 self._report_by(now + _PERIOD)
+
+    def _allows_goal(self, reception: MessageInfo, now: float) -> bool:
+        """Whether a goal is followed: as a velocity other than zero would be."""
+        if self._paused or not self._navigator.obeys(reception.publisher, now):
+            return False
+        if not self._watchdog.allows(now - reception.age, now, neutral=False):
+            return False
+        self._silence.due = self._watchdog.deadline
+        self._loss.watch.moved(now)
+        return True
 
     def _pause(self, order: SimulationPause, _: MessageInfo) -> None:
         """Let the simulated time stand still, or run again."""
@@ -201,6 +213,7 @@ class Driver:
         if self._vehicle_rate.due(reports.change_of(state), now):
             self._client.publish(vehicle.VEHICLE_STATE, state, measured=now)
         self._autopilot.publish(stamp, now)
+        self._goals.publish(now)
         found = reports.diagnostics(sensors, stamp)
         if self._problems_rate.due([(each.name, each.level) for each in found.status], now):
             self._client.publish(diagnostics.DIAGNOSTICS, found, measured=now)
@@ -220,6 +233,7 @@ class Driver:
         """Stop the wheels and the joints."""
         self._stop()
         self._orders.stop_joints()
+        self._goals.finish(self._body.advance)
         self._publish()
 
 

@@ -15,26 +15,23 @@ from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.navigation import Assistance, Cause, DriveState, MotionState, Task
+from hub.gcm.own_navigation import DRIVE_GOAL, OWN_NAVIGATION
 from hub.gcm.transforms import TRANSFORMS
 from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.frame import FrameMemory
+from hub.modules.navigation.own_pilot import OwnPilot
 from hub.modules.navigation.path_follower import PathFollower
 from hub.modules.navigation.problems import known_edges, problems
 from hub.modules.navigation.reports import robot_state, status, transforms
-from hub.modules.navigation.speed_governor import SpeedGovernor
+from hub.modules.navigation.speed_governor import HELD, SpeedGovernor
 from hub.paths import for_pose
 from hub.pose import wrapped
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
 
-_HELD = {
-    Cause.BUSY: "navigation is too busy to steer",
-    Cause.DRIVER: "the driver is silent",
-}
-"""The reason that a task reports while it is held."""
 _NOT_BEGUN = {MotionState.NO_DRIVER: Cause.DRIVER, MotionState.MOVING: Cause.STICK}
 """The cause that a refused task reports, by the state of motion."""
 _JUMP, _TURN = 0.3, 0.5
@@ -68,6 +65,7 @@ class Navigation:
             robot.body.motions, self._clock(), stops=random.getrandbits(32)
         )
         self.pilot = PathFollower(body_of(robot), robot.body)
+        self._own = OwnPilot(self.pilot)
         self._problems: tuple[str, ...] = ()
         self._had_edges = False
         self._frames = FrameMemory(for_pose(robot.name))
@@ -82,6 +80,7 @@ class Navigation:
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
         client.subscribe(navigation.DRIVE_STATE, self.reported)
+        client.subscribe(OWN_NAVIGATION, self._own.reported)
         client.subscribe(battery.BATTERY, self._powered)
         client.subscribe(ranges.RANGES, self._scanned)
         client.subscribe(imu.IMU, self._tilted)
@@ -91,6 +90,7 @@ class Navigation:
         client.subscribe(navigation.LANDMARK_CORRECTION, self._correct)
         client.define(
             navigation.DRIVE_COMMAND,
+            DRIVE_GOAL,
             navigation.ROBOT_STATE,
             navigation.NAVIGATION_STATUS,
             diagnostics.DIAGNOSTICS,
@@ -205,6 +205,8 @@ class Navigation:
             self.pilot.task.refuse(goal, reception.publisher, why, cause, now)
         else:
             why = self.pilot.go(goal, reception.publisher, now)
+        if not why:
+            self._own.begin(now)
         self._begun("a goal", why)
         self._ask_for_map()
 
@@ -235,18 +237,22 @@ class Navigation:
         self._update()
 
     def _drive(self) -> None:
-        """Decide on the velocity and publish it to the driver."""
+        """Decide on the velocity, or the robot's own goal, and publish it to the driver."""
         now = self._clock()
         self._governor.state(now)  # applies its time limits first
+        goal = self._own.steered(self._governor, now)
         if self._governor.held is not Cause.NONE:
-            self.pilot.task.hold(self._governor.held, _HELD[self._governor.held], now)
+            self.pilot.task.hold(self._governor.held, HELD[self._governor.held], now)
         elif self._governor.has_task:
-            steered = self.pilot.steered(now)
+            steered = (0.0, 0.0) if goal is not None else self.pilot.steered(now)
             if steered is None:
                 self._governor.end_task()
             else:
                 self._governor.steer(*steered, now)
         self._commanded = given = self._governor.velocity(now)
+        if goal is not None:
+            self._client.publish(DRIVE_GOAL, goal)
+            return
         if self._governor.state(now) is MotionState.MOVING:
             given = self.pilot.assisted(given, now)
         elif not self.pilot.task.active:
@@ -262,6 +268,8 @@ class Navigation:
             task.end(Task.CANCELLED, "somebody drives", Cause.STICK, now)
         elif self._governor.has_task and not task.active:
             self._governor.end_task()
+            if task.by_robot:
+                self._drive()  # ends the robot's goal without waiting for the next cycle
         if velocity != self._commanded:
             self._drive()
         self._deadline.due = self._governor.deadline

@@ -338,7 +338,7 @@ class PathFollower:
         goal = self.task.goal
         self._planned_at, self._planned_for = now, goal
         self._planned_with = self._ground.found
-        if goal is None or self._map is None:
+        if goal is None or self._map is None or self.task.by_robot:
             self.task.planned(None)
             return
         here = self.pose

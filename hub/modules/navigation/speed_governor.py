@@ -48,6 +48,11 @@ IGNORE_S = 0.1
 """Time after such a pause in which commands count as old [s]."""
 SETTLE_S = 0.2
 """A task steers again when nothing was missing for this time [s]."""
+HELD = {
+    Cause.BUSY: "navigation is too busy to steer",
+    Cause.DRIVER: "the driver is silent",
+}
+"""The reason that a task reports while it is held."""
 _MAX_SENDERS = 256
 _COUNTS = 1 << 32
 

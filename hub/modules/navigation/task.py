@@ -96,6 +96,8 @@ class NavigationTask:
         points: Points that are left, in `map` [m].
         distance_left: Length of the path that is left [m]; NaN: not known.
         route: The planned path; None: there is no plan.
+        theta: Wanted heading at the last point, in `map` [rad]; NaN: any.
+        by_robot: Whether the robot's own navigation carries it out.
     """
 
     def __init__(self) -> None:
@@ -109,7 +111,8 @@ class NavigationTask:
         self.points: Way = ()
         self.distance_left = math.nan
         self.route: Route | None = None
-        self._theta = math.nan
+        self.theta = math.nan
+        self.by_robot = False
         self._limit = math.inf
         self._turn_left = 0.0
         self._heading = 0.0
@@ -146,7 +149,7 @@ class NavigationTask:
         self.place = self.points[-1]
         wanted = goal.patience if goal.patience > 0.0 else PATIENCE_S
         self._patience = min(wanted, MOST_PATIENCE_S)
-        self._theta = goal.theta
+        self.theta = goal.theta
         self._limit = goal.linear_limit if goal.linear_limit > 0.0 else math.inf
 
     def turn(self, command: TurnCommand, sender: int, pose: Pose, now: float) -> None:
@@ -170,6 +173,14 @@ class NavigationTask:
             self.why, self.cause = why, cause
             self.route = None
             self.ended = now
+
+    def reached(self, now: float) -> None:
+        """The robot's own navigation has reached the next point."""
+        if len(self.points) > 1:
+            self._next_point(now)
+        else:
+            self.points, self.distance_left = (), 0.0
+            self.end(Task.REACHED, "it is there", Cause.NONE, now)
 
     def seconds(self, now: float) -> float:
         """Time from its begin to now or to its end [s]."""
@@ -255,7 +266,8 @@ class NavigationTask:
         self._held_for, self._no_way = None, ""
         self._patience = 0.0
         self.points, self.route, self.distance_left = (), None, math.nan
-        self._theta, self._limit = math.nan, math.inf
+        self.theta, self._limit = math.nan, math.inf
+        self.by_robot = False
         self._arrived = False
         self._rounds = self._detours = 0
         self._closely_until = -math.inf
@@ -293,7 +305,7 @@ class NavigationTask:
             self._arrived = True
             self._best, self._best_at = math.inf, now
         self.distance_left = 0.0
-        turn = wrapped(self._theta - pose.theta) if math.isfinite(self._theta) else 0.0
+        turn = wrapped(self.theta - pose.theta) if math.isfinite(self.theta) else 0.0
         return self._turn_by(turn, "it is there", now)
 
     def _turning(self, pose: Pose, now: float) -> Aim | None:

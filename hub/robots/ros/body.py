@@ -11,10 +11,12 @@ from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.geometry import Twist, Vector3
 from hub.gcm.joints import JointState, JointStates
 from hub.gcm.navigation import GroundTruth
+from hub.gcm.own_navigation import DriveGoal, OwnNavigation
 from hub.gcm.vehicle import LightState, VehicleState
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import FileLoop, Sensors
 from hub.robots.ros.diagnosis import RosDiagnosis
+from hub.robots.ros.goals.own_goals import OwnGoals, goal_tag
 from hub.robots.ros.line import RosLine, RosMessage
 from hub.robots.ros.newest import Newest
 from hub.robots.ros.problems import line_problems
@@ -26,6 +28,7 @@ from hub.robots.ros.topic_reader import TopicReader
 from hub.robots.ros.velocities import RosVelocities
 from hub.robots.ros.whereabouts import RosWhereabouts
 from hub.ros import messages
+from hub.ros.goal_messages import GoalPlace
 from hub.ros.values import RosValue
 
 _BATTERY_S: Final = 60.0
@@ -37,7 +40,7 @@ _MOST_ANGLE: Final = 100.0
 
 
 class RosBody:
-    """Implements `Body`, `BodyWakes`, `BodyStops`, `BodyLights` and `BodyJoints`."""
+    """Implements `Body`, `BodyWakes`, `BodyStops`, `BodyLights`, `BodyJoints`, `BodyNavigates`."""
 
     def __init__(
         self,
@@ -56,6 +59,7 @@ class RosBody:
         self._table = table = robot.ros
         self._watch: SparseWatch | None = None
         self._velocities = RosVelocities(line, table)
+        self._own = OwnGoals(line, table.navigation, goal_tag(robot.name, table.address))
         self._services = RosServices(line)
         self._settings = RosSettings(robot, line, self._services)
         self._ranges = tuple(RosRanges(each.sensors) for each in robot.ranges)
@@ -79,10 +83,24 @@ class RosBody:
             self._reader.read(group.topic, self._scanned(ranges))
 
     def command(self, twist: Twist) -> None:
-        """Follow a velocity."""
+        """Follow a velocity, after the end of a goal of the robot's own navigation."""
         now = self._clock()
-        self._velocities.stream.command(self._possible(twist), now)
+        self._own.end(now)
+        # Two that drive at once would pull the robot about: it stands until the goal has ended.
+        wanted = self._possible(twist) if self._own.settled(now) else Twist()
+        self._velocities.stream.command(wanted, now)
         self._velocities.send(now)
+
+    def go(self, goal: DriveGoal) -> None:
+        """Drive to a place by the robot's own navigation, and send no velocities."""
+        now = self._clock()
+        place = GoalPlace(frame=self._places.frame, x=goal.x, y=goal.y, theta=goal.theta)
+        self._own.go(goal.number, place, now)
+        self._share_wheels(now)
+
+    def own_navigation(self) -> OwnNavigation:
+        """The state of the robot's own navigation."""
+        return self._own.report(self._clock())
 
     def advance(self, seconds: float) -> None:
         """Read the line, and send what is due."""
@@ -98,7 +116,8 @@ class RosBody:
         self._line.watch(self._watch, self._look)
 
     def stop(self) -> None:
-        """Call the robot's own stop, if the robot file names one."""
+        """End all goals of the robot's own navigation, and call its stop, if it has these."""
+        self._own.stop(self._clock())
         self._services.stop(self._table.stop_service)
 
     def set_light(self, name: str, brightness: float) -> None:
@@ -165,7 +184,16 @@ class RosBody:
         """Read the line, and send what is due."""
         now = self._clock()
         self._line.advance(now)
+        self._own.advance(now)
+        self._share_wheels(now)
         self._velocities.advance(now)
+
+    def _share_wheels(self, now: float) -> None:
+        """Be silent while the robot's own navigation drives; stand when it drives no more."""
+        if self._own.drives:
+            self._velocities.stream.leave()
+        else:
+            self._velocities.stream.take_back(now)
 
     def _said(self, value: RosValue, message: RosMessage) -> None:
         self._diagnosis.take(value, message.arrived)
@@ -209,7 +237,9 @@ class RosBody:
     @property
     def _activity(self) -> str:
         state = self._line.state
-        return "" if state.up else "gone" if state.connections else "links"
+        if not state.up:
+            return "gone" if state.connections else "links"
+        return "navigates" if self._own.drives else ""
 
     def _problems(self, now: float) -> Iterator[DiagnosticStatus]:
         yield from line_problems(self._line, self._table.address, self._places, now)
@@ -222,6 +252,7 @@ class RosBody:
         for service, why in self._services.failed.items():
             text = f"the service {service} failed: {why}"
             yield DiagnosticStatus(level=Severity.ERROR, name=service[:64], message=text)
+        yield from self._own.problems(now)
         yield from self._diagnosis.problems(now)
 
 

@@ -9,6 +9,8 @@
 | MOVES | nothing new | the last velocity, 20 times per second | MOVES |
 | MOVES | a zero | it, at once and 20 more in a second; with `hold` without end | STANDS |
 | any | the line is away, or takes nothing for 0.3 s | nothing | WAITS; if it moved, a zero first |
+| any | the robot's own navigation drives | nothing | LEFT |
+| LEFT | it drives no more | a zero, as after MOVES | STANDS |
 
 Zeros end because zero is not silence: while they come, no other node of the robot can drive.
 """
@@ -43,11 +45,13 @@ class CommandStream:
         self.wanted = _STANDS
         self._hold = hold
         self._ready = False
-        self._left = 0.0
+        self._zeros = 0.0
         self._due = math.inf
+        self._left = False
 
     def command(self, velocity: Twist, now: float) -> None:
         """Follow a velocity from now on; after a start or a loss a zero must come first."""
+        self.take_back(now)
         if not self._ready:
             if not velocity.neutral:
                 return
@@ -61,6 +65,17 @@ class CommandStream:
             self._stand(now)
         else:
             self._due = now
+
+    def leave(self) -> None:
+        """Send nothing: the robot's own navigation drives."""
+        self._left, self.wanted = True, _STANDS
+        self._due = math.inf
+
+    def take_back(self, now: float) -> None:
+        """The robot's own navigation drives no more: the robot stands."""
+        if self._left:
+            self._left = False
+            self._stand(now)
 
     def interrupt(self, now: float) -> None:
         """The line is away: what waits is dropped, and a zero has to come first."""
@@ -77,10 +92,10 @@ class CommandStream:
         """The velocity that was due has left."""
         self._due = max(self._due + PERIOD_S, now)
         if self.wanted.neutral:
-            self._left -= 1
-            if self._left <= 0:
+            self._zeros -= 1
+            if self._zeros <= 0:
                 self._due = math.inf
 
     def _stand(self, now: float) -> None:
-        self._left = math.inf if self._hold else ZEROS + 1
+        self._zeros = math.inf if self._hold else ZEROS + 1
         self._due = now

@@ -76,6 +76,11 @@ class RosWhereabouts:
         return dataclasses.replace(place, pose=in_map.then(place.pose))
 
     @property
+    def frame(self) -> str:
+        """Name of the robot's frame in which `known` places are."""
+        return self._table.odom_frame if self._odom_in_map is None else self._table.map_frame
+
+    @property
     def number(self) -> int:
         """Number of the dead reckoning; 0: there is none yet."""
         number = self.odometry.number

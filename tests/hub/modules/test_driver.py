@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -10,7 +11,9 @@ import pytest
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, STOP, GroundTruth, Stop
+from hub.gcm.own_navigation import DRIVE_GOAL, OWN_NAVIGATION, DriveGoal, OwnGoal, OwnNavigation
 from hub.modules.driver import __main__ as driver
+from hub.modules.driver.own_goals import BodyGoals
 from hub.modules.driver.watchdog import SILENCE_S
 from hub.robots.interfaces import Sensors
 from hub.robots.left_alone import LeftAlone
@@ -72,6 +75,37 @@ class Diver(Wheels):
 
     def left_alone(self, action: LeftAlone | None) -> None:
         self.actions.append(action)
+
+
+class Pilot(Wheels):
+    """A base with navigation of its own.
+
+    Attributes:
+        goals: The goals that it got since the last velocity, with their times [s].
+        ends: When goals ended by a velocity [s].
+        state: What it reports.
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        super().__init__(clock)
+        self.goals: list[tuple[float, DriveGoal]] = []
+        self.ends: list[float] = []
+        self.state = OwnNavigation(available=1)
+
+    def command(self, twist: Twist) -> None:
+        super().command(twist)
+        if self.goals:
+            self.goals.clear()
+            self.ends.append(self._clock())
+
+    def stop(self) -> None:
+        self.command(Twist())
+
+    def go(self, goal: DriveGoal) -> None:
+        self.goals.append((self._clock(), goal))
+
+    def own_navigation(self) -> OwnNavigation:
+        return self.state
 
 
 class Scene:
@@ -190,3 +224,83 @@ def test_a_stop_keeps_a_robot_without_an_operator_from_surfacing_for_a_while(
     assert scene.wheels.actions == [LeftAlone.STAND, LeftAlone.SURFACE, LeftAlone.STAND]
     scene.bus.wait(2.0)
     assert scene.wheels.actions[-1] is LeftAlone.SURFACE
+
+
+GOAL = DriveGoal(number=1, x=2.0, y=1.0, theta=0.0)
+
+
+class GoalScene(Scene):
+    """A driver whose body has navigation of its own, ready to drive."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        super().__init__(monkeypatch, Pilot)
+        assert isinstance(self.wheels, Pilot)
+        self.pilot = self.wheels
+        self.command(NEUTRAL)
+
+
+@pytest.fixture
+def site(monkeypatch: pytest.MonkeyPatch) -> GoalScene:
+    return GoalScene(monkeypatch)
+
+
+def test_a_goal_goes_to_the_body_while_navigation_repeats_it(site: GoalScene) -> None:
+    for _ in range(10):
+        site.bus.send(DRIVE_GOAL, GOAL, "navigation")
+        site.bus.wait(0.05)
+    assert [goal for _, goal in site.pilot.goals] == [GOAL] * 10
+    assert not site.pilot.ends
+    last = site.bus.now - 0.05
+    site.bus.wait(1.0)
+    assert site.pilot.ends == [pytest.approx(last + SILENCE_S, abs=1e-9)]
+    site.bus.send(DRIVE_GOAL, GOAL, "navigation")
+    assert not site.pilot.goals, "after a silence a neutral command comes first"
+
+
+def test_a_stop_and_a_velocity_end_a_goal_at_once(site: GoalScene) -> None:
+    site.bus.send(DRIVE_GOAL, GOAL, "navigation")
+    site.command(NEUTRAL)
+    assert site.pilot.ends == [site.bus.now]
+    site.bus.send(DRIVE_GOAL, GOAL, "navigation")
+    site.bus.send(STOP, Stop(reason="test"), "console")
+    assert site.pilot.ends == [site.bus.now] * 2
+
+
+def test_goals_of_others_and_late_ones_are_refused(site: GoalScene) -> None:
+    site.bus.send(DRIVE_GOAL, GOAL, "console")
+    site.bus.send(DRIVE_GOAL, GOAL, "navigation", age=SILENCE_S)
+    assert not site.pilot.goals
+
+
+def test_the_state_of_the_goal_is_reported_at_each_change(site: GoalScene) -> None:
+    site.bus.published.clear()
+    site.bus.wait(1.0)
+    site.pilot.state = OwnNavigation(available=1, number=1, goal=OwnGoal.DRIVES)
+    site.bus.wait(0.2)
+    reports = [value for _, name, value in site.bus.published if name == OWN_NAVIGATION.name]
+    assert 2 <= len(reports) <= 4
+    assert reports[-1] is site.pilot.state
+
+
+def test_a_driver_that_ends_waits_for_the_end_of_a_goal_but_not_for_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With clocks that run: 0.5 s at most."""
+    bus = TimedBus(monkeypatch)
+    steps: list[float] = []
+    body = Pilot(lambda: bus.now)
+
+    def slept(seconds: float) -> None:
+        bus.now += seconds
+        if len(steps) == 3:
+            body.state = OwnNavigation(ending=0)
+
+    monkeypatch.setattr(time, "sleep", slept)
+    goals = BodyGoals(bus, body, lambda *_: True)  # type: ignore[arg-type]
+    body.state = OwnNavigation(ending=1)
+    goals.finish(steps.append)
+    assert 3 <= len(steps) <= 4
+    body.state = OwnNavigation(ending=1, unanswered=1)
+    began = bus.now
+    goals.finish(lambda _: None)
+    assert bus.now - began == pytest.approx(0.5, abs=0.02)

@@ -69,6 +69,9 @@ class TimedBus:
     def every(self, period: float, work: Callable[[], None]) -> Timer:
         return self._timers.add(self.now, period, work)
 
+    def query_notify(self, *_: object, **__: object) -> None:
+        """Nobody answers."""
+
     def has_subscribers(self, _: object) -> bool:
         return self.watched
 

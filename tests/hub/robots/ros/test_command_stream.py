@@ -148,3 +148,23 @@ def test_what_is_sent_was_commanded_and_movement_ends_with_zeros(steps, hold):
     count = len(wire.sent)
     wire.run(1.0)
     assert (len(wire.sent) > count) is hold
+
+
+def test_nothing_is_sent_while_the_robot_drives_itself_and_zeros_for_a_second_after_it():
+    for hold in (False, True):
+        wire = Wire(hold=hold)
+        wire.command(ZERO)
+        wire.command(AHEAD)
+        wire.stream.leave()
+        wire.sent.clear()
+        wire.run(3.0)
+        assert not wire.sent
+        assert wire.stream.wanted == ZERO
+        wire.stream.take_back(wire.now)
+        wire.run(3.0)
+        assert {velocity for _, velocity in wire.sent} == {ZERO}
+        assert (len(wire.sent) == ZEROS + 1) is not hold
+        wire.stream.leave()
+        wire.sent.clear()
+        wire.command(AHEAD)
+        assert [velocity for _, velocity in wire.sent] == [AHEAD]
