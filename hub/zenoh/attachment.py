@@ -10,7 +10,7 @@ import math
 import struct
 
 from hub.errors import FrameError
-from hub.ipc.definition import MAX_NAME_LENGTH, MessageDefinition, Plane
+from hub.ipc.definition import MAX_NAME_LENGTH, Keep, MessageDefinition, Plane
 from hub.values import dataclass
 
 VERSION = 1
@@ -77,6 +77,11 @@ def unpack(raw: bytes | None) -> Attachment:
         stamp_ns=stamp_ns,
         name=name,
     )
+
+
+def has_twin(definition: MessageDefinition[object]) -> bool:
+    """Whether a message also comes at the low rate: a state whose newest value counts."""
+    return definition.plane is Plane.STATE and definition.keep is Keep.NEWEST
 
 
 def lifespan(definition: MessageDefinition[object]) -> float:

@@ -33,7 +33,7 @@ _logger = logging.getLogger(__name__)
 _RETRY_S = 0.3
 _END_WITHIN_S = 3.0
 _MOST_WORDS = 500
-_MOST_REFUSALS = 20
+_MOST_NOTICES = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +73,7 @@ class FleetMirror:
         self.place, self.robots = place, frozenset(robots)
         self._folder = Path(tempfile.mkdtemp(prefix="rune-"))  # mkdtemp admits only this user
         self._there: dict[str, bool] = {}
-        self._refusals: dict[str, collections.deque[str]] = {}
+        self._notices: dict[str, collections.deque[str]] = {}
         self._trouble = "the fleet is not joined yet"
         self._process: subprocess.Popen[bytes] | None = None
         self._ending = threading.Event()
@@ -102,9 +102,9 @@ class FleetMirror:
         gone = robot in self._there
         return f"{robot} {'left' if gone else 'is not in'} the fleet {self.place.name}"
 
-    def next_refusal(self, robot: str) -> str:
-        """Why a robot refused a command, each once; empty: no more."""
-        waiting = self._refusals.get(robot)
+    def next_notice(self, robot: str) -> str:
+        """What the operator has to read about a robot's line, each once; empty: no more."""
+        waiting = self._notices.get(robot)
         return waiting.popleft() if waiting else ""
 
     def close(self) -> None:
@@ -167,8 +167,13 @@ class FleetMirror:
         elif event == "apart":
             self._trouble = why
         elif event == "refused":
-            newest: collections.deque[str] = collections.deque(maxlen=_MOST_REFUSALS)
-            self._refusals.setdefault(robot, newest).append(why)
+            self._note(robot, f"the robot's gateway refused: {why}")
+        elif event == "rate" and said.get("thin"):
+            self._note(robot, "the line falls behind: states come at the low rate")
+
+    def _note(self, robot: str, notice: str) -> None:
+        newest: collections.deque[str] = collections.deque(maxlen=_MOST_NOTICES)
+        self._notices.setdefault(robot, newest).append(notice)
 
     def _stop(self) -> None:
         process = self._process
@@ -209,10 +214,9 @@ class FleetWay:
         """Whether the operator's role in the fleet allows to drive."""
         return self._mirror.place.may_command
 
-    def next_refusal(self) -> str:
-        """Why the robot refused a command, each once; empty: no more."""
-        why = self._mirror.next_refusal(self._robot)
-        return why and f"the robot's gateway refused: {why}"
+    def next_notice(self) -> str:
+        """What the operator has to read about the line, each once; empty: no more."""
+        return self._mirror.next_notice(self._robot)
 
 
 class FleetMirrors:

@@ -315,8 +315,8 @@ class RobotLink:
             self._state = self._state.with_(messages=kept)
         self._note_number()
         self._set_link(phase, detail)
-        while self._way is not None and (refusal := self._way.next_refusal()):
-            self._say(refusal)
+        while self._way is not None and (notice := self._way.next_notice()):
+            self._say(notice)
 
     def _note_number(self) -> None:
         if self._client.number != self._state.link.number:

@@ -141,8 +141,8 @@ class SshTunnel:
         """It does; the robot's hub sees a client of its own machine."""
         return True
 
-    def next_refusal(self) -> str:
-        """None: a tunnel reads no commands."""
+    def next_notice(self) -> str:
+        """None: the console itself sees how slow a tunnel is."""
         return ""
 
     def open(self) -> None:

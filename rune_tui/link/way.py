@@ -26,8 +26,8 @@ class Way(Protocol):
     def may_command(self) -> bool:
         """Whether the operator's role on this way allows to drive."""
 
-    def next_refusal(self) -> str:
-        """Why a command was refused on the way, each once; empty: no more."""
+    def next_notice(self) -> str:
+        """What the operator has to read about the way, each once; empty: no more."""
 
 
 class FleetWays(Protocol):

@@ -10,7 +10,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.message_info import MessageInfo
-from hub.zenoh.attachment import Attachment, lifespan
+from hub.zenoh.attachment import Attachment, has_twin, lifespan
 from hub.zenoh.fleet_keys import FleetKey, KeyKind
 from hub.zenoh.fleet_line import ZenohFleetLine
 
@@ -48,7 +48,7 @@ class FleetBroadcast:
         self._wanted: dict[KeyKind, bool] = {}
         self._thin_due = -math.inf
         kinds = [_ROOM[definition.plane]]
-        if definition.plane is Plane.STATE and definition.keep is Keep.NEWEST:
+        if has_twin(definition):
             kinds.append(KeyKind.THIN)
         self._keys = {
             kind: FleetKey(kind=kind, robot=robot, message=definition.name).under(fleet)

@@ -113,6 +113,10 @@ def _sentence(event: dict[str, object]) -> str:
         return f"{robot} is gone: {event['why']}"
     if kind == "refused":
         return f"{robot} refused a command: {event['why']}"
+    if kind == "rate" and event["thin"]:
+        return f"the line to {robot} falls behind: its states come at the low rate"
+    if kind == "rate":
+        return f"the line to {robot} carries all again: its states come at the full rate"
     if kind == "joined":
         return f"joined the router at {event['router']}"
     return str(event["why"])

@@ -38,7 +38,8 @@ class MirroredRobot:
             line: To the robot.
             folder: Private folder; the robot's hub listens in one of its name in it.
             loop: Serves it.
-            report: Gets an event each time that its hub opens or closes, and for each refusal.
+            report: Gets an event each time that its hub opens or closes, for each refusal,
+                and for each change of the rate of states.
         """
         self._place = folder / line.robot
         self._line, self._loop, self._report = line, loop, report
@@ -96,6 +97,8 @@ class MirroredRobot:
             self._shut("it does not answer")
             self._begin()
         self._line.read_clock()
+        if (thin := self._line.choose_rate()) is not None:
+            self._report({"event": "rate", "robot": self._line.robot, "thin": thin})
         if not self._definitions:  # the question, or the answer, may be lost
             self._line.follow(KeyKind.DEFINITIONS, self._defined)
         elif self._hub is not None and not self._hub.knows_all:

@@ -10,6 +10,7 @@ from typing import Any
 
 from hub.bucket import Bucket
 from hub.doors.mirror.fleet_line import Declared, FleetLine
+from hub.doors.mirror.thin_choice import LeftOutNumbers, ThinChoice
 from hub.errors import FrameError
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.roles import Principal
@@ -17,18 +18,22 @@ from hub.ipc.transport.clock_sync import ClockSync
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
 from hub.plain_text import plain
-from hub.zenoh.attachment import CLOCK, Attachment, lifespan, unpack
+from hub.zenoh.attachment import CLOCK, Attachment, has_twin, lifespan, unpack
 from hub.zenoh.fleet_keys import MAX_SESSION, FleetKey, KeyKind
 
 LOST_S = 1.5
 """Time without an answer after which a robot counts as lost, as at any hub [s]."""
 CLOCK_S = 0.5
+_FOLLOW_S = 5.0
+"""Longest time for the definitions of a robot: 20 kB on a thin line [s]."""
 _FARTHEST_NS = 1 << 62
 _MOST_WORDS = 500
 _REFUSALS, _REFUSALS_PER_S = 5.0, 1.0
 _LONGEST = frames.MAX_FRAME - frames.MAX_TOPIC - 8 - frames.HEADER_SIZE
 _ROOM = {Plane.STATE: KeyKind.STATE, Plane.PICTURE: KeyKind.PICTURE}
 
+CameFrame = Callable[[frames.Frame], None]
+"""Gets a broadcast."""
 Refused = Callable[[str, str], None]
 """Gets the error's class in `hub.errors`, and a sentence."""
 
@@ -58,7 +63,11 @@ class RobotLine:
         self._heard = -math.inf
         self._sequences: collections.Counter[tuple[str, int]] = collections.Counter()
         self._declared: dict[str, Declared] = {}
+        self._followed: dict[str, tuple[MessageDefinition[Any], CameFrame]] = {}
+        self._choice, self._numbers = ThinChoice(), LeftOutNumbers()
+        self._usual_trip = math.inf
         self._refusals = Bucket(_REFUSALS_PER_S, _REFUSALS)
+        self._asked: set[str] = set()
         self._run = 0
 
     @property
@@ -80,6 +89,8 @@ class RobotLine:
         """The robot is there, and may be another run of it: its clock is not known."""
         self._run += 1
         self._time.begin(0)
+        self._choice, self._numbers = ThinChoice(), LeftOutNumbers()
+        self._usual_trip = math.inf
         self._heard = self._clock()
 
     def end(self) -> None:
@@ -88,6 +99,7 @@ class RobotLine:
         for declared in self._declared.values():
             declared.withdraw()
         self._declared.clear()
+        self._followed.clear()
         self._sequences.clear()
 
     def read_clock(self) -> None:
@@ -110,24 +122,34 @@ class RobotLine:
         )
 
     def follow(self, kind: KeyKind, came: Callable[[bytes], None]) -> None:
-        """Call `came` with what stands at one of its keys, and at each change of it."""
+        """Call `came` with what stands at one of its keys, and at each change of it.
+
+        A call while the answer to the last is on its way does nothing: on a thin line the answers
+        to several would delay each other.
+        """
         key, run = self._key(kind), self._run
 
         def take(payload: bytes) -> None:
             if run == self._run:
                 came(payload)
 
+        def answered(payload: bytes, _: bytes | None) -> None:
+            self._asked.discard(key)
+            take(payload)
+
         if key not in self._declared:
             subscribed = self._line.subscribe(key, lambda _, payload, __: take(payload))
             self._declared[key] = subscribed
-        self._line.ask(
-            key,
-            b"",
-            b"",
-            timeout=LOST_S,
-            answered=lambda payload, _: take(payload),
-            failed=lambda *_: None,
-        )
+        if key not in self._asked:
+            self._asked.add(key)
+            self._line.ask(
+                key,
+                b"",
+                b"",
+                timeout=_FOLLOW_S,
+                answered=answered,
+                failed=lambda *_: self._asked.discard(key),
+            )
 
     def hear_refusals(self, came: Callable[[str], None]) -> None:
         """Call `came` with each sentence why the robot refused a command of this operator."""
@@ -140,14 +162,38 @@ class RobotLine:
         if key not in self._declared:
             self._declared[key] = self._line.subscribe(key, refused)
 
-    def subscribe(
-        self, definition: MessageDefinition[Any], came: Callable[[frames.Frame], None]
-    ) -> None:
+    def subscribe(self, definition: MessageDefinition[Any], came: CameFrame) -> None:
         """Call `came` for each broadcast of a message; too old ones are left out."""
-        key = self._key(_ROOM[definition.plane], message=definition.name)
-        oldest = lifespan(definition)
-        if key in self._declared:
-            return
+        if definition.name not in self._followed:
+            self._followed[definition.name] = definition, came
+            self._follow_broadcast(definition, came, thin=self._choice.thin)
+
+    def unsubscribe(self, definition: MessageDefinition[Any]) -> None:
+        """Get these broadcasts no longer."""
+        if self._followed.pop(definition.name, None) is not None:
+            self._withdraw(self._broadcast_key(definition, thin=self._choice.thin))
+
+    def choose_rate(self) -> bool | None:
+        """Choose the rate of states by their ages; returns a new choice: whether it is the low one.
+
+        Call it about twice a second.
+        """
+        self._usual_trip = min(self._usual_trip, self.round_trip)
+        before = self._choice.thin
+        thin = self._choice.look(self._clock(), self._usual_trip / 2)
+        if thin == before:
+            return None
+        for definition, came in self._followed.values():
+            if has_twin(definition):
+                self._follow_broadcast(definition, came, thin=thin)
+                self._withdraw(self._broadcast_key(definition, thin=before))
+        return thin
+
+    def _follow_broadcast(
+        self, definition: MessageDefinition[Any], came: CameFrame, *, thin: bool
+    ) -> None:
+        key = self._broadcast_key(definition, thin=thin)
+        oldest, twin = lifespan(definition), has_twin(definition)
 
         def arrived(_: str, payload: bytes, attachment: bytes | None) -> None:
             if key not in self._declared:
@@ -157,14 +203,24 @@ class RobotLine:
             except FrameError as error:
                 self._faults.count("malformed header", f"{self.robot}: {error}")
                 return
-            if self._clock() - frame.stamp_ns * 1e-9 <= oldest:
+            age = self._clock() - frame.stamp_ns * 1e-9
+            if twin:
+                self._choice.note(age)
+                frame = self._renumbered(frame, thin=thin)
+            if age <= oldest:
                 came(frame)
 
         self._declared[key] = self._line.subscribe(key, arrived)
 
-    def unsubscribe(self, definition: MessageDefinition[Any]) -> None:
-        """Get these broadcasts no longer."""
-        key = self._key(_ROOM[definition.plane], message=definition.name)
+    def _renumbered(self, frame: frames.Frame, *, thin: bool) -> frames.Frame:
+        number = self._numbers.number(frame.name, frame.publisher, frame.sequence, thin=thin)
+        return frame._replace(sequence=number)
+
+    def _broadcast_key(self, definition: MessageDefinition[Any], *, thin: bool) -> str:
+        kind = KeyKind.THIN if thin and has_twin(definition) else _ROOM[definition.plane]
+        return self._key(kind, message=definition.name)
+
+    def _withdraw(self, key: str) -> None:
         declared = self._declared.pop(key, None)
         if declared is not None:
             declared.withdraw()
@@ -178,10 +234,7 @@ class RobotLine:
 
     def close_session(self, session: int) -> None:
         """A client is there no longer."""
-        key = self._key(KeyKind.OPERATOR, operator=self.operator, session=session)
-        declared = self._declared.pop(key, None)
-        if declared is not None:
-            declared.withdraw()
+        self._withdraw(self._key(KeyKind.OPERATOR, operator=self.operator, session=session))
 
     def command(
         self, definition: MessageDefinition[Any], session: int, payload: bytes, measured: float
@@ -242,6 +295,8 @@ class RobotLine:
             try:
                 read = unpack(attachment)
                 frame = self._frame(name or read.name, answer, read)
+                if name and self._numbers.knows(name, frame.publisher):  # among its broadcasts
+                    frame = self._renumbered(frame, thin=self._choice.thin)
             except FrameError as error:
                 failed("HandlerFailedError", str(error))
             else:

@@ -96,7 +96,7 @@ class FakeWay:
     def __init__(self, *refusals: str, may_command: bool = True) -> None:
         self.may_command, self._refusals = may_command, list(refusals)
 
-    def next_refusal(self) -> str:
+    def next_notice(self) -> str:
         return self._refusals.pop(0) if self._refusals else ""
 
 

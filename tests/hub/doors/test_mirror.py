@@ -50,7 +50,9 @@ class FakeRobot:
     def now_ns(self) -> int:
         return time.monotonic_ns() + round(AHEAD_S * 1e9)
 
-    def says(self, definition: MessageDefinition, value: object, age_s: float = 0.0) -> None:
+    def says(
+        self, definition: MessageDefinition, value: object, age_s: float = 0.0, room: str = ""
+    ) -> None:
         self.count += 1
         header = Attachment(
             publisher=77,
@@ -59,7 +61,7 @@ class FakeRobot:
             stamp_ns=self.now_ns() - round(age_s * 1e9),
         )
         payload = b"".join(map(bytes, definition.encode(value)))
-        key = f"rune/v1/rover/{definition.plane.value}/{definition.name}"
+        key = f"rune/v1/rover/{room or definition.plane.value}/{definition.name}"
         self.fleet.give(key, payload, header.pack())
 
 
@@ -225,6 +227,30 @@ def test_a_robot_that_does_not_answer_is_lost_and_comes_back_at_its_place(bench:
     bench.robot.awake = True
     bench.until(lambda: client.connected)
     assert bench.events[-1] == {"event": "robot", "robot": "rover", "endpoint": endpoint}
+
+
+def test_late_states_come_at_the_low_rate_without_lost_numbers(bench: Bench) -> None:
+    client = bench.client(bench.open())
+    heard: list[str] = []
+    client.subscribe(CONTROL_STATE, lambda value, _: heard.append(value.operator))
+    full, thin = (f"rune/v1/rover/{each}/{CONTROL_STATE.name}" for each in ("state", "thin"))
+    bench.until(lambda: full in bench.fleet.patterns)
+
+    def late() -> bool:
+        bench.robot.says(CONTROL_STATE, ControlState(operator="late"), age_s=3.0)
+        return thin in bench.fleet.patterns
+
+    bench.until(late, "the low rate is not chosen")
+    assert full not in bench.fleet.patterns
+    assert {"event": "rate", "robot": "rover", "thin": True} in bench.events
+    bench.until(lambda: "late" in heard)
+    for number in range(3):
+        bench.robot.count += 10
+        bench.robot.says(CONTROL_STATE, ControlState(operator=f"thin {number}"), room="thin")
+    bench.until(lambda: "thin 2" in heard)
+    assert client.lost == 0
+    client.unsubscribe(CONTROL_STATE)
+    bench.until(lambda: thin not in bench.fleet.patterns)
 
 
 def test_refusals_of_the_robot_are_events_in_words_a_few_at_once(bench: Bench) -> None:
