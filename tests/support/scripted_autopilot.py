@@ -9,8 +9,8 @@ from hub.robots.mavlink.vehicle.reasons import why
 from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
 from hub.robots.mavlink.wire.definitions import BY_NUMBER
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser, MavlinkFrame
+from tests.support.mavlink_numbers import BLIMP, ROVER, SUB
 
-ROVER, SUB, BLIMP = 10, 12, 7
 PARAMETERS = {
     ROVER: {"FS_GCS_ENABLE": 1.0, "FS_TIMEOUT": 0.1, "MAV_GCS_SYSID": 255.0},
     SUB: {

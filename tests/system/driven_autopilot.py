@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser, MavlinkFrame
+from tests.support.mavlink_numbers import BLIMP_VELOCITY, GUIDED, INTERVAL, POSITION_HOLD
 from tests.support.mavlink_relay import MavlinkRelay, is_velocity, moves
 from tests.system.autopilot_site import SimulatedVehicle, vehicle_tables
 from tests.system.recorded_robot import Recording, Row
@@ -30,9 +31,7 @@ PARAMETERS: Final = {
     "blimp": ("SIM_RC_FAIL=1", "RC_OVERRIDE_TIME=0.5"),
 }
 """Vehicles without a receiver, as companion computers have them."""
-DRIVING_MODES: Final = {"rover": 15, "sub": 16, "blimp": 2}
-SET_MODE, ARM, RESTART = 176, 400, 246
-_SET_INTERVAL: Final = 511
+DRIVING_MODES: Final = {"rover": GUIDED, "sub": POSITION_HOLD, "blimp": BLIMP_VELOCITY}
 _POSITION, _ATTITUDE = 32, 30
 _EVERY_US: Final = 25_000.0
 _PERIOD_S: Final = 0.03
@@ -90,7 +89,7 @@ class Station:
 
     def _watch(self, link: socket.socket) -> None:
         for message in (_POSITION, _ATTITUDE):
-            self.order(_SET_INTERVAL, message, _EVERY_US)
+            self.order(INTERVAL, message, _EVERY_US)
         parser = FrameParser()
         while not self._ends:
             if select.select([link], [], [], 0.05)[0]:

@@ -27,14 +27,13 @@ from hub.gcm.navigation import (
 from hub.gcm.vehicle import VehicleOrder
 from hub.pose import Pose
 from hub.robots.mavlink.wire.frames import FramePacker
+from tests.support.mavlink_numbers import ARM, GUIDED, HOLD, SET_MODE
 from tests.system.autopilot_site import AutopilotSite, Operator
 from tests.system.harness import in_soak
 
 COMMANDED_S = 0.35 + 0.5
 """Longest time from the cause until the vehicle gets the stop command, on a busy machine [s]."""
 AHEAD = Twist.planar(0.5, 0.0)
-MODE, ARM = 176, 400
-GUIDED, HOLD = 15, 4
 _NO_RECEIVER = ("SIM_RC_FAIL=1", "FS_TIMEOUT=0.1", "FS_GCS_ENABLE=1", "FS_GCS_TIMEOUT=2")
 _PARAMETERS = {
     "rover": _NO_RECEIVER,
@@ -162,7 +161,7 @@ def test_another_station_that_changes_the_mode_is_not_fought(rover: AutopilotSit
         def ask(mode: int) -> None:
             values = {"param1": 1.0, "param2": float(mode)}
             target = {"target_system": 1, "target_component": 1}
-            station.sendall(packer.pack("COMMAND_LONG", command=MODE, **values, **target))
+            station.sendall(packer.pack("COMMAND_LONG", command=SET_MODE, **values, **target))
 
         ask(HOLD)
         rover.wait(lambda: rover.phase is AutopilotPhase.ELSEWHERE)

@@ -15,14 +15,12 @@ import pytest
 
 from tests.conftest import leaving_nothing
 from tests.support.fake_hid import needs_virtual_devices
+from tests.support.mavlink_numbers import ARM, RESTART, SET_MODE
 from tests.system import stale_stick
 from tests.system.driven_autopilot import (
-    ARM,
     AUTOPILOTS,
     DOOR,
     DRIVING_MODES,
-    RESTART,
-    SET_MODE,
     RecordedAutopilot,
 )
 from tests.system.stale_stick import Case, once_and_often, play, playing

@@ -17,7 +17,9 @@ from hub.robots.interfaces import BodyJoints, BodyLights
 from hub.robots.mavlink.body import MavlinkBody
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.robot_file import read_description
-from tests.hub.robots.mavlink.udp_vehicle import BLIMP, GUIDED, HOLD, ROVER, UdpVehicle
+from tests.hub.robots.mavlink.robot_parts import PARTS
+from tests.hub.robots.mavlink.udp_vehicle import UdpVehicle
+from tests.support.mavlink_numbers import BLIMP, GUIDED, HOLD, ROVER
 
 ROBOT = """
 name = "rover"
@@ -244,20 +246,6 @@ def test_frames_of_another_station_pass_unless_they_drive(scene: Scene) -> None:
     scene.vehicle.answer()
     came = [each.name for each in scene.vehicle.received if each.system == 254]
     assert came == ["PARAM_REQUEST_LIST"]
-
-
-PARTS = """
-[[light]]
-name = "lamp"
-[[joint]]
-name = "camera"
-lowest_deg = -45
-highest_deg = 45
-[[range]]
-name = "ahead"
-kind = "sonar"
-farthest = 5.0
-"""
 
 
 def test_the_parts_of_a_robot_file_are_the_vehicles(tmp_path: Path) -> None:

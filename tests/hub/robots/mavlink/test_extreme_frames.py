@@ -23,6 +23,7 @@ from hub.robots.mavlink.wire import definitions
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser, MavlinkFrame
 from hub.robots.robot_file import read_description
 from tests.hub.modules.timed_bus import TimedBus
+from tests.hub.robots.mavlink.robot_parts import PARTS
 from tests.misbehaving.hostile_vehicle import ATTACKS
 from tests.support.mavlink_relay import moves
 
@@ -38,16 +39,6 @@ address = "udp://127.0.0.1:9"
 arming = "disarmed"
 [limits]
 linear = 1.0
-[[light]]
-name = "lamp"
-[[joint]]
-name = "camera"
-lowest_deg = -45
-highest_deg = 45
-[[range]]
-name = "ahead"
-kind = "sonar"
-farthest = 5.0
 [[range]]
 name = "around"
 kind = "laser"
@@ -95,7 +86,7 @@ class Scene:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, folder: Path, kind: int) -> None:
         path = folder / "robot.toml"
-        path.write_text(ROBOT)
+        path.write_text(ROBOT + PARTS)
         robot, problems = read_description(path)
         assert not problems
         self.kind, self.link = kind, HostileLink()

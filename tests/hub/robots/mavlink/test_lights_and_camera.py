@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.mavlink.profiles.ardusub import BUTTON_FUNCTIONS
 from hub.robots.mavlink.vehicle.button_lights import ButtonLight
-from tests.support.scripted_autopilot import SUB, ScriptedAutopilot, moves
+from tests.support.mavlink_numbers import SUB
+from tests.support.scripted_autopilot import ScriptedAutopilot, moves
 
 BRIGHTER, DIMMER, ARM_BUTTON = 32.0, 33.0, 3.0
 LAYOUT = {"BTN0_FUNCTION": ARM_BUTTON, "BTN13_FUNCTION": DIMMER, "BTN14_FUNCTION": BRIGHTER}

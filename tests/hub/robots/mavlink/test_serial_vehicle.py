@@ -20,7 +20,8 @@ from hub.robots.mavlink.link.address import vehicle_address
 from hub.robots.mavlink.link.opening import link_to
 from hub.robots.mavlink.wire.frames import MavlinkFrame
 from tests.hub.robots.mavlink.test_body import TICK_S, robot
-from tests.hub.robots.mavlink.udp_vehicle import GUIDED, UdpVehicle
+from tests.hub.robots.mavlink.udp_vehicle import UdpVehicle
+from tests.support.mavlink_numbers import GUIDED
 from tests.support.mavlink_relay import moves
 
 pytest.importorskip("serial", reason="pyserial is not installed")

@@ -5,16 +5,8 @@ import pytest
 from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.left_alone import LeftAlone
 from hub.robots.mavlink.vehicle.reasons import warnings
-from tests.support.scripted_autopilot import (
-    SUB,
-    ScriptedAutopilot,
-    in_phase,
-    moves,
-    reason,
-)
-
-HOLD, POSITION_HOLD = 4, 16
-SET_MODE, ARM = 176, 400
+from tests.support.mavlink_numbers import ARM, HOLD, POSITION_HOLD, SET_MODE, SUB
+from tests.support.scripted_autopilot import ScriptedAutopilot, in_phase, moves, reason
 
 
 def test_the_first_vehicle_wins_and_the_other_is_named():

@@ -6,7 +6,8 @@ import pytest
 
 from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.mavlink.vehicle.reasons import warnings
-from tests.support.scripted_autopilot import BLIMP, ROVER, SUB, ScriptedAutopilot, in_phase, moves
+from tests.support.mavlink_numbers import BLIMP, ROVER, SUB
+from tests.support.scripted_autopilot import ScriptedAutopilot, in_phase, moves
 
 STICKS = {
     ROVER: "SET_POSITION_TARGET_LOCAL_NED",

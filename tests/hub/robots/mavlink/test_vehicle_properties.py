@@ -15,9 +15,9 @@ from hub.robots.mavlink.vehicle.reasons import warnings, why
 from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import MavlinkFrame
 from tests.support.mavlink_definitions import READ
-from tests.support.scripted_autopilot import BLIMP, ROVER, SUB, ScriptedAutopilot, moves
+from tests.support.mavlink_numbers import ARM, BLIMP, ROVER, SET_MODE, SUB
+from tests.support.scripted_autopilot import ScriptedAutopilot, moves
 
-SET_MODE, ARM = 176, 400
 CHANGING_S = 3.5
 """Longest time of a change of mode, with the time of its first request [s]."""
 ORDER_S = 12.0

@@ -8,9 +8,8 @@ from typing import Any
 
 from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser, MavlinkFrame
+from tests.support.mavlink_numbers import HOLD, ROVER
 
-ROVER, SUB, BLIMP = 10, 12, 7
-HOLD, GUIDED = 4, 15
 ARMED = 128
 _READ_S = 5.0
 

@@ -7,6 +7,15 @@ from pathlib import Path
 import pytest
 
 from hub.robots.mavlink.wire.definitions import BY_NAME
+from tests.support.mavlink_numbers import (
+    ACRO,
+    BLIMP_LOITER,
+    BLIMP_VELOCITY,
+    DEPTH_HOLD,
+    GUIDED,
+    POSITION_HOLD,
+    SUB_GUIDED,
+)
 from tests.support.simulated_station import NEUTRAL, World, blimp_sticks, velocity
 
 RATES = json.loads((Path(__file__).parents[3] / "data" / "mavlink" / "rates.json").read_text())
@@ -71,10 +80,6 @@ def test_rates_are_taken_and_denied_as_recorded(kind):
 
 # How it drives: each row is a mode, a message, and the velocity that was measured.
 
-GUIDED, ACRO = 15, 1
-POSITION_HOLD, DEPTH_HOLD, SUB_GUIDED = 16, 2, 4
-BLIMP_VELOCITY, LOITER = 2, 3
-
 
 def sub_sticks(**axes):
     return ("MANUAL_CONTROL", {"target": 1, "z": 500, **axes})
@@ -108,7 +113,7 @@ DRIVES = (
     ("blimp", BLIMP_VELOCITY, blimp_sticks(c1=2000), {"right": 0.22, "ahead": 0.0}),
     ("blimp", BLIMP_VELOCITY, blimp_sticks(c3=2000), {"sinking": -0.19}),
     ("blimp", BLIMP_VELOCITY, blimp_sticks(c4=2000), {"turn": 0.38}),
-    ("blimp", LOITER, blimp_sticks(c2=2000), {"ahead": 0.15}),
+    ("blimp", BLIMP_LOITER, blimp_sticks(c2=2000), {"ahead": 0.15}),
 )
 LEAST = 0.02
 """Measured speeds have two digits, and a slow rover was faster than it was asked [m/s]."""

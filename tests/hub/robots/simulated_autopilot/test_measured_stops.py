@@ -10,11 +10,20 @@ from typing import Any
 
 import pytest
 
+from tests.support.mavlink_numbers import (
+    ACRO,
+    BLIMP_LOITER,
+    BLIMP_VELOCITY,
+    DEPTH_HOLD,
+    GUIDED,
+    HOLD,
+    POSITION_HOLD,
+    SUB_GUIDED,
+    SUB_MANUAL,
+    SURFACE,
+)
 from tests.support.simulated_station import NEUTRAL, World, blimp_sticks, velocity
 
-GUIDED, HOLD, ACRO = 15, 4, 1
-DEPTH_HOLD, POSITION_HOLD, SUB_GUIDED, SURFACE, SUB_MANUAL = 2, 16, 4, 9, 19
-BLIMP_VELOCITY, BLIMP_LOITER, BLIMP_MANUAL = 2, 3, 1
 STEP = 0.02
 ROVER_AHEAD = (NEUTRAL["rover"], velocity(1.0))
 ROVER_STICK = (("MANUAL_CONTROL", {"target": 1, "z": 185}),)

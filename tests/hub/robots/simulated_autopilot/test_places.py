@@ -4,9 +4,9 @@ import pytest
 
 from hub.robots.mavlink.vehicle.telemetry import Telemetry
 from hub.robots.mavlink.wire.definitions import BY_NAME
+from tests.support.mavlink_numbers import GUIDED, HOLD
 from tests.support.simulated_station import NEUTRAL, World, velocity
 
-GUIDED, HOLD = 15, 4
 POSITION_FLAG = 16
 
 

@@ -2,9 +2,9 @@
 
 import pytest
 
+from tests.support.mavlink_numbers import GUIDED, HOLD
 from tests.support.simulated_station import NEUTRAL, World, velocity
 
-GUIDED, HOLD = 15, 4
 ACCEPTED, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4
 
 

@@ -8,9 +8,9 @@ import pytest
 from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
+from tests.support.mavlink_numbers import ACRO, GUIDED
 from tests.support.simulated_station import NEUTRAL, World, blimp_sticks, velocity
 
-GUIDED, ACRO = 15, 1
 KEY = bytes(range(32))
 OTHER_KEY = bytes(32 * [7])
 
