@@ -30,8 +30,9 @@ def add_sim_ros(commands: Commands) -> None:
         description="A simulated robot on two wheels, with a laser scanner and a camera, behind a "
         "bridge for Foxglove as ROS robots have it: topics, parameters, the service /e_stop, the "
         "graph of nodes. It takes geometry_msgs/TwistStamped at /cmd_vel and stops 0.5 s after the "
-        "last one, as diff_drive_controller does. It prints its address, ws://127.0.0.1:8765. It "
-        "needs the extra tools: pip install 'robot-user-nexus[tools]'.",
+        "last one, as diff_drive_controller does. It has navigation of its own: Nav2's action "
+        "/navigate_to_pose, or with --ros1 /move_base. It prints its address, "
+        "ws://127.0.0.1:8765. It needs the extra tools: pip install 'robot-user-nexus[tools]'.",
         epilog="Example: rune-hub sim-ros --twist --arena maze",
     )
     command.add_argument(
@@ -62,6 +63,11 @@ def add_sim_ros(commands: Commands) -> None:
         default=[],
         metavar="NODE",
         help="a node that publishes /cmd_vel too, such as /teleop_joy",
+    )
+    command.add_argument(
+        "--no-navigation",
+        action="store_true",
+        help="no navigation of its own, as behind a bridge without include_hidden",
     )
     command.add_argument("--arena", default="", metavar="ARENA", help="where it is (yellow)")
     command.add_argument("--seed", type=_seed, default=1, help="of its noise (%(default)s)")
@@ -101,6 +107,7 @@ def run_sim_ros(options: argparse.Namespace) -> int:
         stamped=not options.twist,
         clock_ahead=options.clock,
         other_publishers=tuple(options.other_publisher),
+        navigates=not options.no_navigation,
     )
     try:
         trace = MotionTrace(options.trace) if options.trace is not None else None

@@ -237,6 +237,19 @@ def clearpath() -> RosFindings:
             "by": (f"{place}/velodyne",),
         },
     }
+    action = f"{place}/navigate_to_pose/_action"
+    kind = "nav2_msgs/action/NavigateToPose"
+    for part, name in (
+        ("status", "action_msgs/msg/GoalStatusArray"),
+        ("feedback", f"{kind}_FeedbackMessage"),
+    ):
+        topics[f"{action}/{part}"] = {"type": name, "by": (f"{place}/bt_navigator",)}
+    services = {
+        f"{action}/send_goal": f"{kind}_SendGoal",
+        f"{action}/cancel_goal": "action_msgs/srv/CancelGoal",
+        f"{action}/get_result": f"{kind}_GetResult",
+        f"{place}/spin/_action/send_goal": "nav2_msgs/action/Spin_SendGoal",
+    }
     parameters = {
         f"{place}/platform_velocity_controller.cmd_vel_timeout": 0.25,
         f"{place}/platform_velocity_controller.linear.x.max_velocity": 1.0,
@@ -244,7 +257,7 @@ def clearpath() -> RosFindings:
         f"{place}/twist_mux.use_sim_time": False,
     }
     frames = (transform("base_link", "lidar2d_0_laser", 0.3, 0.0, 0.4),)
-    return found(topics, frames=frames, parameters=parameters)
+    return found(topics, frames=frames, services=services, parameters=parameters)
 
 
 def ros_1() -> RosFindings:
@@ -272,6 +285,14 @@ def ros_1() -> RosFindings:
             "type": "nav_msgs/msg/OccupancyGrid",
             "by": ("/map_server",),
             "said": {"header": header("map")},
+        },
+        "/move_base/status": {
+            "type": "actionlib_msgs/msg/GoalStatusArray",
+            "by": ("/move_base",),
+        },
+        "/move_base/feedback": {
+            "type": "move_base_msgs/msg/MoveBaseActionFeedback",
+            "by": ("/move_base",),
         },
         "/joint_states": {
             "type": "sensor_msgs/msg/JointState",

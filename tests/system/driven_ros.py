@@ -78,7 +78,7 @@ class RecordedRos(Recording):
         whole = data.rfind(b"\n") + 1
         self._file.seek(whole - len(data), 1)
         lines = map(json.loads, data[:whole].splitlines())
-        self._lines += (line for line in lines if "service" not in line)
+        self._lines += (line for line in lines if "service" not in line and "goal" not in line)
         speed = turn = 0.0
         moving_at = -math.inf
         rows = []

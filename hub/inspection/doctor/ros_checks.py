@@ -17,6 +17,7 @@ from hub.robots.ros.asking.findings import RosFindings
 from hub.robots.ros.asking.proposal import RosProposal, open_way_of
 from hub.robots.ros.asking.stopping import stopping
 from hub.robots.ros.asking.survey import look_at
+from hub.robots.ros.goals.goal_actions import action_of, actions_of, missing_action
 from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.own_nodes import foreign
 from hub.robots.ros_table import ROS_KIND
@@ -44,6 +45,7 @@ def ros(robot: RobotDescription) -> list[Finding]:
         ok(f"{address.text}: a {RosProposal(found).title}"),
         *_driving(found, robot),
         *_odometry(found, robot),
+        *_navigation(found, robot),
         *_parts(found, robot),
         *_warnings(found),
     ]
@@ -107,6 +109,19 @@ def _odometry(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
     else:
         late = "" if math.isnan(heard.age) else f", {1000.0 * heard.age:.0f} ms old"
         yield ok(f"{name} comes {heard.rate_hz:.0f} times a second{late}")
+
+
+def _navigation(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
+    """Whether the robot's own navigation takes goals."""
+    name, graph = robot.ros.navigation, found.graph
+    if name and action_of(graph, name) is not None:
+        yield ok(f"its own navigation {name} takes goals")
+    elif name:
+        text, _, advice = missing_action(graph, name).partition(": ")
+        yield warning(f"{text}, so goals go to Rune's own", advice or "correct [ros]")
+    elif others := [each.name for each in actions_of(graph) if found.counts(each.name)]:
+        text = f"it has navigation of its own, {plain(', '.join(others[:4]))[:200]}"
+        yield ok(f"{text}; without the key 'navigation' in [ros] Rune's own drives to goals")
 
 
 def _parts(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:

@@ -18,6 +18,7 @@ from foxglove.websocket import Capability, ChannelView, Client, ClientChannel, S
 from hub.errors import EndpointError, RosMessageError
 from hub.gcm.geometry import Twist, Vector3
 from hub.robots.simulated_ros.flavour import RosFlavour
+from hub.robots.simulated_ros.goal_server import GoalServer
 from hub.robots.simulated_ros.motion_trace import MotionTrace
 from hub.robots.simulated_ros.pictures import can_compress
 from hub.robots.simulated_ros.robot import (
@@ -42,6 +43,7 @@ a graph while it calls its listener, since each would wait for the other."""
 _NAME: Final = "foxglove_bridge"
 _NODE: Final = "/foxglove_bridge"
 _CONTROLLER: Final = "/diff_drive_controller"
+_NAVIGATOR: Final = "/bt_navigator"
 _STOP: Final = "/e_stop"
 _LOOPBACK: Final = "127.0.0.1"
 _MOST_RATE: Final = 1000.0
@@ -56,12 +58,14 @@ class BridgeSettings:
         stamped: Whether its commands are geometry_msgs/TwistStamped; else geometry_msgs/Twist.
         clock_ahead: What its clock is ahead of this machine's [s].
         other_publishers: Names of nodes that publish commands too.
+        navigates: Whether it has navigation of its own, and the bridge shows it.
     """
 
     flavour: RosFlavour
     stamped: bool = True
     clock_ahead: float = 0.0
     other_publishers: tuple[str, ...] = ()
+    navigates: bool = True
 
     @property
     def commands(self) -> str:
@@ -103,6 +107,10 @@ class SimulatedBridge:
         self._due = dict.fromkeys((each.name for each in TOPICS), self._time)
         self._context = foxglove.Context()  # its channels end with it
         self._channels = self._opened()
+        self._goals: GoalServer | None = None
+        self._goal = ""
+        if settings.navigates:
+            self._goals = GoalServer(robot, settings.flavour, self._context, self._clock)
         try:
             self._server = foxglove.start_server(
                 name=_NAME,
@@ -116,7 +124,7 @@ class SimulatedBridge:
                 ],
                 server_listener=_Listener(self),
                 supported_encodings=list(settings.flavour.encodings),
-                services=[self._service()],
+                services=[self._service(), *(self._goals.services if self._goals else ())],
                 context=self._context,
             )
         except (OSError, RuntimeError, ValueError) as error:
@@ -137,10 +145,13 @@ class SimulatedBridge:
             self._publish_graph()
         while self._time + STEP <= now:
             self._time += STEP
+            self._navigate()
             self._robot.advance(STEP, self._clock())
         if self._trace is not None:
             self._trace.motion(now, self._robot.motion)
         self._publish(now)
+        if self._goals is not None:
+            self._goals.publish(now)
         time.sleep(max(0.0, self._time + STEP - time.monotonic()))
 
     def close(self) -> None:
@@ -157,6 +168,8 @@ class SimulatedBridge:
 
     def subscribed(self, topic: str) -> None:
         """Send a latched message again, for who has subscribed."""
+        if self._goals is not None:
+            self._goals.subscribed(topic)
         if any(each.name == topic and not each.period for each in TOPICS):
             self._due[topic] = 0.0
 
@@ -182,6 +195,8 @@ class SimulatedBridge:
         """
         topic, encoding, kind = self._publishers.get((client, channel), ("", "", ""))
         own = self._settings
+        if self._goals is not None and topic in self._goals.taken:
+            self._goals.received(topic, payload)
         # Nodes of ROS get nothing from a publisher of another type.
         if (topic, encoding, full_name(kind)) != (COMMANDS, own.flavour.encoding, own.commands):
             return
@@ -201,6 +216,17 @@ class SimulatedBridge:
             self._trace.command(at, twist, stamp, counts=counts)
         if COMMANDS in self._channels:
             self._channels[COMMANDS].log(payload, log_time=self._clock_ns())
+
+    def _navigate(self) -> None:
+        """Let the robot's own navigation drive, as a node that publishes velocities."""
+        if self._goals is None:
+            return
+        velocity = self._goals.velocity(self._time)
+        if velocity is not None:
+            self._robot.controller.take(velocity, 0.0, self._clock())
+        if self._goals.goal != self._goal and self._trace is not None:
+            self._trace.goal(self._time, self._goals.goal)
+        self._goal = self._goals.goal
 
     def _halt(self, at: float) -> None:
         self._robot.controller.halt()
@@ -295,6 +321,13 @@ class SimulatedBridge:
         graph = foxglove.ConnectionGraph()
         for each in TOPICS:
             graph.set_published_topic(each.name, [each.node])
+        if self._goals is not None:
+            for topic, node in self._goals.topics.items():
+                graph.set_published_topic(topic, [node])
+            for topic, node in self._goals.taken.items():
+                graph.set_subscribed_topic(topic, [node])
+            for service in self._goals.services:
+                graph.set_advertised_service(service.name, [_NAVIGATOR])
         ours = [_NODE] * any(topic == COMMANDS for topic, *_ in self._publishers.values())
         graph.set_published_topic(COMMANDS, [*self._settings.other_publishers, *ours])
         graph.set_subscribed_topic(COMMANDS, [_CONTROLLER])

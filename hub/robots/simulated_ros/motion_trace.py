@@ -3,7 +3,8 @@
 Each line is JSON, with the monotonic time `at` [s]. A command has `twist`: forward [m/s], to the
 left [m/s] and counter-clockwise [rad/s]. It has the stamp of its header [s], and `counts`: whether
 the controller takes it. A motion has `motion`: forward and counter-clockwise. A call of a service
-has its name, `service`.
+has its name, `service`. A change of the goal of the robot's own navigation has the goal's name,
+`goal`, which is empty where there is none.
 """
 
 from __future__ import annotations
@@ -38,6 +39,10 @@ class MotionTrace:
     def call(self, at: float, service: str) -> None:
         """Write that a service was called at a monotonic time [s]."""
         self._write({"at": at, "service": service})
+
+    def goal(self, at: float, name: str) -> None:
+        """Write which goal the robot drives to from a monotonic time on [s]."""
+        self._write({"at": at, "goal": name})
 
     def close(self) -> None:
         """Close it."""

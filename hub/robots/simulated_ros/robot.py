@@ -40,11 +40,14 @@ from hub.gcm.transforms import (
     optical_frame,
     static_transforms,
 )
+from hub.grids.grid import Grid
+from hub.pose import Pose, wrapped
 from hub.robots.interfaces import Sensors
 from hub.robots.registry import body_of, kind_of, open_camera
 from hub.robots.robot_file import read_description
 from hub.robots.simulated_ros.arena_grid import occupancy_grid
 from hub.robots.simulated_ros.controller import DiffDriveController
+from hub.robots.simulated_ros.own_navigation import SimulatedNavigation
 from hub.robots.simulated_ros.pictures import jpeg_file
 from hub.sim.arena import load_arena
 from hub.sim.spatial_pose import SpatialPose
@@ -178,6 +181,36 @@ class SimulatedRosRobot:
         )
 
     @property
+    def pose(self) -> Pose:
+        """Its true pose on its map."""
+        truth = self._body.ground_truth()
+        if truth is None:
+            return Pose(x=self._sensors.x, y=self._sensors.y, theta=self._sensors.theta)
+        return Pose(x=truth.x, y=truth.y, theta=truth.theta)
+
+    @property
+    def odom(self) -> Pose:
+        """The origin of `odom` on its map."""
+        read, pose = self._sensors, self.pose
+        turned = Pose(theta=wrapped(pose.theta - read.theta))
+        x, y = turned.outward(read.x, read.y)
+        return Pose(x=pose.x - x, y=pose.y - y, theta=turned.theta)
+
+    def navigation(self, *, old: bool) -> SimulatedNavigation:
+        """The navigation of its own, which sees its map.
+
+        Args:
+            old: Whether it is move_base of ROS 1.
+        """
+        found = occupancy_grid(self._arena, self._header(MAP))
+        info = found["info"]
+        origin = info["origin"].position
+        grid = Grid(
+            cells=found["data"], resolution=info["resolution"], origin_x=origin.x, origin_y=origin.y
+        )
+        return SimulatedNavigation(grid, self._described.radius, (MAP, ODOM), old=old)
+
+    @property
     def motion(self) -> tuple[float, float]:
         """Its true velocities forward [m/s] and counter-clockwise [rad/s]."""
         velocity = self._sensors.velocity
@@ -202,16 +235,8 @@ class SimulatedRosRobot:
         )
 
     def _transforms(self) -> Transforms:
-        read, truth = self._sensors, self._body.ground_truth()
-        own = (read.x, read.y, read.theta)
-        place = own if truth is None else (truth.x, truth.y, truth.theta)
-        turn = place[2] - read.theta
-        cos, sin = math.cos(turn), math.sin(turn)
-        drift = (
-            place[0] - read.x * cos + read.y * sin,
-            place[1] - read.x * sin - read.y * cos,
-            turn,
-        )
+        read, odom = self._sensors, self.odom
+        own, drift = (read.x, read.y, read.theta), (odom.x, odom.y, odom.theta)
         return Transforms(
             transforms=(self._moved(ODOM, BASE_LINK, own), self._moved(MAP, ODOM, drift))
         )

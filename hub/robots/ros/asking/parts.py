@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from hub.robots.ros.asking.findings import RosFindings, frame_name, plain_type
+from hub.robots.ros.goals.goal_actions import GoalAction, actions_of
 from hub.robots.ros.line import RosTopic
 from hub.robots.ros.own_nodes import foreign
 from hub.values import dataclass
@@ -69,6 +70,7 @@ class RosParts:
         ranges: Of single range sensors.
         cameras: Its cameras, the main one first.
         stop_service: A service that stops it.
+        navigation: The action of its own navigation; None: it shows none.
     """
 
     command: RosTopic | None
@@ -81,13 +83,16 @@ class RosParts:
     ranges: tuple[str, ...]
     cameras: tuple[CameraTopics, ...]
     stop_service: str
+    navigation: GoalAction | None
 
     @property
     def taken(self) -> frozenset[str]:
         """The names of all topics that are used."""
         cameras = (name for each in self.cameras for name in (each.pictures, each.info))
         command = self.command.name if self.command is not None else ""
-        named = (command, self.odometry, self.transforms, *self.single.values(), *cameras)
+        ends = self.navigation.ends if self.navigation is not None else None
+        goals = (ends.goal, ends.cancel, ends.status, ends.feedback) if ends is not None else ()
+        named = (command, self.odometry, self.transforms, *self.single.values(), *cameras, *goals)
         return frozenset({*named, *self.scans, *self.ranges} - {""})
 
 
@@ -115,6 +120,7 @@ def parts_of(found: RosFindings) -> RosParts:
         ranges=_all(found.published(RANGE), rank),
         cameras=_cameras(found, rank),
         stop_service=_stop_service(found, rank),
+        navigation=_navigation(found, rank),
     )
 
 
@@ -206,6 +212,11 @@ def _one_for_each_place(cameras: dict[str, CameraTopics]) -> dict[str, CameraTop
     for base, each in cameras.items():
         made.setdefault(each.info or base, each)
     return made
+
+
+def _navigation(found: RosFindings, rank: Rank) -> GoalAction | None:
+    actions = [each for each in actions_of(found.graph) if found.counts(each.name)]
+    return min(actions, key=lambda each: rank(each.name), default=None)
 
 
 def _stop_service(found: RosFindings, rank: Rank) -> str:

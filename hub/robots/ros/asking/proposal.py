@@ -202,6 +202,11 @@ class RosProposal:
                 f"{command.name} takes the velocities; {_listed(parts.commands)} would too: "
                 "correct `cmd_vel` if another one is right"
             )
+        if parts.navigation is not None:
+            yield (
+                f"its own navigation {parts.navigation.name} drives to goals, at its own speed: "
+                "it goes on to a goal when this hub or the line to it ends"
+            )
         if not self.limits.known:
             yield "it does not say how fast it may be: raise [limits] once you have seen it drive"
 

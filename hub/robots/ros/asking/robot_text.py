@@ -8,6 +8,7 @@ from typing import Final
 
 from hub.plain_text import plain
 from hub.robots.ros.asking.findings import frame_name, plain_type
+from hub.robots.ros.asking.parts import RosParts
 from hub.robots.ros.asking.proposal import RosProposal
 from hub.robots.ros.asking.tables import Table
 
@@ -71,8 +72,7 @@ def _ros(proposal: RosProposal) -> Iterator[str]:
         yield f"cmd_vel = {_value(parts.command.name)}    # {plain(kind)[:60]}"
     if proposal.hold:
         yield f"hold = true    # {plain(proposal.stopping.words)[:200]}"
-    if parts.stop_service:
-        yield f"stop_service = {_value(parts.stop_service)}"
+    yield from _own_abilities(parts)
     yield f"odom = {_value(parts.odometry)}"
     yield f"tf = {_value(parts.transforms)}"
     odometry = found.of(parts.odometry).value
@@ -88,6 +88,15 @@ def _ros(proposal: RosProposal) -> Iterator[str]:
             yield 'diagnostics = ""'
     if parts.single["map"] and (frame := frame_name(found.of(parts.single["map"]).value)):
         yield f"map_frame = {_value(frame)}"
+
+
+def _own_abilities(parts: RosParts) -> Iterator[str]:
+    """What it does by itself."""
+    if parts.stop_service:
+        yield f"stop_service = {_value(parts.stop_service)}"
+    if parts.navigation is not None:
+        comment = "drives to goals; without this key Rune's own navigation does"
+        yield f"navigation = {_value(parts.navigation.name)}    # {comment}"
 
 
 def _limits(proposal: RosProposal) -> Iterator[str]:
