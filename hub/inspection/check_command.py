@@ -11,6 +11,7 @@ from hub.gcm.body import BodyFrame, CameraBody, HoldKind, RobotBody
 from hub.inspection import value_text
 from hub.inspection.output import table
 from hub.robots.description import RobotDescription
+from hub.robots.fleet_table import FleetTable
 from hub.robots.registry import body_of
 
 
@@ -18,11 +19,23 @@ def check(robot: RobotDescription, *, as_json: bool) -> int:
     """Show the robot of a file without mistakes; returns the exit code."""
     body = body_of(robot)
     if as_json:
-        put(json.dumps(value_text.plain(body)))
+        shown = value_text.plain(body)
+        if robot.fleet is not None:
+            shown["fleet"] = {"name": robot.fleet.name or robot.name, "words": _fleet(robot.fleet)}
+        put(json.dumps(shown))
         return 0
     put(f"{robot.path}: no mistakes")
-    table(("part", "of", "described as"), [*_rows(body)], words=3)
+    rows = [*_rows(body)]
+    if robot.fleet is not None:
+        rows.append(("fleet", robot.fleet.name or robot.name, _fleet(robot.fleet)))
+    table(("part", "of", "described as"), rows, words=3)
     return 0
+
+
+def _fleet(joined: FleetTable) -> str:
+    shows = f"certificate in {joined.certificates}" if joined.certificates else "no certificate"
+    thin = f"thin states {joined.thin_hz:g} times a second"
+    return f"in {joined.fleet} at {joined.place}, {shows}, {thin}"
 
 
 def _rows(body: RobotBody) -> Iterator[tuple[str, str, str]]:

@@ -10,6 +10,7 @@ from hub.command_output import put
 from hub.errors import RobotFileError
 from hub.inspection.doctor import (
     autopilot_checks,
+    fleet_checks,
     library_checks,
     machine_checks,
     port_checks,
@@ -48,6 +49,7 @@ ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
     "extras": library_checks.extras,
     "autopilot": autopilot_checks.autopilot,
     "ros": ros_checks.ros,
+    "fleet": fleet_checks.fleet,
 }
 
 

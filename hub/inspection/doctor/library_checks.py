@@ -39,26 +39,26 @@ def judged_version(name: str, version: str, ranges: str) -> Finding:
 def extras(robot: RobotDescription) -> list[Finding]:
     """Whether the libraries are there that only some robots need."""
     needed = robot.camera.source != ROBOTS_OWN
-    missing = _missing(_CAMERA_EXTRA)
-    if not missing:
+    lacking = missing(_CAMERA_EXTRA)
+    if not lacking:
         return [ok("all that this robot needs is installed")]
-    text = f"extra {_CAMERA_EXTRA!r} lacks {', '.join(missing)}"
+    text = f"extra {_CAMERA_EXTRA!r} lacks {', '.join(lacking)}"
     install = f'pip install "{_DISTRIBUTION}[{_CAMERA_EXTRA}]"'
     if needed:
         return [problem(f"{text}, which camera {robot.camera.source} needs", install)]
     return [warning(f"{text}: pictures cannot be coded as JPEG", install)]
 
 
-def _missing(extra: str) -> list[str]:
+def missing(extra: str) -> list[str]:
     """Libraries of an extra that are missing or have a wrong version."""
-    missing = []
+    lacking = []
     for wanted in _needs(extra):
         version = _installed(wanted.name)
         if not version:
-            missing.append(wanted.name)
+            lacking.append(wanted.name)
         elif not _fits(version, str(wanted.specifier)):
-            missing.append(f"{wanted.name} {wanted.specifier} (there is {version})")
-    return missing
+            lacking.append(f"{wanted.name} {wanted.specifier} (there is {version})")
+    return lacking
 
 
 def _needs(extra: str) -> list[Requirement]:

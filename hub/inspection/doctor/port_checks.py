@@ -31,7 +31,7 @@ def ports(robot: RobotDescription) -> list[Finding]:
     faults = _faults(_LOCAL, robot.port)
     if not faults:
         return [_crossed(robot.port) or ok(f"{row} are free")]
-    if robot.port in faults and (modules := _modules_of_hub(robot.port)) is not None:
+    if robot.port in faults and (modules := modules_of_hub(robot.port)) is not None:
         return [ok(f"a hub runs at {robot.port}{_who(robot.port)}, with {modules}")]
     return [
         _taken(f"port {port}", port, fault, "choose another port in [hub]")
@@ -111,7 +111,7 @@ def _who(port: int) -> str:
     return f" (pid {found.pid}: {found.name})" if found else ""
 
 
-def _modules_of_hub(port: int) -> str | None:
+def modules_of_hub(port: int) -> str | None:
     """The clients of the hub at this port; None: no hub answers."""
     with contextlib.suppress(HubError):
         client = message_commands.connect(f"tcp://{_LOCAL}:{port}", "doctor", None)
@@ -126,6 +126,6 @@ def _modules_of_hub(port: int) -> str | None:
 
 def _is_of_running_hub(port: int, taken: int) -> bool:
     """Whether the owner of a port is also the hub at `port`, as far as the system shows it."""
-    if port == 0 or port not in _faults(_LOCAL, port) or _modules_of_hub(port) is None:
+    if port == 0 or port not in _faults(_LOCAL, port) or modules_of_hub(port) is None:
         return False
     return owner(taken) == owner(port)
