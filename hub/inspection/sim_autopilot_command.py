@@ -114,6 +114,8 @@ def run_sim_autopilot(options: argparse.Namespace) -> int:
         else:
             for address in server.addresses:
                 put(address)
+            put(f"Drive it from another terminal: rune drive mavlink:{server.addresses[0]}")
+            put("Ctrl-C ends it.")
         ended: list[int] = []
         signal.signal(signal.SIGTERM, lambda number, _: ended.append(number))
         while not ended and not (options.stop_with_stdin and stdin_ended()):

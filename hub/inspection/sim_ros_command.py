@@ -33,7 +33,7 @@ def add_sim_ros(commands: Commands) -> None:
         "last one, as diff_drive_controller does. It has navigation of its own: Nav2's action "
         "/navigate_to_pose, or with --ros1 /move_base. It prints its address, "
         "ws://127.0.0.1:8765. It needs the extra tools: pip install 'robot-user-nexus[tools]'.",
-        epilog="Example: rune-hub sim-ros --twist --arena maze",
+        epilog="Example: rune-hub sim-ros --twist --arena orange",
     )
     command.add_argument(
         "--port",
@@ -116,7 +116,12 @@ def run_sim_ros(options: argparse.Namespace) -> int:
         raise EndpointError(text) from error
     with contextlib.closing(SimulatedBridge(robot, settings, options.port, trace)) as bridge:
         address = f"ws://127.0.0.1:{bridge.port}"
-        put(json.dumps({"event": "listening", "address": address}) if options.json else address)
+        if options.json:
+            put(json.dumps({"event": "listening", "address": address}))
+        else:
+            put(address)
+            put(f"Drive it from another terminal: rune drive {address}")
+            put("Ctrl-C ends it.")
         ended: list[int] = []
         signal.signal(signal.SIGTERM, lambda number, _: ended.append(number))
         while not ended and not (options.stop_with_stdin and stdin_ended()):

@@ -17,6 +17,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -85,6 +86,12 @@ def kind_and_address(text: str) -> tuple[str, str]:
     scheme, is_url, _ = text.partition("://")
     if is_url and scheme in _ROS_PORTS:
         return ROS, text
+    if text.endswith(".toml"):
+        refusal = (
+            f"{text!r} is a robot file, and `rune drive` takes an address: `rune-hub run "
+            f"{shlex.quote(text)}` starts its hub, `rune run auto --hub 127.0.0.1` drives it"
+        )
+        raise DriveAddressError(refusal)
     kind, _, address = text.partition(":")
     if kind != MAVLINK or not address:
         ros, forms = "ws://HOST:8765", "mavlink:udp://:14550"

@@ -45,6 +45,7 @@ _OF_PARTS: Mapping[str, Callable[[RobotBody], object]] = {
     Capability.DRV_LIGHT.value: lambda body: body.lights,
     Capability.DRV_JOINT.value: lambda body: body.joints,
     Capability.DRV_ARM.value: lambda body: body.arms,
+    Capability.DRV_MODE.value: lambda body: body.arms,
 }
 """The capabilities that only a body with certain parts has, and those parts."""
 

@@ -172,6 +172,6 @@ def test_a_publisher_of_another_type_is_not_heard(robot, client):
 def test_what_cannot_start_says_why(robot):
     ended = rune_hub("sim-ros", "--port", str(robot.port))
     assert ended.returncode == 2
-    assert "--port" in ended.stderr
+    assert "another program listens there; name another with --port" in ended.stderr
     assert len(ended.stderr.splitlines()) == 1
     assert rune_hub("sim-ros", "--port", "0", "--arena", "nowhere").returncode == 2

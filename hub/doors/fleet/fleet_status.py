@@ -6,7 +6,7 @@ import json
 import time
 from typing import Any
 
-from hub.command_output import put
+from hub.command_output import print_error, put
 from hub.errors import CodecError, FrameError
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.ipc.roles import Principal
@@ -20,8 +20,11 @@ _ANSWER_S = 2.0
 
 def list_robots(session: FleetSession, fleet: str, *, as_json: bool) -> int:
     """Show the robots that are there."""
-    for robot in _robots(session, fleet):
+    robots = _robots(session, fleet)
+    for robot in robots:
         put(json.dumps({"robot": robot}) if as_json else robot)
+    if not robots:
+        print_error(f"no robot is in the fleet {fleet} now")
     return 0
 
 

@@ -198,9 +198,12 @@ class ToolServer:
                 tls_key=settings.key,
             )
         except (OSError, RuntimeError, ValueError) as error:
+            busy = "in use" in str(error)
+            reason = "another program listens there" if busy else str(error)
+            other = "--port" if busy else "--host, --port or TLS file"
             text = (
-                f"panels cannot be served on {settings.host} port {settings.port} ({error}); give "
-                "another --host, --port or TLS file"
+                f"panels cannot be served on {settings.host} port {settings.port}: {reason}; give "
+                f"another {other}"
             )
             raise DoorError(text) from error
 

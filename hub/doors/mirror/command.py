@@ -110,7 +110,7 @@ def _sentence(event: dict[str, object]) -> str:
     if kind == "robot":
         return f"{robot} is there: {event['endpoint']}"
     if kind == "gone":
-        return f"{robot} is gone: {event['why']}"
+        return f"{robot} is gone: {event['why']}" if event["why"] else f"{robot} is shown no more"
     if kind == "refused":
         return f"{robot} refused a command: {event['why']}"
     if kind == "rate" and event["thin"]:

@@ -6,6 +6,7 @@ The server has threads of its own. They only note what clients do; `serve_once` 
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from collections import deque
@@ -111,6 +112,8 @@ class SimulatedBridge:
         self._goal = ""
         if settings.navigates:
             self._goals = GoalServer(robot, settings.flavour, self._context, self._clock)
+        # A client that leaves without a farewell is no fault of the robot's.
+        foxglove.set_log_level(logging.CRITICAL)
         try:
             self._server = foxglove.start_server(
                 name=_NAME,
@@ -128,7 +131,8 @@ class SimulatedBridge:
                 context=self._context,
             )
         except (OSError, RuntimeError, ValueError) as error:
-            text = f"port {port} of {_LOOPBACK} cannot be used: {error}; name another with --port"
+            busy = "another program listens there" if "in use" in str(error) else str(error)
+            text = f"port {port} of {_LOOPBACK} cannot be used: {busy}; name another with --port"
             raise EndpointError(text) from error
         self.port: int = self._server.port
         self._graph_at = math.inf

@@ -87,8 +87,9 @@ def test_what_a_robot_is_made_without_is_said_once_and_is_no_alarm():
 def test_what_only_some_bodies_have_is_not_missed_without_such_a_part():
     watch = ChangeNotifier()
     seen(watch, LinkPhase.CONNECTED)
-    seen(watch, LinkPhase.CONNECTED, DRV_JOINT=ABSENT)
-    assert seen(watch, LinkPhase.CONNECTED, DRV_JOINT=ABSENT, now=1.1 + GRACE_S) == []
+    seen(watch, LinkPhase.CONNECTED, DRV_JOINT=ABSENT, DRV_MODE=ABSENT)
+    later = 1.1 + GRACE_S
+    assert seen(watch, LinkPhase.CONNECTED, DRV_JOINT=ABSENT, DRV_MODE=ABSENT, now=later) == []
     (alarm,) = seen(watch, LinkPhase.CONNECTED, DRV_JOINT=BROKEN, now=2.0 + GRACE_S)
     assert alarm.alarm, "a module that should be there is missed"
 

@@ -208,7 +208,10 @@ class RosProposal:
                 "it goes on to a goal when this hub or the line to it ends"
             )
         if not self.limits.known:
-            yield "it does not say how fast it may be: raise [limits] once you have seen it drive"
+            yield (
+                f"it does not say how fast it may be, so at most {self.limits.linear:g} m/s: raise "
+                "[limits] in its robot file once you have seen it drive"
+            )
 
     def _places(self) -> Iterator[str]:
         parts, found = self.parts, self.found
