@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from hub.doors.definitions import definitions_of
 from hub.errors import HubError
 from hub.gcm.catalog import BY_NAME
 from hub.ipc.client import Client
@@ -19,7 +20,6 @@ from hub.ipc.wire.definition_listing import from_listing, to_listing
 _logger = logging.getLogger(__name__)
 
 _LIST_S = 5.0
-_ANSWER_S = 2.0
 
 
 class HubMessages:
@@ -60,14 +60,7 @@ class HubMessages:
 
     def _look(self) -> None:
         self._asked = False
-        if not self._client.connected:
-            return
-        try:
-            listing = self._client.directory.listing(_ANSWER_S)
-        except HubError as error:
-            _logger.warning("the messages of the hub are not known: %s", error)
-            return
-        for entry in listing.definitions:
+        for entry in definitions_of(self._client):
             if entry.name not in self.known and entry.name not in self._unusable:
                 self._learn(entry)
 
