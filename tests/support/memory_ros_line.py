@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import field
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,14 @@ from hub.ipc.definition import MessageDefinition
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import FileLoop
 from hub.robots.robot_file import read_description
-from hub.robots.ros.line import RosGraph, RosLineState, RosMessage, RosService, RosTopic
+from hub.robots.ros.line import (
+    RosGraph,
+    RosLineState,
+    RosMessage,
+    RosService,
+    RosTopic,
+    TakeParameters,
+)
 from hub.values import dataclass
 
 ROS1 = get_typestore(Stores.ROS1_NOETIC)
@@ -101,10 +108,7 @@ class MemoryLine:
         self.called.append((service, payload, answered))
 
     def ask_parameters(
-        self,
-        _names: tuple[str, ...],
-        answered: Callable[[Mapping[str, object]], None],
-        _timeout: float,
+        self, _names: tuple[str, ...], answered: TakeParameters, _timeout: float
     ) -> None:
         answered({})
 

@@ -14,6 +14,10 @@ from hub.robots.interfaces import FileLoop
 from hub.values import dataclass
 
 Payload = bytes | memoryview
+TakeAnswer = Callable[[Payload | None, str], None]
+"""Takes the answer of a service and ""; or None and the reason why there is none."""
+TakeParameters = Callable[[Mapping[str, object]], None]
+"""Takes the parameters that there are, perhaps none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,33 +162,24 @@ class RosLine(Protocol):
             Whether it left.
         """
 
-    def call(
-        self,
-        service: str,
-        payload: Payload,
-        answered: Callable[[Payload | None, str], None],
-        timeout: float,
-    ) -> None:
+    def call(self, service: str, payload: Payload, answered: TakeAnswer, timeout: float) -> None:
         """Call a service.
 
         Args:
             service: Its name.
             payload: The request, in the encoding of the service.
-            answered: Takes the answer and ""; or None and the reason why there is none.
+            answered: Takes the answer.
             timeout: Longest time until then [s].
         """
 
     def ask_parameters(
-        self,
-        names: tuple[str, ...],
-        answered: Callable[[Mapping[str, object]], None],
-        timeout: float,
+        self, names: tuple[str, ...], answered: TakeParameters, timeout: float
     ) -> None:
         """Read parameters, such as "/diff_drive_controller.cmd_vel_timeout".
 
         Args:
             names: Their names; none: all.
-            answered: Takes those that there are, perhaps none.
+            answered: Takes their values.
             timeout: Longest time until then [s].
         """
 

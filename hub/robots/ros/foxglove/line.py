@@ -18,7 +18,14 @@ from hub.robots.ros.foxglove.bridge_graph import BridgeTopics
 from hub.robots.ros.foxglove.connection import FoxgloveConnection
 from hub.robots.ros.foxglove.questions import OpenQuestions
 from hub.robots.ros.foxglove.subscriptions import TopicSubscriptions
-from hub.robots.ros.line import Payload, RosGraph, RosLineState, RosMessage
+from hub.robots.ros.line import (
+    Payload,
+    RosGraph,
+    RosLineState,
+    RosMessage,
+    TakeAnswer,
+    TakeParameters,
+)
 
 _MOST_STATUSES: Final = 8
 """Newest sentences of the bridge that are kept."""
@@ -110,13 +117,7 @@ class FoxgloveLine:
         self._dropped += not left
         return left
 
-    def call(
-        self,
-        service: str,
-        payload: Payload,
-        answered: Callable[[Payload | None, str], None],
-        timeout: float,
-    ) -> None:
+    def call(self, service: str, payload: Payload, answered: TakeAnswer, timeout: float) -> None:
         """Call a service."""
         found = self._topics.service(service)
         if not self._connection.up:
@@ -133,10 +134,7 @@ class FoxgloveLine:
             self._connection.send(wire.request(number, name, encoding, payload), text=False)
 
     def ask_parameters(
-        self,
-        names: tuple[str, ...],
-        answered: Callable[[Mapping[str, object]], None],
-        timeout: float,
+        self, names: tuple[str, ...], answered: TakeParameters, timeout: float
     ) -> None:
         """Read parameters."""
         if not self._can(wire.PARAMETERS) or self._questions.full:

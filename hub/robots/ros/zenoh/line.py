@@ -11,12 +11,19 @@ import os
 import socket
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Final
 
 from hub.robots.interfaces import FileLoop
 from hub.robots.ros.address import RosAddress
-from hub.robots.ros.line import Payload, RosGraph, RosLineState, RosMessage
+from hub.robots.ros.line import (
+    Payload,
+    RosGraph,
+    RosLineState,
+    RosMessage,
+    TakeAnswer,
+    TakeParameters,
+)
 from hub.robots.ros.zenoh.parameters import ParameterQuestion
 from hub.robots.ros.zenoh.router_link import RouterLink
 from hub.robots.ros.zenoh.service_calls import ServiceCalls
@@ -132,13 +139,7 @@ class ZenohLine:
         self._dropped += not left
         return left
 
-    def call(
-        self,
-        service: str,
-        payload: Payload,
-        answered: Callable[[Payload | None, str], None],
-        timeout: float,
-    ) -> None:
+    def call(self, service: str, payload: Payload, answered: TakeAnswer, timeout: float) -> None:
         """Call a service."""
         ends = self._tokens.endpoints(EntityKind.SERVER, service)
         session = self._link.session
@@ -151,10 +152,7 @@ class ZenohLine:
             self._calls.call(session, domain, ends[0], bytes(payload), answered, timeout, now)
 
     def ask_parameters(
-        self,
-        names: tuple[str, ...],
-        answered: Callable[[Mapping[str, object]], None],
-        timeout: float,
+        self, names: tuple[str, ...], answered: TakeParameters, timeout: float
     ) -> None:
         """Read parameters, such as "/diff_drive_controller.cmd_vel_timeout"; no names: all."""
         ParameterQuestion(self, answered, timeout).ask(names)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Mapping
-from typing import Final, Protocol
+from collections.abc import Callable
+from typing import Final
 
 from hub.errors import CodecError, RosMessageError
 from hub.ipc.formats.codec import Codec
 from hub.ipc.formats.grammar import Primitive, Struct, VariableArray
-from hub.robots.ros.line import Payload, RosGraph, RosTopic
+from hub.robots.ros.line import Payload, RosLine, RosTopic, TakeParameters
 from hub.ros.decoding import RosDecoder
 from hub.ros.values import RosValue
 
@@ -28,22 +28,12 @@ _ANSWERS: Final = {
     _LIST: b"rcl_interfaces/ListParametersResult result\n",
     _GET: b"rcl_interfaces/ParameterValue[] values\n",
 }
-Answered = Callable[[Payload | None, str], None]
-
-
-class _Caller(Protocol):
-    @property
-    def graph(self) -> RosGraph: ...
-
-    def call(self, service: str, payload: Payload, answered: Answered, timeout: float) -> None: ...
 
 
 class ParameterQuestion:
     """One question for parameters, to all nodes that it concerns."""
 
-    def __init__(
-        self, line: _Caller, answered: Callable[[Mapping[str, object]], None], timeout: float
-    ) -> None:
+    def __init__(self, line: RosLine, answered: TakeParameters, timeout: float) -> None:
         self._line, self._answered, self._timeout = line, answered, timeout
         self._found: dict[str, object] = {}
         self._open = 0

@@ -7,11 +7,9 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from hub.robots.ros.line import Payload
+from hub.robots.ros.line import TakeAnswer
 from hub.ros.rmw_zenoh import GID_BYTES, Endpoint, MessageOrigin
 from hub.zenoh.session import ZenohSession
-
-Answered = Callable[[Payload | None, str], None]
 
 
 class ServiceCalls:
@@ -19,20 +17,20 @@ class ServiceCalls:
 
     def __init__(self, wake: Callable[[], None]) -> None:
         self._wake = wake
-        self._open: dict[int, tuple[Answered, str, float]] = {}
+        self._open: dict[int, tuple[TakeAnswer, str, float]] = {}
         self._came: deque[tuple[int, bytes | None]] = deque()
         self._gid = os.urandom(GID_BYTES)
         self._last = 0
 
-    def refuse(self, answered: Answered, why: str) -> None:
+    def refuse(self, answered: TakeAnswer, why: str) -> None:
         """Answer a call that cannot be made."""
         self._last += 1
         self._open[self._last] = (answered, why, -float("inf"))
         self._wake()
 
     def call(
-        self, session: ZenohSession, domain: int, end: Endpoint, payload: bytes, answered: Answered,
-        timeout: float, now: float,
+        self, session: ZenohSession, domain: int, end: Endpoint, payload: bytes,
+        answered: TakeAnswer, timeout: float, now: float,
     ) -> None:  # fmt: skip
         """Call a service."""
         self._last += 1

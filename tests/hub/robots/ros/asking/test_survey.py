@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
 from hub.robots.ros.address import ros_address
 from hub.robots.ros.asking.survey import RosSurvey
+from hub.robots.ros.line import TakeParameters
 from tests.support.memory_ros_line import MemoryLine
 from tests.support.ros_findings import ADDRESS
 
@@ -16,10 +15,7 @@ class SlowLine(MemoryLine):
     """It learns of nodes only after a while, as a line over Zenoh does."""
 
     def ask_parameters(
-        self,
-        _names: tuple[str, ...],
-        answered: Callable[[Mapping[str, object]], None],
-        _timeout: float,
+        self, _names: tuple[str, ...], answered: TakeParameters, _timeout: float
     ) -> None:
         answered({TIME_OUT: 0.5} if self.graph.topics else {})
 
