@@ -1,6 +1,6 @@
 """The stale stick, many times each: hands, console, link, robot and wheels on one clock.
 
-`tests/system/test_stale_stick.py` does the same to real processes, fewer times.
+`tests/system/stale_stick/test_stale_stick.py` does the same to real processes, fewer times.
 """
 
 from __future__ import annotations

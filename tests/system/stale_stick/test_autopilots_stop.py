@@ -1,6 +1,6 @@
 """A vehicle with an autopilot stops when its commands end, and stands until driven from neutral.
 
-The cases are those of `stale_stick`, and what can happen at the vehicle's own link: it is cut, the
+The cases are those of `cases.py`, and what can happen at the vehicle's own link: it is cut, the
 autopilot starts again, another ground station changes the mode. After those, an order of the
 operator is needed too. `make soak` plays all cases; `test_autopilot` shows some in `make test`.
 """
@@ -9,22 +9,23 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import pytest
 
-from tests.conftest import leaving_nothing
 from tests.support.fake_hid import needs_virtual_devices
 from tests.support.mavlink_numbers import ARM, RESTART, SET_MODE
-from tests.system import stale_stick
-from tests.system.driven_autopilot import (
-    AUTOPILOTS,
-    DOOR,
-    DRIVING_MODES,
-    RecordedAutopilot,
+from tests.system.driven_autopilot import AUTOPILOTS, DOOR, DRIVING_MODES, RecordedAutopilot
+from tests.system.stale_stick import cases
+from tests.system.stale_stick.actions import (
+    Action,
+    Scene,
+    insist,
+    linked,
+    signal_module,
+    started_again,
 )
-from tests.system.stale_stick import Case, once_and_often, play, playing
-from tests.system.stale_stick_actions import Action, Scene, linked, signal_module, started_again
+from tests.system.stale_stick.cases import Case, once_and_often, play
 
 pytestmark = needs_virtual_devices
 
@@ -40,14 +41,6 @@ def autopilot(scene: Scene) -> RecordedAutopilot:
     record = scene.robot.record
     assert isinstance(record, RecordedAutopilot)
     return record
-
-
-def insist(scene: Scene, seconds: float) -> None:
-    """Keep the stick deflected."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        scene.robot.insist()
-        scene.robot.pump()
 
 
 def cut(*ways: str) -> Action:
@@ -153,14 +146,14 @@ RESTARTED = Case(
     stopped_s=NEXT_HEARTBEAT_S,
 )
 CASES = (
-    stale_stick.UNPLUGGED,
-    stale_stick.KILLED,
-    stale_stick.ASLEEP,
-    stale_stick.NETWORK_CUT,
-    stale_stick.NAVIGATION_KILLED,
-    stale_stick.NAVIGATION_FROZEN,
-    stale_stick.HUB_KILLED,
-    stale_stick.STOPPED,
+    cases.UNPLUGGED,
+    cases.KILLED,
+    cases.ASLEEP,
+    cases.NETWORK_CUT,
+    cases.NAVIGATION_KILLED,
+    cases.NAVIGATION_FROZEN,
+    cases.HUB_KILLED,
+    cases.STOPPED,
     DRIVER_KILLED,
     LINK_CUT,
     Case(name="commands cut", strike=cut("to_vehicle"), mend=join, ends=True),
@@ -181,7 +174,8 @@ CASES = (
         stopped_s=NEXT_HEARTBEAT_S,
     ),
 )
-QUICK = {"rover": MODE_CHANGED}
+BODIES = tuple(f"{DOOR}{kind}" for kind in AUTOPILOTS)
+QUICK = {f"{DOOR}rover": MODE_CHANGED}
 """The case of a vehicle in `make test`."""
 REST_S = {"rover": 2.2, "sub": 4.8, "blimp": 4.0}
 """Longest time from the event to rest [s], where the vehicle brakes; in depth hold a Sub coasts."""
@@ -189,33 +183,15 @@ LATER_S = 1.5
 """The same takes longer where the vehicle's commands are not cut, but its answers [s]."""
 
 
-@pytest.fixture(scope="module", autouse=True)
-def nothing_left_behind() -> Iterator[None]:
-    """The processes that a case starts stay for the next one."""
-    with leaving_nothing():
-        yield
-
-
-@pytest.fixture(scope="module")
-def scene(
-    nothing_left_behind: None,
-    request: pytest.FixtureRequest,
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Iterator[Scene]:
-    del nothing_left_behind
-    body = f"{DOOR}{request.param}"
-    with playing(tmp_path_factory.mktemp(body), body) as opened:
-        yield opened
-
-
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(
-    ("scene", "kind", "case", "count"),
-    once_and_often(QUICK, AUTOPILOTS, CASES, REPETITIONS),
+    ("scene", "body", "case", "count"),
+    once_and_often(QUICK, BODIES, CASES, REPETITIONS),
     indirect=["scene"],
 )
 def test_it_stops_and_stands_until_it_is_driven_from_neutral(
-    scene: Scene, kind: str, case: Case, count: int, tell: Callable[..., None]
+    scene: Scene, body: str, case: Case, count: int, tell: Callable[..., None]
 ) -> None:
-    later = LATER_S if case.stopped_s > stale_stick.STOPPED_S else 0.0
+    kind = body.removeprefix(DOOR)
+    later = LATER_S if case.stopped_s > cases.STOPPED_S else 0.0
     play(scene, case, count, REST_S[kind] + later, tell, rolls=kind != "blimp")

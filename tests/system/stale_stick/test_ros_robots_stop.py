@@ -1,6 +1,6 @@
 """A robot with ROS stops when its commands end, and stands until driven from neutral.
 
-The cases are those of `stale_stick`, and what can happen to the bridge and to the line: it is held
+The cases are those of `cases.py`, and what can happen to the bridge and to the line: it is held
 and comes back with all that waited, it is reset, the bridge pauses, or starts again. `make soak`
 plays all cases; `make test` plays one.
 """
@@ -10,24 +10,24 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import pytest
 
-from tests.conftest import leaving_nothing
 from tests.support.fake_hid import needs_virtual_devices
 from tests.support.held_relay import TO_HUB, TO_ROBOT
-from tests.system import stale_stick
 from tests.system.driven_ros import OPTIONS, RecordedRos
-from tests.system.stale_stick import Case, once_and_often, play, playing
-from tests.system.stale_stick_actions import (
+from tests.system.stale_stick import cases
+from tests.system.stale_stick.actions import (
     Action,
     Scene,
+    insist,
     linked,
     module,
     signal_module,
     started_again,
 )
+from tests.system.stale_stick.cases import Case, once_and_often, play
 
 pytestmark = needs_virtual_devices
 
@@ -43,14 +43,6 @@ def record(scene: Scene) -> RecordedRos:
     found = scene.robot.record
     assert isinstance(found, RecordedRos)
     return found
-
-
-def insist(scene: Scene, seconds: float) -> None:
-    """Keep the stick deflected."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        scene.robot.insist()
-        scene.robot.pump()
 
 
 def hold(*ways: str) -> Action:
@@ -97,14 +89,14 @@ def driver_goes_on(scene: Scene) -> None:
 
 PAUSED = Case(name="bridge paused", strike=pause, mend=insist_long)
 CASES = (
-    stale_stick.UNPLUGGED,
-    stale_stick.KILLED,
-    stale_stick.ASLEEP,
-    stale_stick.NETWORK_CUT,
-    stale_stick.NAVIGATION_KILLED,
-    stale_stick.NAVIGATION_FROZEN,
-    stale_stick.HUB_KILLED,
-    stale_stick.STOPPED,
+    cases.UNPLUGGED,
+    cases.KILLED,
+    cases.ASLEEP,
+    cases.NETWORK_CUT,
+    cases.NAVIGATION_KILLED,
+    cases.NAVIGATION_FROZEN,
+    cases.HUB_KILLED,
+    cases.STOPPED,
     Case(
         name="driver killed",
         strike=signal_module("driver", signal.SIGKILL),
@@ -130,25 +122,6 @@ CASES = (
 )
 QUICK = {"ros-stamped": PAUSED}
 """The case in `make test`."""
-
-
-@pytest.fixture(scope="module", autouse=True)
-def nothing_left_behind() -> Iterator[None]:
-    """The processes that a case starts stay for the next one."""
-    with leaving_nothing():
-        yield
-
-
-@pytest.fixture(scope="module")
-def scene(
-    nothing_left_behind: None,
-    request: pytest.FixtureRequest,
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Iterator[Scene]:
-    del nothing_left_behind
-    body = str(request.param)
-    with playing(tmp_path_factory.mktemp(body), body) as opened:
-        yield opened
 
 
 @pytest.mark.timeout(600)

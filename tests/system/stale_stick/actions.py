@@ -243,3 +243,11 @@ def rival_pushes(scene: Scene) -> None:
     """Somebody else holds a key all the time."""
     rival = scene.robot.start_rival()
     scene.robot.finger.press(lambda: rival.terminal, "s")
+
+
+def insist(scene: Scene, seconds: float) -> None:
+    """Keep the stick deflected for a while [s]."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        scene.robot.insist()
+        scene.robot.pump()

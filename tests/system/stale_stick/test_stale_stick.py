@@ -7,34 +7,18 @@ and does not count.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import pytest
 
-from tests.conftest import leaving_nothing
 from tests.support.bodies import REST_S
 from tests.support.fake_hid import needs_virtual_devices
-from tests.system.stale_stick import CASES, Case, play, playing
-from tests.system.stale_stick_actions import Scene
+from tests.system.stale_stick.actions import Scene
+from tests.system.stale_stick.cases import CASES, Case, play
 
 pytestmark = needs_virtual_devices
 
 REPETITIONS = 30
-
-
-@pytest.fixture(scope="module", autouse=True)
-def nothing_left_behind() -> Iterator[None]:
-    """The processes that a case starts stay for the next one."""
-    with leaving_nothing():
-        yield
-
-
-@pytest.fixture(scope="module")
-def scene(nothing_left_behind: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
-    del nothing_left_behind
-    folder = tmp_path_factory.mktemp("stale-stick")
-    with playing(folder, "magellan") as opened:
-        yield opened
 
 
 @pytest.mark.timeout(600)

@@ -24,7 +24,7 @@ from tests.support.wall_clock import WallClock
 from tests.system.driven_robot import DrivenRobot
 from tests.system.recorded_robot import Row
 from tests.system.ssh_server import SshServer
-from tests.system.stale_stick_actions import (
+from tests.system.stale_stick.actions import (
     Action,
     Scene,
     agent_awake,
