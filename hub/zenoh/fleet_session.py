@@ -220,6 +220,18 @@ class FleetSession(ZenohSession):
         return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
 
 
+def check_certificates(settings: dict[str, Any]) -> None:
+    """See that the certificates in settings are there.
+
+    Raises:
+        KeyFileError: One is not.
+    """
+    for setting, named in settings.get("transport/link/tls", {}).items():
+        if setting != "enable_mtls" and not Path(named).is_file():
+            reason = "it is not there; `rune-hub fleet keys make` makes it, then copy it here"
+            raise KeyFileError(named, reason)
+
+
 def open_fleet_session(
     place: RouterPlace, settings: dict[str, Any], *, mode: str = "client"
 ) -> FleetSession:
@@ -229,10 +241,7 @@ def open_fleet_session(
         RouterUnreachableError: No router answers there, or Zenoh is not installed.
         KeyFileError: A certificate is not there.
     """
-    for setting, named in settings.get("transport/link/tls", {}).items():
-        if setting != "enable_mtls" and not Path(named).is_file():
-            reason = "it is not there; `rune-hub fleet keys make` makes it, then copy it here"
-            raise KeyFileError(named, reason)
+    check_certificates(settings)
     try:
         return FleetSession(connect(str(place), mode=mode, settings=settings))
     except RouterUnreachableError as error:

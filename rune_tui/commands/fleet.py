@@ -13,8 +13,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Protocol
 
-from hub.errors import CentralUnreachableError, HubError
+from hub.errors import CentralUnreachableError, EndpointError, HubError
 from hub.plain_text import plain
+from hub.zenoh.settings import parse_place
 from rune_tui.commands.auto import auto_layout
 from rune_tui.link.fleet_mirrors import FleetMirror, FleetMirrors, FleetPlace
 from rune_tui.startup.fleet_layout import MOST, fleet_layout_text
@@ -29,12 +30,20 @@ _LOOK_S = 0.02
 
 
 def fleets_of(options: argparse.Namespace) -> contextlib.closing[FleetMirrors]:
-    """The fleets that the options name; none is joined yet."""
+    """The fleets that the options name; none is joined yet.
+
+    Raises:
+        EndpointError: What should name a router names none, or its certificates are not given.
+    """
+    secure = bool(options.fleet) and parse_place(options.fleet).scheme == "tls"
+    if secure and options.keys is None:
+        text = f"{options.fleet} needs your certificate: give the folder with its files by --keys"
+        raise EndpointError(text)
     place = FleetPlace(
         router=options.fleet or "",
         name=options.fleet_name,
         operator=options.fleet_operator,
-        keys=options.keys if (options.fleet or "").startswith("tls/") else None,
+        keys=options.keys if secure else None,
     )
     return contextlib.closing(FleetMirrors(place))
 
@@ -54,6 +63,7 @@ def with_fleet_files(
 
     Raises:
         CentralUnreachableError: None of them is there.
+        EndpointError: The fleet cannot be joined so.
     """
     mirror = mirrors.join(fleet, named)
     robots = _present(mirror, named)
@@ -143,6 +153,8 @@ def _present(mirror: FleetMirror, named: Sequence[str]) -> list[str]:
     seen: tuple[str, ...] = ()
     found: tuple[str, ...] = ()
     while time.monotonic() < end and not (named and set(named) <= set(found)):
+        if mirror.refused:
+            raise EndpointError(mirror.trouble)
         found = mirror.present
         if found != seen:
             seen, since = found, time.monotonic()

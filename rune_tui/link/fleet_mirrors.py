@@ -20,6 +20,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
+from hub.command_line import ExitCode
 from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.ipc.roles import Role
 from hub.ipc.security.publish_rights import may_publish
@@ -61,7 +62,11 @@ class FleetPlace:
 
 
 class FleetMirror:
-    """One such program, and what it says; a thread reads it and starts it again."""
+    """One such program, and what it says; a thread reads it and starts it again.
+
+    Attributes:
+        refused: Whether it refused what it was given; it is not started again then.
+    """
 
     def __init__(self, place: FleetPlace, robots: Collection[str] = ()) -> None:
         """Start it.
@@ -71,6 +76,7 @@ class FleetMirror:
             robots: Names of the robots to show; none: all.
         """
         self.place, self.robots = place, frozenset(robots)
+        self.refused = self._heard = False
         self._folder = Path(tempfile.mkdtemp(prefix="rune-"))  # mkdtemp admits only this user
         self._there: dict[str, bool] = {}
         self._notices: dict[str, collections.deque[str]] = {}
@@ -136,12 +142,16 @@ class FleetMirror:
         while not self._ending.is_set():
             process = self._process
             if process is not None and process.stdout is not None:
-                for line in process.stdout:
-                    self._hear(line)
+                with process.stdout as lines:
+                    for line in lines:
+                        self._hear(line)
             self._stop()
             for name in self._there:
                 self._there[name] = False
             if self._ending.is_set():
+                return
+            if process is not None and process.returncode == ExitCode.USAGE and not self._heard:
+                self._trouble, self.refused = self._last_words(), True
                 return
             self._trouble = f"the program that joins the fleet ended: {self._last_words()}"
             _logger.warning("%s; starting it again", self._trouble)
@@ -156,6 +166,7 @@ class FleetMirror:
             said: dict[str, Any] = json.loads(line)
         except ValueError:
             return
+        self._heard = True
         event, robot = said.get("event"), str(said.get("robot", ""))
         why = plain(str(said.get("why", "")))[:_MOST_WORDS]
         if event == "robot":

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from hub.command_line import ExitCode
 from hub.errors import CentralUnreachableError
 from rune_tui.commands import fleet as fleet_command
 from rune_tui.commands.fleet import FleetFiles
@@ -15,6 +16,8 @@ from rune_tui.layout.watching import LayoutSource
 from rune_tui.model.console_state import ConsoleState, carried_over
 from rune_tui.startup.fleet_layout import MOST
 from rune_tui.startup.opening import open_layout
+from tests.support.command_line import rune
+from tests.support.ports import free_port
 from tests.support.waiting import until
 
 OWN = """<rune run="1"><robot name="{robot}" fleet="{fleet}"/><view xsize="80" ysize="48">
@@ -109,3 +112,27 @@ def test_robots_beyond_the_most_and_without_a_description_are_said_and_do_no_har
     )
     assert robots_of(source.next()) == [*robots, "dumb"]
     assert len(files.names()) == MOST
+
+
+@pytest.mark.parametrize(
+    ("place", "said"),
+    [
+        ("127.0.0.1:7447", "write tcp/HOST:PORT or tls/HOST:PORT, such as tcp/127.0.0.1:7447"),
+        ("rune", "write tcp/HOST:PORT or tls/HOST:PORT"),
+        ("tls/fleet.example:7447", "give the folder with its files by --keys"),
+    ],
+)
+def test_what_names_no_router_is_refused_before_anything_starts(place: str, said: str) -> None:
+    done = rune("shot", "auto", "--fleet", place, "-o", "nowhere.png")
+    assert done.returncode == ExitCode.USAGE
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_mirror_that_refuses_what_it_is_given_is_not_started_again(tmp_path: Path) -> None:
+    words = ("--keys", str(tmp_path), "--as", "operate:ann", "-o", "nowhere.png")
+    done = rune("shot", "auto", "--fleet", f"tls/127.0.0.1:{free_port()}", *words)
+    assert done.returncode == ExitCode.USAGE
+    assert f"key file {tmp_path / 'authority.pem'} cannot be used" in done.stderr
+    assert "again" not in done.stderr
+    assert len(done.stderr.splitlines()) == 1

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from hub.command_line import CommandParser, Commands, login_name, number_type
-from hub.command_output import put
+from hub.command_output import print_error, put
 from hub.errors import HubError
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, endpoint_of
 from hub.ipc.roles import Principal, Role
@@ -136,12 +136,25 @@ def _run_keys(options: argparse.Namespace) -> int:
     if options.action == "make":
         files = certificates.make(options.name, options.role, days=options.days)
         put(f"{files.certificate}\n{files.key}\n{files.authority}")
+        print_error(_use_of(options.role, options.name, certificates.folder))
     elif options.action == "remove":
         certificates.remove(options.name)
     else:
         for name in certificates.holders():
             put(json.dumps({"name": name}) if options.json else name)
     return 0
+
+
+def _use_of(role: str, name: str, folder: Path) -> str:
+    """Where the files of a certificate go, and what takes them there."""
+    if role == "router":
+        return f"they stay here: rune-hub fleet router --listen tls/0.0.0.0:7447 --tls {folder}"
+    if role == "robot":
+        return f"copy them into a folder of {name}; `certificates` of [fleet] in its file names it"
+    return (
+        f"copy them into a folder where {name} works; there: "
+        f"rune run auto --fleet tls/HOST:7447 --as {role}:{name} --keys FOLDER"
+    )
 
 
 def _add_mirror(tasks: Commands, named: CommandParser) -> None:
@@ -200,6 +213,9 @@ def _place(text: str) -> RouterPlace:
 
 
 def _fleet(text: str) -> str:
+    if text.startswith(("tcp/", "tls/")):
+        message = f"{text!r} is a place; --fleet names a fleet, and --connect {text} its router"
+        raise argparse.ArgumentTypeError(message)
     return _checked(check_fleet, text)
 
 

@@ -20,6 +20,7 @@ from hub.ipc.roles import Principal
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.zenoh.fleet_line import ZenohFleetLine
+from hub.zenoh.fleet_session import check_certificates
 from hub.zenoh.settings import CertificateFiles, RouterPlace, client_settings
 
 _logger = logging.getLogger(__name__)
@@ -48,7 +49,9 @@ class MirrorEvents:
         if joined:
             self.say({"event": "joined", "router": str(self._place)})
         else:
-            self.say({"event": "apart", "why": f"no router of the fleet answers at {self._place}"})
+            refuses = " or it refuses the certificate" if self._place.scheme == "tls" else ""
+            why = f"no router of the fleet answers at {self._place}{refuses}"
+            self.say({"event": "apart", "why": why})
 
 
 def run_mirror(
@@ -63,9 +66,11 @@ def run_mirror(
 
     Raises:
         EndpointError: TLS and certificates do not go together.
+        KeyFileError: A certificate is not there.
     """
     place: RouterPlace = options.connect
     settings = client_settings(place, certificates=certificates)
+    check_certificates(settings)
     ended = threading.Event()
     loop = Loop()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

@@ -153,6 +153,9 @@ def test_commands_say_what_they_made_and_what_is_wrong(tmp_path: Path) -> None:
     where = ("--folder", str(tmp_path / "fleet"))
     done = rune_hub(*keys, "make", "alice", "--role", "operate", *where)
     assert (done.returncode, "operate-alice.pem" in done.stdout) == (0, True)
+    assert "--as operate:alice --keys FOLDER" in done.stderr
+    place = rune_hub("fleet", "list", "--fleet", "tls/robot:7447")
+    assert (place.returncode, "--connect tls/robot:7447" in place.stderr) == (2, True)
     assert rune_hub(*keys, "list", "--json", *where).stdout == '{"name": "operate:alice"}\n'
     refused = rune_hub("fleet", "router", "--listen", "tcp/0.0.0.0:7447")
     assert (refused.returncode, "this machine only" in refused.stderr) == (2, True)
