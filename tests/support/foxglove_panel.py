@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
 import struct
-import subprocess
-import sys
 import time
 from collections import defaultdict
 from contextlib import ExitStack
@@ -16,35 +13,23 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from websockets.sync.client import connect
 
 from hub.doors.panels.wishes import CMD_VEL
-from tests.support import warm_start
+from tests.support.running_command import RunningCommand
 from tests.support.waiting import until
 
 SUBPROTOCOL = "foxglove.sdk.v1"
 _WAIT_S = 20.0
 
 
-class DoorProcess:
-    """`rune-hub serve foxglove`, from start to end."""
+class DoorProcess(RunningCommand):
+    """`rune-hub serve foxglove`.
+
+    Attributes:
+        address: Where programs connect.
+    """
 
     def __init__(self, hub: str, *options: str) -> None:
-        command = [sys.executable, "-m", "hub", "serve", "foxglove", "--hub", hub, "--port", "0"]
-        self.process = warm_start.start(
-            [*command, "--json", "--stop-with-stdin", *options],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=sys.__stderr__.fileno() if sys.__stderr__ else 2,
-            environment=dict(os.environ),
-        )
-        assert self.process.stdout is not None
-        self.ready: dict[str, Any] = json.loads(self.process.stdout.readline())
+        super().__init__("serve", "foxglove", "--hub", hub, "--port", "0", *options)
         self.address: str = self.ready["address"]
-
-    def close(self) -> None:
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        self.process.stdin.close()
-        self.process.wait(10.0)
-        self.process.stdout.close()
 
 
 class Panels:

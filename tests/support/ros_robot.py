@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +11,7 @@ from typing import Any, Final
 from websockets import Subprotocol
 from websockets.sync.client import ClientConnection, connect
 
-from tests.support import warm_start
+from tests.support.running_command import RunningCommand
 
 _SUBPROTOCOL: Final = Subprotocol("foxglove.sdk.v1")
 
@@ -44,16 +40,10 @@ class SimulatedRos:
         self._start(port)
 
     def _start(self, port: int) -> None:
-        said = ["--json", "--stop-with-stdin", "--trace", str(self.trace), "--port", str(port)]
-        self.process = warm_start.start(
-            [sys.executable, "-m", "hub", "sim-ros", *said, *self._options],
-            environment=dict(os.environ),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        )
-        assert self.process.stdout is not None
-        address = json.loads(self.process.stdout.readline())["address"]
-        self.port = int(address.rpartition(":")[2])
+        place = ("--trace", str(self.trace), "--port", str(port))
+        self._command = RunningCommand("sim-ros", *place, *self._options)
+        self.process = self._command.process
+        self.port = int(self._command.ready["address"].rpartition(":")[2])
 
     @property
     def address(self) -> str:
@@ -77,8 +67,7 @@ class SimulatedRos:
                 pass
 
     def kill(self) -> None:
-        self.process.send_signal(signal.SIGKILL)
-        self.close()
+        self._command.kill()
 
     def start_again(self) -> None:
         """Kill it, and start another one at the same port."""
@@ -86,10 +75,7 @@ class SimulatedRos:
         self._start(self.port)
 
     def close(self) -> None:
-        for pipe in (self.process.stdin, self.process.stdout):
-            if pipe is not None:
-                pipe.close()
-        self.process.wait(10.0)
+        self._command.close()
 
 
 def _is_answer(message: str | bytes) -> bool:

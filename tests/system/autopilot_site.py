@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -35,8 +30,8 @@ from hub.gcm.navigation import (
 )
 from hub.gcm.vehicle import VEHICLE_COMMAND, VEHICLE_STATE, VehicleCommand, VehicleOrder
 from hub.ipc.client import Client
-from tests.support import warm_start
 from tests.support.mavlink_relay import MavlinkRelay
+from tests.support.running_command import RunningCommand
 from tests.support.waiting import until
 from tests.system.harness import HubProcess, Observer
 
@@ -69,31 +64,18 @@ def vehicle_tables(kind: str, port: int) -> str:
     return _TABLES.format(port=port, limits=_LIMITS[kind])
 
 
-class SimulatedVehicle:
-    """`rune-hub sim-autopilot`, from start to end."""
+class SimulatedVehicle(RunningCommand):
+    """`rune-hub sim-autopilot`.
+
+    Attributes:
+        port: Its TCP port on loopback.
+    """
 
     def __init__(self, kind: str, parameters: Sequence[str] = (), *, booted: bool = True) -> None:
-        options = ["--tcp", "0", "--json", "--stop-with-stdin", *["--fast-boot"] * booted]
         settings = ["--parameters", *parameters] if parameters else []
-        self.process = warm_start.start(
-            [sys.executable, "-m", "hub", "sim-autopilot", kind, *options, *settings],
-            environment=dict(os.environ),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        )
-        assert self.process.stdout is not None
-        (address,) = json.loads(self.process.stdout.readline())["addresses"]
+        super().__init__("sim-autopilot", kind, "--tcp", "0", *["--fast-boot"] * booted, *settings)
+        (address,) = self.ready["addresses"]
         self.port = int(address.rpartition(":")[2])
-
-    def kill(self) -> None:
-        self.process.send_signal(signal.SIGKILL)
-        self.close()
-
-    def close(self) -> None:
-        for pipe in (self.process.stdin, self.process.stdout):
-            if pipe is not None:
-                pipe.close()
-        self.process.wait(10.0)
 
 
 class Operator:

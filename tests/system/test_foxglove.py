@@ -20,11 +20,10 @@ from hub.gcm.navigation import GROUND_TRUTH, ROBOT_STATE, STOP, VELOCITY_COMMAND
 from hub.ipc.client import Client
 from tests.support.foxglove_panel import DoorProcess, Panels
 from tests.support.ports import free_port
+from tests.system.door_stops import STOP_S, free, stopped_after
 from tests.system.harness import HubProcess, Observer, expect_stop, in_soak
 
 HUB = {"modules": ("driver", "navigation", "vision", "mapping")}
-STOP_S = 0.5
-"""Silence counts after 0.25 s; the rest is for a busy machine [s]."""
 FLOOD = 5_000
 
 
@@ -147,20 +146,6 @@ def hold(panels: Panels, observer: Observer, ahead: float = 0.3) -> float:
 
     panels.wait(driven, why="the robot does not drive;")
     return sent
-
-
-def stopped_after(observer: Observer, since: float) -> float:
-    """Time from a moment until the robot was commanded to stand [s]."""
-    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "the wheels are driven on")
-    observer.wait(lambda: observer.history[-1][0] > since, 5.0)
-    driven = [at for at, truth in observer.history if truth.commanded_linear != 0.0]
-    return driven[-1] - since
-
-
-def free(client: Client) -> None:
-    """End control, as somebody at the robot does."""
-    request = ControlRequest(action=ControlAction.FREE)
-    client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=5.0)
 
 
 def test_a_panel_drives_and_its_silence_stops_the_robot(panels: Panels, observer: Observer) -> None:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import random
 import signal
-import subprocess
-import sys
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
@@ -18,47 +15,28 @@ from typing import Any
 import pytest
 
 from hub.doors.panels.panel_drive import SILENCE_S
-from hub.gcm.common import COMMON_RESULT
-from hub.gcm.control import CONTROL_REQUEST, ControlAction, ControlRequest
 from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.navigation import DRIVE_STATE, GROUND_TRUTH, VELOCITY_COMMAND
 from hub.ipc.client import Client
-from tests.support import warm_start
 from tests.support.command_line import rune_hub
 from tests.support.ports import free_port
 from tests.support.ros_node import STORE, Paced, RosNode, dds, encoded
+from tests.support.running_command import RunningCommand
 from tests.support.waiting import until
 from tests.support.zenoh_router import ZenohRouter, zenoh_router
+from tests.system.door_stops import STOP_S, free, stopped_after
 from tests.system.harness import HubProcess, Observer, expect_stop
 
 TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 TYPES = STORE.types
 HUB = {"modules": ("driver", "navigation", "vision", "mapping")}
-STOP_S = 0.5
-"""Silence counts after 0.25 s; the rest is for a busy machine [s]."""
 
 
-class Ros2Door:
-    """`rune-hub serve ros2`, from start to end."""
+class Ros2Door(RunningCommand):
+    """`rune-hub serve ros2`."""
 
     def __init__(self, hub: str, router: str, *options: str) -> None:
-        command = [sys.executable, "-m", "hub", "serve", "ros2", "--hub", hub]
-        self.process = warm_start.start(
-            [*command, "--connect", router, "--json", "--stop-with-stdin", *options],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=sys.__stderr__.fileno() if sys.__stderr__ else 2,
-            environment=dict(os.environ),
-        )
-        assert self.process.stdout is not None
-        self.ready: dict[str, Any] = json.loads(self.process.stdout.readline())
-
-    def close(self) -> None:
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        self.process.stdin.close()
-        self.process.wait(10.0)
-        self.process.stdout.close()
+        super().__init__("serve", "ros2", "--hub", hub, "--connect", router, *options)
 
 
 class Teleop:
@@ -168,20 +146,6 @@ def test_a_topic_is_made_while_it_has_a_subscriber(teleop: Teleop, hub: HubProce
         assert subscribed(client)
         teleop.node.leave()
         until(lambda: not subscribed(client), 10.0)
-
-
-def stopped_after(observer: Observer, since: float) -> float:
-    """Time from a moment until the robot was commanded to stand [s]."""
-    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "the wheels are driven on")
-    observer.wait(lambda: observer.history[-1][0] > since, 5.0)
-    driven = [at for at, truth in observer.history if truth.commanded_linear != 0.0]
-    return driven[-1] - since
-
-
-def free(client: Client) -> None:
-    """End control, as somebody at the robot does."""
-    request = ControlRequest(action=ControlAction.FREE)
-    client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=5.0)
 
 
 @pytest.mark.parametrize("kind", [TWIST, STAMPED])
