@@ -19,6 +19,7 @@ from hub.doors.panels.serving import body_of, serve
 from hub.errors import DoorError
 from hub.gcm.body import RobotBody
 from hub.ipc.client import Client
+from hub.ros.panel_door_name import panel_door_name
 
 if TYPE_CHECKING:
     from hub.doors.foxglove.tool_server import ServerSettings
@@ -45,7 +46,7 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
     with contextlib.closing(connect()) as client:
         body = body_of(client)
         settings = ServerSettings(
-            name=f"Rune: {body.name}" if body else "Rune",
+            name=panel_door_name(body.name if body else ""),
             host=options.host,
             port=options.port,
             drive=options.drive,

@@ -17,12 +17,14 @@ class BridgeInfo:
         encodings: Encodings of messages that it takes.
         distribution: The distribution of ROS; empty: not known.
         session: Another one: all its channels are others.
+        of_hub: Whether it is the door of a hub, and no bridge of a robot.
     """
 
     capabilities: frozenset[str]
     encodings: tuple[str, ...]
     distribution: str
     session: str
+    of_hub: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -33,6 +33,11 @@ _NO_COMMANDS: Final = (
     "the bridge takes no commands: it lacks the capability clientPublish or the encodings cdr, ros1"
 )
 
+_HUBS_DOOR: Final = (
+    "the door of a hub for panels answers there (`rune-hub serve foxglove`), and no bridge of a "
+    "robot: start the bridge, or give its port; --port moves the door"
+)
+
 
 class FoxgloveLine:
     """A `RosLine`: a client of a bridge for Foxglove."""
@@ -226,6 +231,9 @@ class FoxgloveLine:
 
     def _greet(self, info: events.BridgeInfo) -> None:
         """Begin the session of a bridge, or end it if the bridge has another one."""
+        if info.of_hub:
+            self._connection.lose(_HUBS_DOOR)
+            return
         if self._info is not None and self._connection.up and info.session != self._info.session:
             # It does not list its channels again on this connection.
             self._connection.lose("the bridge began another session", at_once=True)

@@ -37,6 +37,7 @@ from hub.robots.ros.foxglove.bridge_events import (
     ServiceAnswer,
 )
 from hub.robots.ros.line import Payload, RosService, RosTopic
+from hub.ros.panel_door_name import is_panel_door
 from hub.ros.plain_json import json_values
 from hub.ros.schema import full_name
 
@@ -123,6 +124,7 @@ def _info(values: dict[str, Any], _: Refuse) -> BridgeInfo:
         encodings=_names(values.get("supportedEncodings")),
         distribution=distribution if _is_name(distribution) else "",
         session=_cut(values.get("sessionId")),
+        of_hub=is_panel_door(values.get("name")),
     )
 
 

@@ -17,6 +17,7 @@ from hub.robots.host_lookup import HostLookup
 from hub.robots.ros.address import ros_address
 from hub.robots.ros.foxglove.connection import MOST_MESSAGE
 from hub.robots.ros.opening import line_to
+from hub.ros.panel_door_name import panel_door_name
 from tests.hub.robots.ros.foxglove.scripted_bridge import GREETING, ScriptedBridge, channel
 from tests.support.waiting import until
 
@@ -58,6 +59,14 @@ def both():
     for each in made:
         each.line.close()
         each.bridge.close()
+
+
+def test_the_door_of_a_hub_is_no_robot_and_gets_no_velocities(both):
+    pair = both(greeting={**GREETING, "name": panel_door_name("rover")})
+    pair.line.advertise("/cmd_vel", "geometry_msgs/msg/Twist")
+    pair.wait(lambda: "rune-hub serve foxglove" in pair.line.state.why)
+    assert not pair.line.publish("/cmd_vel", b"")
+    assert pair.line.state.connections == 0
 
 
 def test_a_bridge_of_ros_1_gets_its_encoding_and_its_names(both):
