@@ -445,7 +445,7 @@ def _links(
 
     if fleets is not None and not hubs:
         fleets.follow(layout)
-    who = operator or login_name()
+    who = operator or (fleets and fleets.place.operator_name) or login_name()
     return RobotLinks(layout, hubs, keys=keys, operator=who, tunnels=tunnels, fleets=fleets)
 
 

@@ -80,6 +80,7 @@ class ZenohFleetLine:
             FleetWay.BULK: Sender("fleet bulk"),
         }
         self._session: FleetSession | None = None
+        self._trouble = ""
         self._declared: set[FleetDeclared] = set()
         self._closed = threading.Event()
         self._opening = threading.Thread(target=self._open, name="fleet open", daemon=True)
@@ -89,6 +90,11 @@ class ZenohFleetLine:
     def connected(self) -> bool:
         """Whether a router answers now."""
         return self._session is not None and self._session.routers > 0
+
+    @property
+    def trouble(self) -> str:
+        """Why there is no session yet, in one sentence; empty: it is open, or not yet tried."""
+        return self._trouble
 
     @property
     def dropped(self) -> int:
@@ -265,14 +271,13 @@ class ZenohFleetLine:
         return declared
 
     def _open(self) -> None:
-        said = ""
         while not self._closed.is_set():
             try:
                 session = open_fleet_session(self._place, self._settings)
             except HubError as error:
-                if str(error) != said:
-                    said = str(error)
-                    _logger.warning("%s; trying again until one does", said)
+                if str(error) != self._trouble:
+                    self._trouble = str(error)
+                    _logger.warning("%s; trying again until it does", self._trouble)
                 self._closed.wait(_RETRY_S)
                 continue
             if self._closed.is_set():
@@ -282,7 +287,7 @@ class ZenohFleetLine:
             return
 
     def _opened(self, session: FleetSession) -> None:
-        self._session = session
+        self._session, self._trouble = session, ""
         _logger.info("joined the router at %s", self._place)
         for each in tuple(self._declared):
             each.declare(session)

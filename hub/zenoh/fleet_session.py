@@ -13,10 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hub.errors import KeyFileError, RouterUnreachableError
+from hub.errors import RouterUnreachableError
 from hub.ipc.definition import Plane
+from hub.zenoh.certificate_facts import read_certificate
 from hub.zenoh.session import ZenohDeclared, ZenohSample, ZenohSession, connect, direct
-from hub.zenoh.settings import RouterPlace
+from hub.zenoh.settings import CertificateFiles, RouterPlace
 
 if TYPE_CHECKING:
     import zenoh
@@ -221,15 +222,21 @@ class FleetSession(ZenohSession):
 
 
 def check_certificates(settings: dict[str, Any]) -> None:
-    """See that the certificates in settings are there.
+    """See that the own certificate in settings is there, and counts.
 
     Raises:
-        KeyFileError: One is not.
+        KeyFileError: It does not.
     """
-    for setting, named in settings.get("transport/link/tls", {}).items():
-        if setting != "enable_mtls" and not Path(named).is_file():
-            reason = "it is not there; `rune-hub fleet keys make` makes it, then copy it here"
-            raise KeyFileError(named, reason)
+    shown = settings.get("transport/link/tls")
+    if shown is not None:
+        side = "connect" if "connect_certificate" in shown else "listen"
+        read_certificate(
+            CertificateFiles(
+                authority=Path(shown["root_ca_certificate"]),
+                certificate=Path(shown[f"{side}_certificate"]),
+                key=Path(shown[f"{side}_private_key"]),
+            )
+        )
 
 
 def open_fleet_session(
@@ -239,7 +246,7 @@ def open_fleet_session(
 
     Raises:
         RouterUnreachableError: No router answers there, or Zenoh is not installed.
-        KeyFileError: A certificate is not there.
+        KeyFileError: The own certificate is not there, or does not count.
     """
     check_certificates(settings)
     try:
@@ -247,7 +254,7 @@ def open_fleet_session(
     except RouterUnreachableError as error:
         if mode == "router" or isinstance(error.__cause__, ImportError):
             raise
-        why = " or it refuses the certificate" if place.scheme == "tls" else ""
+        why = ", or it does not know this certificate" if place.scheme == "tls" else ""
         text = f"no router of a fleet answers at {place}{why}; start one there: `{_ROUTER}`"
         raise RouterUnreachableError(text) from error
 

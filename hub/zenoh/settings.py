@@ -17,11 +17,13 @@ from pathlib import Path
 from typing import Any
 
 from hub.errors import EndpointError
+from hub.ipc.roles import Role
 from hub.values import dataclass
 
 DEFAULT_PORT = 7447
 DEFAULT_PLACE = f"tcp/127.0.0.1:{DEFAULT_PORT}"
 _HOST_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,251}[A-Za-z0-9])?", re.ASCII)
+_OPERATORS = tuple(role.value for role in (Role.OBSERVE, Role.OPERATE, Role.SUPERVISE))
 _LINKS = ("prio=1-4", "prio=5-7")
 _SEND_BUFFER = 16384
 _WAIT_BEFORE_DROP_US = 20_000
@@ -72,6 +74,16 @@ class CertificateFiles:
             certificate=folder / f"{name}.pem",
             key=folder / f"{name}.key",
         )
+
+    @staticmethod
+    def only_operator(folder: Path) -> str:
+        """The common name of an operator whose certificate is the only one in a folder.
+
+        Empty: there are several or none.
+        """
+        names = [path.stem.partition("-") for path in folder.glob("*-*.pem")]
+        operators = [f"{role}:{name}" for role, _, name in names if role in _OPERATORS]
+        return operators[0] if len(operators) == 1 else ""
 
 
 def parse_place(text: str) -> RouterPlace:
@@ -152,7 +164,12 @@ def _common(
     }
     for place in places:
         if (place.scheme == "tls") != (certificates is not None):
-            reason = "a place with tls/ needs certificates, and a place with tcp/ has none"
+            reason = "a place with tcp/ has no certificates; leave out their folder"
+            if certificates is None:
+                reason = (
+                    "a place with tls/ needs certificates: name their folder with --tls, for rune "
+                    "with --keys, in a robot file with [fleet] certificates"
+                )
             raise _refused(str(place), reason)
     if certificates is not None:
         settings["transport/link/tls"] = {

@@ -276,7 +276,8 @@ def _add_fleet(*commands: CommandParser) -> None:
             dest="fleet_operator",
             default="",
             metavar="ROLE:NAME",
-            help="who you are in the fleet, as in your certificate (operate: and your login)",
+            help="who you are in the fleet, as in your certificate (the only one in the folder, or "
+            "operate: and your login)",
         )
         command.add_argument(
             "--only",

@@ -15,7 +15,7 @@ from typing import Protocol
 
 from hub.errors import CentralUnreachableError, EndpointError, HubError
 from hub.plain_text import plain
-from hub.zenoh.settings import parse_place
+from hub.zenoh.settings import CertificateFiles, parse_place
 from rune_tui.commands.auto import auto_layout
 from rune_tui.link.fleet_mirrors import FleetMirror, FleetMirrors, FleetPlace
 from rune_tui.startup.fleet_layout import MOST, fleet_layout_text
@@ -39,10 +39,11 @@ def fleets_of(options: argparse.Namespace) -> contextlib.closing[FleetMirrors]:
     if secure and options.keys is None:
         text = f"{options.fleet} needs your certificate: give the folder with its files by --keys"
         raise EndpointError(text)
+    holder = CertificateFiles.only_operator(options.keys) if secure else ""
     place = FleetPlace(
         router=options.fleet or "",
         name=options.fleet_name,
-        operator=options.fleet_operator,
+        operator=options.fleet_operator or holder,
         keys=options.keys if secure else None,
     )
     return contextlib.closing(FleetMirrors(place))

@@ -54,6 +54,11 @@ class FleetPlace:
     keys: Path | None = None
 
     @property
+    def operator_name(self) -> str:
+        """The operator's name without the role; empty: none is named."""
+        return self.operator.partition(":")[2]
+
+    @property
     def may_command(self) -> bool:
         """Whether the operator's role allows to drive; the mirror refuses a role that is none."""
         named = self.operator.partition(":")[0]
@@ -203,7 +208,7 @@ class FleetMirror:
             said = (self._folder / "mirror.log").read_text(errors="replace").split("\n")
         except OSError:
             said = []
-        words = [line.removeprefix("rune-hub: ").strip() for line in said if line.strip()]
+        words = [line.rpartition("rune-hub: ")[2].strip() for line in said if line.strip()]
         return plain(words[-1])[:_MOST_WORDS].rstrip(".") if words else "it says nothing of why"
 
 
@@ -234,19 +239,20 @@ class FleetMirrors:
     """All fleets of a console, one program for each, and more for robots of later layouts.
 
     Attributes:
+        place: The fleet of the options.
         arrivals: Layouts for robots that join later; None: the console names its layouts.
     """
 
     def __init__(self, place: FleetPlace) -> None:
         """Join none yet; layouts may name other fleets than the one of the place."""
         self.arrivals: LayoutArrivals | None = None
-        self._place = place
+        self.place = place
         self._mirrors: list[FleetMirror] = []
         self._ways: dict[tuple[str, str], FleetWay] = {}
 
     def join(self, fleet: str, robots: Collection[str] = ()) -> FleetMirror:
         """Show these robots of a fleet; none: all."""
-        place = dataclasses.replace(self._place, name=fleet)
+        place = dataclasses.replace(self.place, name=fleet)
         mirror = FleetMirror(place, robots)
         self._mirrors.append(mirror)
         return mirror

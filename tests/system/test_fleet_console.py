@@ -211,12 +211,13 @@ def test_robot_that_joins_later_is_named_and_a_key_shows_it_beside_the_driven_on
 @pytest.mark.soak
 def test_what_is_not_in_the_fleet_is_said_in_a_sentence(site: Site) -> None:
     words = [sys.executable, "-m", "rune_tui", "shot", "auto", "-o", "x.txt", "--only", "nobody"]
-    for place, why in (
-        (site.place, "nobody is not in the fleet rune now"),
-        (f"tcp/127.0.0.1:{free_port()}", "no router of the fleet answers at tcp/127.0.0.1:"),
-        ("udp/here", "write tcp/HOST:PORT or tls/HOST:PORT"),
+    for code, place, why in (
+        (3, site.place, "nobody is not in the fleet rune now"),
+        (3, f"tcp/127.0.0.1:{free_port()}", "no router of a fleet answers at tcp/127.0.0.1:"),
+        (2, "tls/localhost:1", "needs your certificate: give the folder with its files by --keys"),
+        (2, "udp/here", "write tcp/HOST:PORT or tls/HOST:PORT"),
     ):
         done = subprocess.run(
             [*words, "--fleet", place], capture_output=True, text=True, check=False
         )
-        assert (done.returncode, why in done.stderr) == (3, True), done
+        assert (done.returncode, why in done.stderr) == (code, True), done

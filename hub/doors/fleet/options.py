@@ -15,7 +15,13 @@ from hub.errors import HubError
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, endpoint_of
 from hub.ipc.roles import Principal, Role
 from hub.zenoh.fleet_keys import DEFAULT_FLEET, MAX_NAME, check_fleet, parse_operator
-from hub.zenoh.settings import DEFAULT_PLACE, RouterPlace, client_settings, parse_place
+from hub.zenoh.settings import (
+    DEFAULT_PLACE,
+    CertificateFiles,
+    RouterPlace,
+    client_settings,
+    parse_place,
+)
 
 T = TypeVar("T")
 
@@ -67,17 +73,22 @@ def add_connection(parser: CommandParser, role: Role) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--as", dest="operator", type=_operator, metavar="ROLE:NAME",
-        help=f"who you are, as in your certificate ({role.value}: and your login)",
+        help="who you are, as in your certificate (the only one in the folder, or "
+        f"{role.value}: and your login)",
     )  # fmt: skip
     parser.add_argument("--tls", type=Path, metavar="FOLDER", help="folder of your certificate")
 
 
 def operator_of(options: argparse.Namespace, role: Role) -> Principal:
-    """The operator of these options; without one the login, with this role.
+    """The operator of these options.
 
-    Of a login only the letters are kept that a key of a fleet can have.
+    Without one it is the operator of the only certificate, or else the login with this role. Of a
+    login only the letters are kept that a key of a fleet can have.
     """
     named: Principal | None = options.operator
+    if named is None and options.tls is not None:
+        holder = CertificateFiles.only_operator(options.tls)
+        named = parse_operator(holder) if holder else None
     login = _STRANGE.sub("_", login_name()).lstrip(".")[:MAX_NAME]
     return named or Principal(name=login or "operator", role=role)
 

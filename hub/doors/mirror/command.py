@@ -35,22 +35,21 @@ class MirrorEvents:
     def __init__(self, place: RouterPlace, *, as_json: bool) -> None:
         """Say nothing yet."""
         self._place, self._as_json = place, as_json
-        self._joined: bool | None = None
+        self._why: str | None = None
 
     def say(self, event: dict[str, object]) -> None:
         """Say one thing."""
         put(json.dumps(event) if self._as_json else _sentence(event))
 
-    def look(self, *, joined: bool) -> None:
-        """Say whether a router answers, at each change."""
-        if joined is self._joined:
+    def look(self, *, joined: bool, trouble: str) -> None:
+        """Say whether a router answers and else why not, at each change."""
+        why = "" if joined else trouble or f"no router of the fleet answers at {self._place}"
+        if why == self._why:
             return
-        self._joined = joined
+        self._why = why
         if joined:
             self.say({"event": "joined", "router": str(self._place)})
         else:
-            refuses = " or it refuses the certificate" if self._place.scheme == "tls" else ""
-            why = f"no router of the fleet answers at {self._place}{refuses}"
             self.say({"event": "apart", "why": why})
 
 
@@ -97,7 +96,7 @@ def run_mirror(
             report=events.say,
         )
         stack.callback(mirror.close)
-        loop.every(_LOOK_S, lambda: events.look(joined=line.connected))
+        loop.every(_LOOK_S, lambda: events.look(joined=line.connected, trouble=line.trouble))
         while not ended.is_set():
             loop.listen(_LISTEN_S)
     return ExitCode.OK

@@ -6,6 +6,7 @@ import math
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -13,7 +14,13 @@ from hub.errors import EndpointError
 from hub.ipc.definition import Plane
 from hub.zenoh.fleet_session import FleetSession, FleetWay
 from hub.zenoh.handover import Handover, Sender
-from hub.zenoh.settings import RouterPlace, client_settings, parse_place, router_settings
+from hub.zenoh.settings import (
+    CertificateFiles,
+    RouterPlace,
+    client_settings,
+    parse_place,
+    router_settings,
+)
 from tests.hub.zenoh.conftest import FleetSide, start_router
 from tests.support.waiting import until
 from tests.support.zenoh_router import ROOT
@@ -174,3 +181,14 @@ def test_router_is_open_to_this_machine_only_without_certificates() -> None:
             router_settings([parse_place(place)])
     with pytest.raises(EndpointError, match="needs certificates"):
         client_settings(parse_place("tls/localhost:7447"))
+
+
+def test_only_certificate_of_an_operator_in_a_folder_says_who_it_is(tmp_path: Path) -> None:
+    for name, only in (
+        ("authority", ""),
+        ("robot-rover", ""),
+        ("observe-the-wall", "observe:the-wall"),
+        ("operate-ann", ""),
+    ):
+        (tmp_path / f"{name}.pem").touch()
+        assert CertificateFiles.only_operator(tmp_path) == only

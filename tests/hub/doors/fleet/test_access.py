@@ -13,6 +13,7 @@ from hub.doors.fleet.access import access_table
 from hub.doors.fleet.certificates import Certificates, files_of
 from hub.errors import FleetKeyError, KeyFileError, KeyNameError, RouterUnreachableError
 from hub.zenoh.fleet_session import FleetSession, FleetWay, open_fleet_session
+from hub.zenoh.session import connect
 from hub.zenoh.settings import RouterPlace, client_settings, router_settings
 from tests.support.command_line import rune_hub
 from tests.support.ports import free_port
@@ -121,7 +122,9 @@ def test_program_without_a_certificate_of_the_fleet_does_not_come_in(
     settings = client_settings(
         fleet.place, certificates=files_of(tmp_path / "other", "operate:alice")
     )
-    with pytest.raises(RouterUnreachableError):
+    with pytest.raises(RouterUnreachableError):  # the router refuses
+        connect(str(fleet.place), mode="client", settings=settings).close()
+    with pytest.raises(KeyFileError, match="has not made it"):  # a person reads why
         open_fleet_session(fleet.place, settings).close()
 
 
