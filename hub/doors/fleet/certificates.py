@@ -150,7 +150,7 @@ class Certificates:
     def _openssl(self, *words: str) -> None:
         program = shutil.which("openssl")
         if program is None:
-            raise KeyFileError(self.folder, "openssl is not installed, which makes certificates")
+            raise KeyFileError(self.folder, "openssl makes certificates and is missing; install it")
         done = subprocess.run([program, *words], capture_output=True, text=True, check=False)
         if done.returncode:
             why = done.stderr.strip().splitlines()

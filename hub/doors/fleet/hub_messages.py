@@ -71,7 +71,7 @@ class HubMessages:
             definition = own if own is not None and same else from_listing(entry)
         except HubError as error:
             self._unusable.add(entry.name)
-            _logger.warning("%s is not for the fleet: %s", entry.name[:80], error)
+            _logger.warning("the fleet does not get %s: %s", entry.name[:80], error)
             return
         self.known[entry.name] = definition
         self._learnt(definition)

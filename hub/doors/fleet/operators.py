@@ -106,7 +106,7 @@ class FleetOperators:
             _logger.info("%s is gone from the fleet", principal)
         elif there and known is None:
             if len(self._sessions) >= MOST_SESSIONS:
-                text = f"{principal} is one more than {MOST_SESSIONS} sessions of operators"
+                text = f"{principal} comes after {MOST_SESSIONS} sessions; end one of them first"
                 self._refuse(principal, "too many sessions", text)
                 return
             self._sessions[session] = RemoteOperator(principal, session, self._client)

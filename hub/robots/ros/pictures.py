@@ -28,14 +28,11 @@ def decoded(value: RosValue, wanted: Size) -> tuple[Pixels, Size]:
         wanted: Its largest width and height [px].
 
     Raises:
-        CameraError: It cannot be decoded.
+        RosMessageError: It cannot be decoded.
+        CameraError: What decodes it is not installed.
     """
-    try:
-        packed = value.field("format") is not None
-        pixels, whole = _unpacked(value, wanted) if packed else _raw(value)
-    except RosMessageError as error:
-        text = f"a picture cannot be decoded: {error}"
-        raise CameraError(text) from error
+    packed = value.field("format") is not None
+    pixels, whole = _unpacked(value, wanted) if packed else _raw(value)
     return _middle(pixels, size_within(*wanted, whole)), whole
 
 
@@ -52,14 +49,14 @@ def _unpacked(value: RosValue, wanted: Size) -> tuple[Pixels, Size]:
 
     kind = str(value.get("format"))
     if "compressedDepth" in kind:
-        text = "packed depths are not shown; name a topic of colours"
-        raise CameraError(text)
+        text = "it has packed depths; name a topic of colours"
+        raise RosMessageError(text)
     file = io.BytesIO(np.asarray(value.get("data"), np.uint8).tobytes())
     try:
         with Image.open(file, formats=_FORMATS) as picture:
             whole = picture.size
             if max(whole) > LONGEST_SIDE or whole[0] * whole[1] > MOST_PIXELS:
-                text = f"a picture of {whole[0]}x{whole[1]} pixels is not shown"
+                text = f"it has {whole[0]}x{whole[1]} pixels, which is too many"
                 raise RosMessageError(text)
             picture.draft("RGB", scaled_size(size_within(*wanted, whole), whole))
             if picture.mode.startswith("I"):
@@ -73,7 +70,7 @@ def _unpacked(value: RosValue, wanted: Size) -> tuple[Pixels, Size]:
         struct.error,
         Image.DecompressionBombError,
     ) as error:
-        text = f"a picture of the format {kind[:40]!r} cannot be read: {error}"
+        text = f"its format {kind[:40]!r} cannot be read: {error}"
         raise RosMessageError(text) from error
 
 

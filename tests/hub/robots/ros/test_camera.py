@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hub.errors import CameraError
+from hub.errors import CameraError, RosMessageError
 from hub.gcm.camera_info import CameraInfo
 from hub.gcm.standard import Header
 from hub.robots.body_tables import CameraTable
@@ -95,7 +95,7 @@ def test_depths_are_shades():
     ],
 )
 def test_what_is_no_picture_is_refused_in_a_sentence(value):
-    with pytest.raises(CameraError):
+    with pytest.raises(RosMessageError):
         decoded(value, (32, 32))
 
 
@@ -117,8 +117,9 @@ class Scene:
             self.take()
         until(lambda: "/camera/info" in self.line.takers, 10.0)
 
-    def give(self, age=0.0):
-        value = CompressedImage(header=Header(), format="jpeg", data=packed())
+    def give(self, age=0.0, data=None):
+        whole = packed() if data is None else data
+        value = CompressedImage(header=Header(), format="jpeg", data=whole)
         self.line.give(TOPIC, cdr(value), time.monotonic(), age)
 
 
@@ -129,7 +130,7 @@ def scene():
     made.camera.close()
 
 
-def test_it_subscribes_when_somebody_wants_a_picture(scene):
+def test_it_subscribes_when_a_picture_is_wanted(scene):
     assert TOPIC not in scene.line.takers
     with pytest.raises(CameraError, match=r"not connected yet|ask again"):
         scene.take()
@@ -168,6 +169,13 @@ def test_an_old_picture_is_not_shown_and_the_reason_is_given(scene):
         scene.take()
     scene.line.lose("the bridge closed the connection")
     until(lambda: _says(scene, "the bridge closed the connection"), 10.0)
+
+
+def test_a_picture_that_cannot_be_decoded_is_refused_with_its_topic(scene):
+    scene.wake()
+    scene.give(data=packed()[:200])
+    with pytest.raises(CameraError, match=f"a picture of {TOPIC} cannot be decoded: its format"):
+        scene.take()
 
 
 def test_a_table_without_a_topic_is_refused():
