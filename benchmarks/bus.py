@@ -5,8 +5,8 @@ messages under way, kept in shared memory beside the bus, holds every sender bac
 take turns, each figure is a median over the rounds, and ratios are of one and the same run.
 
 "rune" and "proxy" run over ipc://, as modules of one machine do; "-tcp" says otherwise, and so do
-all peers. "rune" hands messages to neighbours directly, as it does unless told otherwise, but for
-"rune-tcp", which sends all through central.
+all peers. "rune" hands messages to neighbours directly, as it usually does. "rune-tcp" sends all
+through central.
 
 A message of 48 bytes is typed: every contender encodes a dataclass, decodes it into another one and
 hands that to a function; only "proxy" sends raw bytes and reads two numbers.
@@ -89,7 +89,7 @@ RATIOS = {
         ("shm_57600B_vs_zenoh_shm", "rune-picture", "zenoh", "shared memory both"),
     ),
 }
-"""By size: figure, ours, peer, note; without a note ours is over ipc:// and the peer over TCP."""
+"""By size: figure, Rune, peer, note; without a note Rune is over ipc:// and the peer over TCP."""
 BARS = {
     "bus.throughput_48B_vs_proxy": 0.7,
     "bus.throughput_48B_vs_zenoh": 1.5,
@@ -151,8 +151,8 @@ def ratio(
         return
     value = median(results[ours], attribute) / median(results[peer], attribute)
     lost = sum(outcome.lost for outcome in results[ours])
-    told = "; ".join(part for part in (note, f"{ours} lost {lost}" if lost else "") if part)
-    report(name, value, "x", bar=bar, better=better, note=told)
+    said = "; ".join(part for part in (note, f"{ours} lost {lost}" if lost else "") if part)
+    report(name, value, "x", bar=bar, better=better, note=said)
 
 
 def medians(results: Results, attribute: str, leave_out: str = "") -> dict[str, float]:
@@ -267,10 +267,10 @@ def latency(ready: Mapping[str, Stage], paces: Mapping[tuple[int, float], Sequen
         plain(f"bus.cpu_paced{end}_us", results, "total_us", "us", note=note)
         if size == SMALL:
             for peer, bar in (("proxy", 1.3), ("zenoh", 0.8), ("nats", 0.8)):
-                told = _over_tcp(results, "p50", peer) if peer != "proxy" else "both over ipc://"
+                said = _over_tcp(results, "p50", peer) if peer != "proxy" else "both over ipc://"
                 ratio(
                     f"bus.latency_p50_vs_{peer}", results, "p50", "rune", peer,
-                    bar=bar, better="lower", note=told,
+                    bar=bar, better="lower", note=said,
                 )  # fmt: skip
             ratio(
                 "bus.latency_p50_vs_proxy_tcp", results, "p50", "rune-tcp", "proxy-tcp",
@@ -334,8 +334,8 @@ def growth(stage: Stage) -> None:
 def _flat(name: str, before: Sequence[Outcome], after: Sequence[Outcome], note: str) -> None:
     one, other = median(before, "total_us"), median(after, "total_us")
     lost = sum(outcome.lost for outcome in after)
-    told = f"CPU a message {one:.1f} and {other:.1f} us; {note}" + f"; lost {lost}" * bool(lost)
-    report(name, other / one, "x", bar=1.2, note=told)
+    said = f"CPU a message {one:.1f} and {other:.1f} us; {note}" + f"; lost {lost}" * bool(lost)
+    report(name, other / one, "x", bar=1.2, note=said)
 
 
 def _not_flat(name: str, problem: TimeoutError) -> None:

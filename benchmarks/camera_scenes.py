@@ -44,7 +44,7 @@ def photo_frames() -> list[np.ndarray]:
 
 
 def static() -> list[Cells]:
-    """A fixed camera without noise; somebody walks by."""
+    """A fixed camera without noise; a person walks by."""
     return [seen(frame) for frame in _walk(np.random.default_rng(2005), noise=0.0)]
 
 

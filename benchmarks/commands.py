@@ -1,4 +1,4 @@
-"""What it costs that the gateway looks at each command, and that somebody floods its door.
+"""What it costs that the gateway looks at each command, and that a client floods it.
 
 One client with a key publishes a state and a command in turn, 50 of each a second. States pass the
 gateway in ZeroMQ's own proxy, commands in a thread of Python. Ages are measured where they arrive.
@@ -46,18 +46,18 @@ COMMAND = MessageDefinition(
 )
 
 
-def serve(folder: str, told: Connection) -> None:
+def serve(folder: str, pipe: Connection) -> None:
     """Be a hub with a gateway until the other end closes."""
     port = free_port()
     gateway = curve_gateway(f"tcp://127.0.0.1:{port}", Keyring(Path(folder, "keys")))
     central = Central([f"ipc://{folder}/central"], gateways=[gateway])
     with closing(central):
-        told.send((*central.endpoints, port + 3))
-        _until_closed(told)
+        pipe.send((*central.endpoints, port + 3))
+        _until_closed(pipe)
         say(f"dropped: {dict(central.faults.counts)}")
 
 
-def publish(endpoint: str, keys: str, told: Connection) -> None:
+def publish(endpoint: str, keys: str, pipe: Connection) -> None:
     """Publish a state and a command in turn until the other end closes."""
     with closing(Client("far", endpoint, keys=read_client_keys(Path(keys)))) as client:
         client.wait_connected(10.0)
@@ -70,12 +70,12 @@ def publish(endpoint: str, keys: str, told: Connection) -> None:
             client.publish(STATE if count % 2 else COMMAND, Tick(count=count))
 
         client.every(0.5 / HZ, tick)
-        while not told.poll(0):
+        while not pipe.poll(0):
             client.listen(0.1)
 
 
-def flood(port: int, keys: str, told: Connection) -> None:
-    """Send commands under a number that is nobody's until the other end closes."""
+def flood(port: int, keys: str, pipe: Connection) -> None:
+    """Send commands under a number that belongs to no client until the other end closes."""
     context: Any = zmq.Context()
     socket = context.socket(zmq.PUB)
     socket.linger = 0
@@ -89,15 +89,15 @@ def flood(port: int, keys: str, told: Connection) -> None:
         stamp_ns=0,
         payload=COMMAND.encode(Tick(count=0)),
     )
-    while not told.poll(0):
+    while not pipe.poll(0):
         for _ in range(500):
             socket.send(frame)
     socket.close()
     context.term()
 
 
-def _until_closed(told: Connection) -> None:
-    while not told.poll(0.2):
+def _until_closed(pipe: Connection) -> None:
+    while not pipe.poll(0.2):
         pass
 
 

@@ -1,7 +1,7 @@
 """What the console costs: processor time of its process while robots send it pictures.
 
 Real processes: a console on a pseudo-terminal of 160x48 cells that is read as fast as it writes,
-and robots in a process of their own, whose cameras were recorded on a turn in the yellow arena.
+and robots in a process of their own. Their pictures were recorded on a turn in the yellow arena.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Recording:
 
 
 def recorded_robots(count: int, size: tuple[int, int]) -> list[StandInRobot]:
-    """Start so many robots."""
+    """Start this number of robots."""
     recording = Recording(size)
     return [StandInRobot(recording, speeds=(0.2, 0.5)) for _ in range(count)]
 

@@ -1,4 +1,4 @@
-"""A robot explores the yellow arena by itself: contacts, how much it maps, how far off it is.
+"""A robot explores the yellow arena by itself: contacts, how much it maps, the error of its pose.
 
 First the same parts without processes, several seeds, faster than a robot; then real processes: a
 hub with a simulated Magellan, navigation, mapping and autonomy.
@@ -38,7 +38,7 @@ class Run:
         share: How much of the ground is mapped, 0 to 1.
         seconds: Until it was back, or the time was over [s].
         contacts: How often the robot touched anything.
-        off: How far off the pose was, mean over the time [m].
+        off: Error of the pose, mean over the time [m].
         why: How it ended.
     """
 
@@ -74,7 +74,7 @@ def run(seed: int) -> Run:
 
 
 def seeds(numbers: Sequence[int] = SEEDS) -> None:
-    """How much is mapped, how long it takes and how far off the pose is, without processes."""
+    """How much is mapped, how long it takes and the error of the pose, without processes."""
     runs = []
     for seed in numbers:
         runs.append(each := run(seed))
@@ -101,8 +101,8 @@ def seeds(numbers: Sequence[int] = SEEDS) -> None:
 
 def pose_error(exploration: Exploration, start: Pose) -> float:
     """How far the robot is from where navigation thinks it is [m]."""
-    true, told = from_start(exploration.robot.ground_truth(), start), exploration.navigator.pose
-    return math.hypot(told.x - true.x, told.y - true.y)
+    true, estimate = from_start(exploration.robot.ground_truth(), start), exploration.navigator.pose
+    return math.hypot(estimate.x - true.x, estimate.y - true.y)
 
 
 def hub() -> None:
@@ -111,7 +111,7 @@ def hub() -> None:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         tour = Tour(stack, folder)
         seconds, asked = tour.explore(LONGEST_S, say), 1
-        # Where it was given up all the same, somebody has to ask again, as in the field.
+        # Where it was given up before the end, an operator asks again, as in the field.
         while not tour.state.why.startswith("explored: ") and seconds < LONGEST_S:
             say(f"asked again: {tour.state.why}")
             tour.observer.wait(lambda: abs(tour.truth.linear) < STILL, 10.0)

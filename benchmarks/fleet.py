@@ -81,7 +81,7 @@ def program(*words: str) -> Iterator[subprocess.Popen[bytes]]:
         [sys.executable, "-m", *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     try:
-        if not told(process):
+        if not next_line(process):
             text = f"{' '.join(words)} ended"
             raise SystemExit(text)
         yield process
@@ -95,7 +95,7 @@ def program(*words: str) -> Iterator[subprocess.Popen[bytes]]:
             process.wait()
 
 
-def told(process: subprocess.Popen[bytes]) -> bytes:
+def next_line(process: subprocess.Popen[bytes]) -> bytes:
     """The next line of a program; empty: it has ended."""
     return b"" if process.stdout is None else process.stdout.readline()
 
@@ -162,7 +162,7 @@ def publishing(client: Client, size: int) -> Callable[[], None]:
 
 
 def thin(listen: int, target: int, rate: float) -> None:
-    """A relay: all connections share so many bytes a second each way."""
+    """A relay: all connections share one rate of bytes each way."""
     server = socket.create_server(("127.0.0.1", listen))
     locks = threading.Lock(), threading.Lock()
     free = [0.0, 0.0]
@@ -232,7 +232,7 @@ def put(said: dict[str, Any]) -> None:
 
 
 class Reader:
-    """A console's client at a robot's mirror: ages of what comes, by size [ms]."""
+    """A console's client at a robot's mirror: ages of its messages, by size [ms]."""
 
     def __init__(self, folder: Path, name: str, *sizes: int) -> None:
         """Connect, and subscribe."""
@@ -327,7 +327,7 @@ def thin_line(folder: Path) -> None:
         commands.cancel()
         reader.client.close()
         process.send_signal(signal.SIGTERM)
-        said = json.loads(told(process))
+        said = json.loads(next_line(process))
     states, pictures = reader.ages[_STATE][100:], reader.ages[_PICTURE]
     note = f"{len(states)} of 600 arrived, pictures {len(pictures) / 14.0:.1f}/s; {load()}"
     report("fleet.state_thin_ms", median(states), "ms", bar=50.0, note=note)

@@ -23,7 +23,7 @@ def scattered(edge_cells: int, share: float) -> Grid:
 
 
 def maze(edge_cells: int, every: int) -> Grid:
-    """Corridors to and fro, so that the way leads over nearly all the ground."""
+    """Corridors back and forth, so that the way leads over nearly all the ground."""
     grid = scattered(edge_cells, 0.0)
     for number, row in enumerate(range(every, edge_cells, every)):
         grid.cells[row] = 100

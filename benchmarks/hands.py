@@ -1,4 +1,4 @@
-"""What hands on a joystick cost, and how soon the robot feels them.
+"""What the use of a joystick costs, and how soon the robot moves.
 
 Decoded are the reports of the devices whose descriptors the tests have; where none were recorded,
 random ones of the described length. The rest is measured with a virtual gamepad at the real console
@@ -38,7 +38,7 @@ DEVICES = Path(__file__).parents[1] / "tests" / "data" / "hid"
 _PAD = "logitech_f310_dinput"
 _STICK = '<event joystick="pad" axis="lefty" control="translate"/>'
 _CENTRE = 128
-_TELLS_RELEASES, _W_DOWN, _W_UP = "\x1b[?27u", "\x1b[119;;119u", "\x1b[119;1:3u"
+_REPORTS_RELEASES, _W_DOWN, _W_UP = "\x1b[?27u", "\x1b[119;;119u", "\x1b[119;1:3u"
 """A terminal with the kitty keyboard protocol."""
 _STILL = 1e-4
 _MOVES = 200
@@ -193,7 +193,7 @@ def press_to_command() -> None:
     times = []
     with ExitStack() as stack:
         drive = Drive(stack, {})
-        drive.console.type(_TELLS_RELEASES)
+        drive.console.type(_REPORTS_RELEASES)
         drive.serve(0.5)
         for move in range(_MOVES):
             keys, wanted = (_W_UP, False) if move % 2 else (_W_DOWN, True)

@@ -1,7 +1,7 @@
 """What ten hostile observers cost the others, who drive and stop a robot meanwhile.
 
-Real processes: a hub with a simulated robot and a gateway, an operator who comes through it, and
-ten clients with keys to observe, which flood the hub each in its own way.
+Real processes: a hub with a simulated robot and a gateway, and an operator who comes through it.
+Ten clients with keys to observe flood the hub, each in its own way.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Navigation: worlds full of cylinders, times of a choice and a scan, and pushes towards walls.
 
-The worlds run as a kinematic simulation with the very functions of the navigation module. Compared
-with the Gazebo runs that are recorded beside them, sensing is perfect within 1.5 m, the map is
-known, the body is a disc of 0.25 m, and nothing slips.
+The worlds run as a kinematic simulation with the very functions of the navigation module. They
+are easier than the Gazebo runs that are recorded beside them. Sensing is perfect within 1.5 m, the
+map is known, the body is a disc of 0.25 m, and nothing slips.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def push(seed: int) -> tuple[int, int, float]:
 
 
 def worlds() -> None:
-    """Success and collisions, ours and others'."""
+    """Success and collisions, Rune's and others'."""
     known, recorded = load()
     results: dict[str, list[Outcome]] = {"plan": [], "straight": [], "reference": []}
     jobs = [(kind, world) for kind in results for world in known]

@@ -125,7 +125,7 @@ def push(address: str, pattern: str) -> None:
 
 
 def pull(address: str, pattern: str, wait: float) -> None:
-    """Count what comes; print the cost [% of a core]."""
+    """Count messages; print the cost [% of a core]."""
     with zmq.Context() as context, context.socket(zmq.PULL) as socket:
         socket.bind(address)
         print("ready", flush=True)

@@ -1,4 +1,4 @@
-"""What a hub costs while nobody looks, and how fast a module that was killed is back.
+"""What a hub costs without a console, and how fast a module that was killed is back.
 
 Real processes: a hub with a simulated robot. For the second part a script drives it in an empty
 hall while each module in turn gets SIGKILL.
@@ -33,14 +33,14 @@ STILL = 0.005
 IDLE_S = 20.0
 """Measured time of an idle hub [s]."""
 QUIET_S = 8.0
-"""Time until vision no longer expects somebody to look [s]."""
+"""Time until vision no longer expects a console [s]."""
 _ASK_S = 0.05
 
 Fresh = dict[str, tuple[int, float]]
 
 
 class Console:
-    """Drives, and sees what comes from whom."""
+    """Drives, and sees the messages of each sender."""
 
     def __init__(self, endpoint: str) -> None:
         self.client = Client("script", endpoint)
@@ -120,7 +120,7 @@ _STREAMS = {
 
 
 def kill(console: Console, name: str) -> tuple[float, float, float]:
-    """Kill a module; time until its capability is back, until the wheels are told 0, until rest."""
+    """Kill a module; time until its capability is back, until the command 0, until rest."""
     console.until(
         lambda: console.truths and console.truths[-1][1].linear > 0.29 and console.pids.get(name)
     )
@@ -130,7 +130,7 @@ def kill(console: Console, name: str) -> tuple[float, float, float]:
     before = console.fresh[stream][0] if stream else 0
     console.truths.clear()
     console.answered.clear()
-    console.held = True  # else it drives anew before it has come to rest
+    console.held = True  # else it drives again before it is at rest
     os.kill(console.pids[name], signal.SIGKILL)
     killed = time.monotonic()
     if stream:
@@ -161,7 +161,7 @@ def pss_mb(*options: str) -> float:
 
 
 def idle_cpu() -> None:
-    """The processor time of a hub to which nobody is connected."""
+    """The processor time of a hub without clients."""
     modules = ("driver", "navigation", "vision", "mapping")
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
@@ -217,7 +217,7 @@ def main() -> None:
         for name in MODULES:
             for _ in range(ROUNDS):
                 back, commanded, rest = kill(console, name)
-                say(f"{name}: back {back:.3f} s, wheels told 0 {commanded:.3f} s")
+                say(f"{name}: back {back:.3f} s, commanded 0 {commanded:.3f} s")
                 worst[name].append(back)
                 if name == "navigation":
                     stops.append((commanded, rest))

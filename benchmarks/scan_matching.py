@@ -1,4 +1,4 @@
-"""Laser scans laid onto those before: how far off the pose is, and what a scan costs.
+"""Laser scans laid onto those before: the error of the pose, and what a scan costs.
 
 With small_gicp as a peer, where it is installed (`pip install small_gicp`).
 """
@@ -76,7 +76,7 @@ def gicp() -> Matched:
 
 
 def measured(drive: Sequence[Report], start: Pose, matched: Matched) -> tuple[list, list]:
-    """How far off each pose is [m], and what each scan cost [ms]."""
+    """The error of each pose [m], and what each scan cost [ms]."""
     errors, times = [], []
     for item in drive:
         if item.ranges is None:
@@ -121,7 +121,7 @@ def among_posts() -> list[tuple[list[Report], Pose]]:
 
 
 def compare(name: str, drives: list[tuple[list[Report], Pose]], note: str) -> None:
-    """The figures of ours, with dead reckoning and small_gicp beside it."""
+    """The figures of Rune, with dead reckoning and small_gicp beside it."""
     contenders = {"ours": ours, "dead reckoning": lambda: lambda odom, _x, _y: odom}
     if importlib.util.find_spec("small_gicp"):
         contenders["small_gicp"] = gicp

@@ -1,7 +1,7 @@
 """A terminal at the far end of a slow line: a buffer, a width, a delay, and a screen.
 
-The console runs on a real pseudo-terminal. What it writes waits in a buffer, leaves it at so many
-bytes a second, and reaches the screen half a round trip later; what is typed and answered takes the
+The console runs on a real pseudo-terminal. What it writes waits in a buffer, leaves it at a
+fixed rate, and reaches the screen half a round trip later; what is typed and answered takes the
 other half.
 """
 
@@ -88,7 +88,7 @@ class Screen:
         return "".join(map(chr, self.marks[row]))
 
     def pixels(self) -> npt.NDArray[np.uint8]:
-        """What is to be seen, two pixels a cell, shape (2 * rows, columns, 3)."""
+        """The expected picture, two pixels a cell, shape (2 * rows, columns, 3)."""
         upper, lower = self.ground.copy(), self.ground.copy()
         for shape, halves in {"▀": (upper,), "▄": (lower,), "█": (upper, lower)}.items():
             where = self.marks == ord(shape)

@@ -25,7 +25,7 @@ from hub.sim.arena import load_arena
 from tests.support.magellan import SimulatedMagellan
 
 DRIVE_S = 0.05
-TELL_CAMERA_S = 0.1
+CAMERA_STATE_S = 0.1
 
 Camera = Callable[[int, float], vision.Image]
 """Takes a picture, given its number and the time [s]."""
@@ -57,7 +57,7 @@ class StandInRobot:
         self._client.define(vision.CAMERA_STATE, ROBOT_STATE)
         self._client.respond(vision.IMAGE_REQUEST, vision.IMAGE, self._picture)
         self._client.subscribe(VELOCITY_COMMAND, self._commanded)
-        self._client.every(TELL_CAMERA_S, self._tell_camera)
+        self._client.every(CAMERA_STATE_S, self._publish_camera)
         self._client.every(DRIVE_S, self._drive)
         self._ended = False
         self._thread = threading.Thread(target=self._serve, daemon=True)
@@ -80,7 +80,7 @@ class StandInRobot:
         self.pictures.append(time.monotonic())
         return self._camera(len(self.pictures), self.pictures[-1])
 
-    def _tell_camera(self) -> None:
+    def _publish_camera(self) -> None:
         self._client.publish(vision.CAMERA_STATE, self._camera_state)
 
     def _drive(self) -> None:
@@ -140,7 +140,7 @@ def fleet(make: Make, *arguments: Any) -> Iterator[Fleet]:
         target=_serve, args=(theirs, make, *arguments)
     )
     process.start()
-    theirs.close()  # so that we hear of it if it ends
+    theirs.close()  # so that its end closes the pipe
     try:
         yield Fleet(ours)
     finally:

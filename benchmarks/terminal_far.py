@@ -1,7 +1,7 @@
 """What an operator sees at the far end of a slow line: how old it is, and how soon keys show.
 
-A real console on a pseudo-terminal, a real hub, and a camera that pans over a detailed scene and
-writes the time into each picture, from where it is read off the screen at the far end.
+A real console on a pseudo-terminal, a real hub, and a camera that pans over a detailed scene. The
+camera writes the time into each picture; it is read off the screen at the far end.
 """
 
 from __future__ import annotations
@@ -127,13 +127,13 @@ def watch(line: Line, within: Sequence[str] = ()) -> Seen:
 
 
 def wrong(screen: Pixels, picture: Pixels) -> float:
-    """The mean square of what the screen shows amiss of a camera's picture."""
+    """The mean square of the difference between the screen and a camera's picture."""
     pane = screen[: PANE[1]]
     return float(np.square(pane - resized(picture, *PANE).astype(float)).mean())
 
 
 def decibels(errors: list[float]) -> float:
-    """How like the pictures are to those of the camera, on average [dB]."""
+    """Likeness of the pictures and those of the camera, on average [dB]."""
     return 10.0 * math.log10(255.0**2 / statistics.fmean(errors))
 
 
@@ -155,7 +155,7 @@ def key_time(terminal: SlowTerminal) -> float:
 
 
 def discarded() -> None:
-    """What tmux throws away for a client that reads 2 MB/s [bytes]."""
+    """What tmux drops for a client that reads 2 MB/s [bytes]."""
     name, tmux = "link.tmux_discarded_bytes", shutil.which("tmux")
     if tmux is None:
         report(name, None, "bytes", bar=0, note="tmux is not installed")
@@ -179,8 +179,8 @@ def discarded() -> None:
                 line = Line(width=2e6, round_trip=0.001, buffer=1 << 16)
                 terminal = SlowTerminal(console, line, COLUMNS, ROWS + 1)
                 terminal.run(WARM_S + MEASURED_S)
-                told = [*own, "list-clients", "-F", "#{client_written} #{client_discarded}"]
-                said = subprocess.run(told, capture_output=True, text=True, check=True).stdout
+                command = [*own, "list-clients", "-F", "#{client_written} #{client_discarded}"]
+                said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
             finally:
                 subprocess.run([*own, "kill-server"], capture_output=True, check=False)
     written, lost = (int(number) for number in said.split())

@@ -69,12 +69,12 @@ class Seen:
 
     Attributes:
         age: By the clock that camera and console really have in common [s].
-        told: By the console [s].
+        shown: By the console [s].
         state: Of the robot's state then, as the console tells [s].
     """
 
     age: float
-    told: float
+    shown: float
     state: float
 
 
@@ -120,7 +120,7 @@ def drawn(link: RobotLink, seconds: float) -> tuple[list[Seen], RobotState]:
             age = time.time() - picture.value.camera.stamp
             navigation_state, now = link.state.navigation, clock()
             state = navigation_state.age(now) if navigation_state else math.inf
-            seen.append(Seen(age=age, told=picture.age(now), state=state))
+            seen.append(Seen(age=age, shown=picture.age(now), state=state))
     return seen, link.state
 
 
@@ -145,7 +145,7 @@ def report_hub_link(name: str, rate: float, bar_fps: float) -> None:
     asked = f"{flow.width_px}x{flow.height_px} {flow.coding.name} {flow.quality}" if flow else ""
     note = f"relay of {rate:g} bit/s, 20 ms each way, 64 kB; the robot turns; at the end {asked}"
     ages = sorted(each.age for each in seen)
-    wrong = statistics.median(abs(each.told - each.age) for each in seen)
+    wrong = statistics.median(abs(each.shown - each.age) for each in seen)
     states = statistics.median(each.state for each in seen)
     fps = len(seen) / SECONDS
     report(f"link.hub_{name}_fps", fps, "1/s", bar=bar_fps, better="higher", note=note)

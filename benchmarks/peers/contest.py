@@ -37,9 +37,9 @@ class Contender:
 
     Attributes:
         name: As figures call it.
-        module: File in this folder that speaks to it.
+        module: File in this folder that uses it.
         transport: "tcp", "ipc", or "" where there is no broker.
-        needs: Packages of the peers' own environment; empty for what runs in ours.
+        needs: Packages of the peers' own environment; empty: it runs in Rune's.
         program: A program that must be installed, if any.
         options: What its module wants to know.
     """
@@ -79,7 +79,7 @@ class Outcome:
     Attributes:
         per_second: Messages each subscriber received [1/s].
         lost: Messages that did not come, of all subscribers together.
-        stalls: How often the sender waited in vain.
+        stalls: How often the sender waited without success.
         sender_us: CPU time of the sender per message sent [us].
         broker_us: CPU time of the broker per message sent [us].
         receiver_us: CPU time of all subscribers together per message sent [us].
@@ -158,7 +158,7 @@ class Stage:
 
     @contextlib.contextmanager
     def crowd(self, modules: int, processes: int) -> Iterator[None]:
-        """So many modules that are connected and idle, shared among so many processes."""
+        """A number of modules that are connected and idle, shared among some processes."""
         options = self._job.options | {"modules": modules // processes}
         job = self._next(subscribers=processes, options=options)
         with ExitStack() as stack:
@@ -306,7 +306,7 @@ def _wait(
 
 
 def _free_port() -> int:
-    """The first of five ports that nobody listens at, outside the range of client ports."""
+    """The first of five ports that no program listens at, outside the range of client ports."""
     while True:
         port = random.randrange(18_000, 30_000)
         with ExitStack() as stack:

@@ -19,7 +19,7 @@ _LAYERS = (-0.1, 0.0, 0.1)
 
 
 class GicpMatcher:
-    """Lays scans onto those before, with the same rules for which ones to keep as ours."""
+    """Lays scans onto those before, and keeps the same ones as Rune's matcher."""
 
     def __init__(self) -> None:
         self._odom = Pose()

@@ -1,4 +1,4 @@
-"""What the processes of one run are told, the plans by which they send, and what they send."""
+"""The orders to the processes of one run, the plans by which they send, and what they send."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Job:
         size: Bytes of a message.
         subscribers: How many receive.
         seconds: How long is measured [s].
-        window: Most messages under way to the slowest subscriber: nobody wins by dropping.
+        window: Most messages under way to the slowest subscriber: no bus wins by dropping.
         hertz: Rate of a paced run [Hz]; 0 sends as fast as the window allows.
         index: Which subscriber a process is.
         options: What else the contender wants to know.
@@ -135,7 +135,7 @@ def counter(job: Job) -> Callable[[int, int], None]:
 
 
 def plan(job: Job, page: Page) -> Iterator[tuple[int, float]]:
-    """What to do, step after step: send so many messages, or PRIME, then pause so long [s]."""
+    """What to do, step after step: a number of messages to send, or PRIME, then a pause [s]."""
     while not page.ready(job.subscribers):
         yield PRIME, _PRIME_S
     page.begin()
@@ -202,12 +202,12 @@ def drive(
 def ask_for(job: Job, page: Page, ask: Callable[[int], int]) -> None:
     """Ask again and again; `ask` gets a number and returns the number in the answer.
 
-    Before anybody answers, `ask` may raise or return something else.
+    Before the bus answers, `ask` may raise or return something else.
     """
     deadline = time.monotonic() + 10.0
     while not _answered(ask):
         if time.monotonic() > deadline:
-            text = "nobody answers"
+            text = "the bus does not answer"
             raise TimeoutError(text)
         time.sleep(0.01)
     page.begin()
@@ -226,5 +226,5 @@ def ask_for(job: Job, page: Page, ask: Callable[[int], int]) -> None:
 def _answered(ask: Callable[[int], int]) -> bool:
     try:
         return ask(7) == 7
-    except Exception:  # noqa: BLE001 - whatever a bus says while nobody answers
+    except Exception:  # noqa: BLE001 - any error of a bus that does not answer yet
         return False

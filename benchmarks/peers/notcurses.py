@@ -1,4 +1,4 @@
-"""notcurses, a C library for terminals; like ours, it leaves out what the terminal already has.
+"""notcurses, a C library for terminals; like Rune, it leaves out what the terminal already has.
 
 `make bench-notcurses` builds it into the peers' own environment; one of the system does as well.
 """

@@ -1,4 +1,4 @@
-"""The page of shared memory on which the processes of one run keep count, whatever bus they use.
+"""The page of shared memory on which the processes of one run keep count, for all buses.
 
 Nothing of a run travels beside the bus but these numbers: who is ready, how many messages were
 sent and received, and how long each took.
@@ -54,7 +54,7 @@ class Page:
         return (self._words[_END] - self._words[_START]) * 1e-9
 
     def begin(self) -> None:
-        """The measured part begins; the pause lets whoever watches take its first readings."""
+        """The measured part begins; in the pause the observer takes its first readings."""
         self._words[_PHASE] = MEASURING
         time.sleep(0.03)
         self._words[_START] = now()

@@ -22,7 +22,7 @@ _PR_SET_PDEATHSIG = 1
 
 
 def end_with_parent(parent: int) -> None:
-    """Be killed when the process that measures ends, whatever ends it; brokers inherit that.
+    """Be killed when the process that measures ends, in any way; brokers inherit that.
 
     Args:
         parent: Process id of who measures.

@@ -1,9 +1,10 @@
-"""The dynamic window as PythonRobotics publishes it, written anew from its description.
+"""The dynamic window as PythonRobotics publishes it, written from its description.
 
-PythonRobotics cannot be had from the package index. What is the same: velocities within one time
-step of the present one, all followed for 3 s, the costs of heading (gain 0.15), speed (1) and
-nearest obstacle (1), the steps of 0.01 m/s and 0.1 degrees/s, its accelerations, and the turn out
-of a place where it is stuck. Size and speed of the robot are those of the worlds.
+PythonRobotics cannot be had from the package index. This window follows the same velocities: those
+within one time step of the present one, in steps of 0.01 m/s and 0.1 degrees/s, for 3 s. It has the
+same costs: heading (gain 0.15), speed (1) and nearest obstacle (1). It has the same accelerations,
+and turns in the same way out of a place where it is stuck. Size and speed of the robot are those of
+the worlds.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class ReferenceWindow:
 
     def __call__(self, pose: Pose, velocity: Velocity, seen: Floats) -> Velocity:
         """The next velocity; the one before it at every other call."""
-        del velocity  # it goes by what it commanded, as the original does
+        del velocity  # only what it commanded counts, as in the original
         self._calls += 1
         if self._calls % 2 == 1:
             self._held = self._choose(pose, self._held, seen)

@@ -39,7 +39,7 @@ _SERVE_NS = 100_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
-    """A message of so many bytes; its first ones hold number and stamp."""
+    """A message of a number of bytes; its first ones hold number and stamp."""
 
     length: int
     data: npt.NDArray[np.uint8]
@@ -145,7 +145,7 @@ def receive(job: Job) -> None:
 def _one_of_many(
     take: Callable[[int, int], None], which: int, missing: set[int]
 ) -> Callable[[Sample, MessageInfo], None]:
-    """A handler that is ready only when every message has come once."""
+    """A handler that is ready only after every message arrived once."""
 
     def came(value: Sample, how: MessageInfo) -> None:
         del how

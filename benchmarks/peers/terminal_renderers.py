@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 Draw = Callable[[Any], str | bytes | int]
-"""Draws a picture, and gives what goes to the terminal, or how many bytes."""
+"""Draws a picture, and gives the bytes to the terminal, or their number."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

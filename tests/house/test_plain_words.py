@@ -52,7 +52,7 @@ NAMES_TO_AVOID = re.compile(
 """Words that name nothing of the field; they do not occur in names of the rooms that are done."""
 FIELD_TERMS = {"tell"}
 """Names that others gave: the method of a file."""
-ROOMS = ("hub", "rune_study", "rune_tui")
+ROOMS = ("benchmarks", "hub", "rune_study", "rune_tui")
 """Rooms whose names, docstrings and comments are plain."""
 _LIST_ITEM = re.compile(r"\s*(?:[-*]|\d+\.)\s+")
 _END = re.compile(r"(?<=[.!?])[\"*_)]*\s+")

@@ -37,7 +37,7 @@ class Panels:
 
     Attributes:
         topics: What the door offers, by name.
-        payloads: What came, by topic.
+        payloads: Of the messages, by topic.
         stamps: Its times [ns].
         said: The texts that the door shows.
         parameters: The newest ones.
@@ -92,7 +92,7 @@ class Panels:
         self._send("setParameters", parameters=[{"name": name, "value": value}], id="one")
 
     def pump(self, seconds: float = 0.01) -> None:
-        """Take what comes for a while."""
+        """Receive for a while."""
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0.0:
             try:

@@ -20,6 +20,6 @@ def stopped_after(observer: Observer, since: float) -> float:
 
 
 def free(client: Client) -> None:
-    """End control, as somebody at the robot does."""
+    """End control, as an operator at the robot does."""
     request = ControlRequest(action=ControlAction.FREE)
     client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=5.0)

@@ -27,7 +27,7 @@ OPTIONS: Final[dict[str, tuple[str, ...]]] = {
 """Options of the simulated robot; the last has ROS 1, and a clock that is a day ahead."""
 _PERIOD_S: Final = 0.02
 _ENDS_S: Final = 0.3
-"""A command counts for so long: a moving one is sent again after 50 ms [s]."""
+"""How long a command counts: a moving one is sent again after 50 ms [s]."""
 _STEP_S: Final = 0.015
 """Of commands that come together, wheels follow the last [s]."""
 _TABLES: Final = """
@@ -90,7 +90,7 @@ class RecordedRos(Recording):
                 moving_at = at if any(line["twist"]) else -math.inf
             wanted = float(at - moving_at < _ENDS_S)
             rows.append(Row(at, wanted, 0.0, 0.0, 0.0, speed, 0.0, 0.0, turn))
-            if wanted and until - moving_at >= _ENDS_S:  # nothing came for so long
+            if wanted and until - moving_at >= _ENDS_S:  # no message came in this time
                 rows.append(Row(moving_at + _ENDS_S, *(0.0,) * 4, speed, 0.0, 0.0, turn))
         return rows or [Row(time.monotonic(), *(0.0,) * 8)]
 

@@ -237,7 +237,7 @@ def test_last_value_and_definitions_come_end_to_end(alice: FleetOperator) -> Non
 
 
 def _rubbish(count: int) -> Iterator[tuple[str, bytes, bytes | None]]:
-    """Keys, payloads and headers of somebody who means no good."""
+    """Keys, payloads and headers of a hostile program."""
     chance = random.Random(count)
     whos = ("operate:alice", "operate:mallory", "module:x", "observe:", "supervise:..", "x")
     names = (*(each.name for each in MESSAGES), "X_Nothing", "GCM-Stop")

@@ -1,4 +1,4 @@
-"""A hub in Foxglove: real processes, and a program that speaks its protocol."""
+"""A hub in Foxglove: real processes, and a program with its protocol."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def subscriptions(client: Client) -> set[str]:
     }
 
 
-def test_a_message_comes_unchanged_and_only_while_somebody_looks(
+def test_a_message_comes_unchanged_and_only_while_it_is_shown(
     panels: Panels, hub: HubProcess
 ) -> None:
     topic = f"/rune/{ROBOT_STATE.name}"
@@ -171,7 +171,7 @@ def test_a_panel_that_sends_zeros_is_not_too_slow(panels: Panels, observer: Obse
     free(observer.client)
 
 
-def test_a_stop_of_somebody_else_holds_until_the_button_is_released(
+def test_a_stop_of_another_operator_holds_until_the_button_is_released(
     panels: Panels, observer: Observer
 ) -> None:
     panels.teleop()
@@ -214,7 +214,9 @@ def test_only_one_panel_drives_at_a_time(
     free(observer.client)
 
 
-def test_nothing_moves_while_somebody_else_has_control(panels: Panels, observer: Observer) -> None:
+def test_nothing_moves_while_another_operator_has_control(
+    panels: Panels, observer: Observer
+) -> None:
     request = ControlRequest(action=ControlAction.TAKE, operator="alice")
     taken = observer.client.query_response(CONTROL_REQUEST, request, COMMON_RESULT, timeout=5.0)
     assert taken.done, taken
@@ -258,7 +260,7 @@ def test_a_flood_of_frames_moves_nothing_and_ends_nothing(
     ]  # fmt: skip
     left = count // len(frames)
     while left:
-        # The door disconnects who reads none of its complaints.
+        # The door disconnects a program that reads none of its statuses.
         with contextlib.suppress(ConnectionClosed), closing(Panels(door.address)) as hostile:
             hostile.teleop()
             while left:

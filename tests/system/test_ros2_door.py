@@ -205,7 +205,7 @@ def test_a_hub_drives_the_robot_of_another_as_one_with_ros(
 
 
 def held(push: Callable[[], None], observer: Observer) -> Paced:
-    """A stick that drives; where that begins while control is freed, it is pushed once more."""
+    """A stick that drives; where that begins while control is freed, it is pushed again."""
     for wait_s in (3.0, 10.0):
         stick = Paced(push, 20.0)
         with contextlib.suppress(AssertionError):

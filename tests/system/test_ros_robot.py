@@ -33,7 +33,7 @@ LATE_S = 0.3
 
 
 class RosSite:
-    """A robot, a hub, and somebody who drives: real processes.
+    """A robot, a hub, and an operator who drives: real processes.
 
     Attributes:
         robot: The robot.

@@ -43,7 +43,7 @@ def write_foxglove(path: Path) -> None:
 
 
 def often(time: fox.Timestamp, x: float) -> Iterator[Message]:
-    """What comes with each tick; `x` is how far the robot is [m]."""
+    """The messages of each tick; `x` is how far the robot is [m]."""
     moved = fox.FrameTransform(
         timestamp=time,
         parent_frame_id="map",

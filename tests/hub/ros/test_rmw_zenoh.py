@@ -88,7 +88,7 @@ def test_attachments_of_both_forms_are_read() -> None:
             rmw_zenoh.unpack_origin(bad)
 
 
-def test_tokens_of_strangers_are_refused_at_most() -> None:
+def test_tokens_of_unknown_programs_are_refused_at_most() -> None:
     chance = random.Random(7)
     marks = "/%:,@*$?#_ aZ09\x00ä\n"
     refused = 0

@@ -1,4 +1,4 @@
-"""Keys and headers of a fleet: they come back as they were, and all else is refused in words."""
+"""Keys and headers of a fleet: they come back as they were, and all others are refused in words."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ HOLD_MODES = {"rover": 4, "sub": 2, "blimp": 3}
 NEXT_HEARTBEAT_S = 1.3
 """A vehicle that another station disarmed says so with its next heartbeat [s]."""
 INSISTED_S = 3.0
-"""The stick stays deflected for so long after the link is back [s]."""
+"""The stick stays deflected for this time after the link is back [s]."""
 
 
 def autopilot(scene: Scene) -> RecordedAutopilot:

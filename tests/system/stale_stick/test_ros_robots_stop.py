@@ -35,7 +35,7 @@ REPETITIONS = 2
 REST_S = 1.5
 """Longest time from the event to rest: 0.5 s of the robot's own watchdog, then it brakes [s]."""
 INSISTED_S = 3.0
-"""The stick stays deflected for so long after the line is back [s]."""
+"""The stick stays deflected for this time after the line is back [s]."""
 PAUSED_S = 2.0
 
 

@@ -1,4 +1,4 @@
-"""Panels that drive: what goes to the bus, beside a daemon that gives and takes control."""
+"""Panels that drive: the messages on the bus, beside a daemon that gives and takes control."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ DAY = 86400.0
 
 
 def place(x=0.0, theta=0.0, measured=100.0, clock=0.0):
-    """A place at a monotonic time, of a robot whose clock differs by so much."""
+    """A place at a monotonic time, of a robot whose clock differs."""
     return RosPlace(pose=Pose(x=x, theta=theta), measured=measured, stamp=measured + clock)
 
 
@@ -65,7 +65,7 @@ def test_a_place_is_known_for_half_a_second():
     assert not odometry.fresh(100.0 + FRESH_S)
 
 
-def test_the_reckoning_goes_on_with_the_clock_of_the_robot_a_day_off_or_set_anew():
+def test_the_reckoning_goes_on_with_the_clock_of_the_robot_a_day_off_or_set():
     odometry = RosOdometry(0.5, 1.0)
     odometry.take(place(clock=-DAY), 1)
     number = odometry.number

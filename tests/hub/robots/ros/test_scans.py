@@ -88,7 +88,7 @@ def test_what_is_farther_than_the_sensor_reaches_is_nothing_and_zero_is_not_meas
     assert math.isnan(found[3])
 
 
-def test_another_layout_is_placed_anew():
+def test_another_layout_is_placed_again():
     described = group(4, -math.pi, math.tau / 4)
     assert read(described, scan([1.0] * 8), scan([2.0] * 4)) == pytest.approx([2.0] * 4)
 

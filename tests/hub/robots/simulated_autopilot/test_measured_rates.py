@@ -25,7 +25,7 @@ each_kind = pytest.mark.parametrize("kind", RATES)
 
 
 def streams(world, station):
-    """Rates of what comes [Hz]."""
+    """Rates of the messages [Hz]."""
     station.frames.clear()
     world.wait(COUNTED_S)
     counted = Counter(

@@ -57,7 +57,7 @@ def driven(parameters: dict[str, object]) -> RosFindings:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_robot_gets_its_file(name: str, tmp_path: Path) -> None:
-    """After a wanted change, write them anew: RUNE_WRITE_SNAPSHOTS=1 pytest with this file."""
+    """After a wanted change, write them again: RUNE_WRITE_SNAPSHOTS=1 pytest with this file."""
     proposal = RosProposal(ROBOTS[name]())
     text = robot_file(proposal, today="2026-11-23")
     text += "\n" + "".join(f"# {line}\n" for line in proposal.remarks())

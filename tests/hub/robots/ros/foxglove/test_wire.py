@@ -1,4 +1,4 @@
-"""Texts and binary messages of bridges, whatever they hold."""
+"""Texts and binary messages of bridges, also hostile ones."""
 
 import contextlib
 import json
