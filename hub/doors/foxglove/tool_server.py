@@ -29,6 +29,8 @@ from hub.errors import DoorError
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
+_logger = logging.getLogger(__name__)
+
 _WAITING = 8
 """Commands of a panel that wait for the door; the oldest is dropped."""
 _BACKLOG = 64
@@ -248,6 +250,7 @@ class ToolServer:
     def say(self, text: str) -> None:
         """Show a sentence in all programs, in place of the one before; empty: take it away."""
         if text:
+            _logger.warning("%s", text)
             self._server.publish_status(text, foxglove.StatusLevel.Warning, "rune")
         else:
             self._server.remove_status(["rune"])

@@ -49,6 +49,7 @@ class PanelDoor:
         """
         self._client, self._drives = client, bool(operator)
         self._driven = False
+        self._linked = True
         self._wanted: frozenset[str] = frozenset()
         self._server = open_server(lambda: client.post(self._follow))
         self._topics = HubTopics(client, self._server, pictures, self._described)
@@ -67,6 +68,10 @@ class PanelDoor:
     def listen(self, timeout: float) -> None:
         """Wait for up to `timeout` [s], and serve both sides."""
         self._client.listen(timeout)
+        if self._client.connected is not self._linked:
+            self._linked = not self._linked
+            lost = f"the hub at {self._client.endpoint} answers no more: what is shown is old"
+            self._server.say("" if self._linked else lost)
 
     def close(self) -> None:
         """Stop the robot if a panel drives it, and disconnect all."""
