@@ -74,7 +74,7 @@ class OwnGoal(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OwnNavigation:
-    """The navigation that the robot has itself; sent at each change and twice a second.
+    """The navigation that the robot has itself; sent at each change and 5 times a second.
 
     Attributes:
         available: Whether it takes goals now.
@@ -102,7 +102,7 @@ class OwnNavigation:
 OWN_NAVIGATION = MessageDefinition(
     name="GCM_OwnNavigation",
     type=OwnNavigation,
-    rate_hz=2.0,
+    rate_hz=5.0,
 )
 
 MESSAGES = (DRIVE_GOAL, OWN_NAVIGATION)

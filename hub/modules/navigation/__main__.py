@@ -65,7 +65,7 @@ class Navigation:
             robot.body.motions, self._clock(), stops=random.getrandbits(32)
         )
         self.pilot = PathFollower(body_of(robot), robot.body)
-        self._own = OwnPilot(self.pilot)
+        self._own = OwnPilot(self.pilot, expected=bool(robot.ros.navigation))
         self._problems: tuple[str, ...] = ()
         self._had_edges = False
         self._frames = FrameMemory(for_pose(robot.name))
@@ -199,7 +199,7 @@ class Navigation:
             self.pilot.go(goal, reception.publisher, now)
             self._update()
             return
-        why = self._governor.begin_task(now)
+        why = self._own.refusal(now) or self._governor.begin_task(now)
         if why:
             cause = _NOT_BEGUN.get(self._governor.state(now), Cause.BUSY)
             self.pilot.task.refuse(goal, reception.publisher, why, cause, now)

@@ -46,9 +46,15 @@ _ENDS: Final = {
 class OwnPilot:
     """The goals for one robot; every method gets the monotonic time [s]."""
 
-    def __init__(self, pilot: PathFollower) -> None:
-        """Watch the tasks of a path follower."""
-        self._pilot = pilot
+    def __init__(self, pilot: PathFollower, *, expected: bool) -> None:
+        """Watch the tasks of a path follower.
+
+        Args:
+            pilot: Has the tasks.
+            expected: Whether the robot file names such a navigation, so that goals wait for a
+                report.
+        """
+        self._pilot, self._expected = pilot, expected
         self._report: tuple[OwnNavigation, float] | None = None
         # The numbers begin at a random one: the driver may know those of the process before.
         self._number = secrets.randbelow(_MOST)
@@ -58,6 +64,12 @@ class OwnPilot:
     def reported(self, report: OwnNavigation, reception: MessageInfo) -> None:
         """Take what the driver reports."""
         self._report = report, reception.measured
+
+    def refusal(self, now: float) -> str:
+        """Why no goal can begin, as it is not known who would drive; empty: one can."""
+        if self._expected and self._fresh(now) is None:
+            return "the driver has not said yet whether the robot's own navigation takes goals"
+        return ""
 
     def begin(self, now: float) -> None:
         """Carry out a new task to go to points, if the robot has navigation of its own now."""

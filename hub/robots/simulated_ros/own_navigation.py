@@ -150,11 +150,8 @@ class SimulatedNavigation:
         return Twist.planar(0.0, _limited(2.0 * turn)) if self._arrived else self._along(pose)
 
     def _planned(self, start: tuple[float, float], goal: tuple[float, float]) -> Way:
-        """A path on known ground; empty: there is none."""
-        way = plan(
-            self._grid, start, goal, radius=self._room, unknown_cost=math.inf, squeeze=1.0,
-            tolerance=_REACHED,
-        )  # fmt: skip
+        """A path, also over unknown ground as Nav2's planner does; empty: there is none."""
+        way = plan(self._grid, start, goal, radius=self._room, squeeze=1.0, tolerance=_REACHED)
         return way or ()
 
     def _along(self, pose: Pose) -> Twist:

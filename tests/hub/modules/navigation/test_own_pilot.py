@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ from hub.gcm.own_navigation import DRIVE_GOAL, OWN_NAVIGATION, DriveGoal, OwnGoa
 from hub.modules.navigation.__main__ import Navigation
 from hub.modules.navigation.own_pilot import REPORT_S, SENT_S
 from hub.robots.robot_file import find_robot_file, read_description
+from hub.robots.ros_table import RosTable
 from tests.hub.modules.navigation.test_lost_place import AT_ORIGIN
 from tests.hub.modules.timed_bus import TimedBus
 from tests.support.cases import for_each
@@ -43,10 +45,14 @@ class Drive:
         driver: Whether the driver reports the robot's motion.
     """
 
-    def __init__(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, expected: bool = False
+    ) -> None:
         monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
         self.bus = TimedBus(monkeypatch)
         robot, _ = read_description(find_robot_file("magellan"))
+        if expected:
+            robot = dataclasses.replace(robot, ros=RosTable(navigation="/navigate_to_pose"))
         self.navigation = Navigation(self.bus, robot)  # type: ignore[arg-type]
         self.report: OwnNavigation | None = OwnNavigation(available=1)
         self.driver = True
@@ -109,6 +115,22 @@ def test_without_it_rune_drives_to_goals_itself(drive: Drive) -> None:
         assert not drive.task.by_robot
         assert not drive.sent(DRIVE_GOAL)
         drive.bus.send(GOAL_COMMAND, GoalCommand(), "console")
+
+
+def test_a_goal_waits_for_the_word_of_the_driver_where_the_robot_file_names_the_action(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drive = Drive(tmp_path, monkeypatch, expected=True)
+    drive.report = None
+    drive.run(REPORT_S + 0.1)
+    assert drive.go() is None
+    assert drive.ended(Task.CANCELLED, Cause.BUSY)
+    assert "has not said yet" in drive.task.why
+    for available in (0, 1):
+        drive.report = OwnNavigation(available=available)
+        drive.run(0.1)
+        drive.go()
+        assert drive.task.by_robot is bool(available)
 
 
 def test_a_goal_is_repeated_and_no_velocity_is_sent(drive: Drive) -> None:
