@@ -116,9 +116,8 @@ def client_settings(
     Raises:
         EndpointError: TLS and certificates do not go together.
     """
-    locators = [f"{place}?{link}#so_sndbuf={_SEND_BUFFER}" for link in _LINKS]
-    return _common([place], certificates, side="connect") | {
-        "connect/endpoints": [{"strategy": "allOf", "locators": locators}],
+    return _common([place], certificates, sides=["connect"]) | {
+        "connect/endpoints": [_two_links(place)],
         "connect/timeout_ms": 0,
         "connect/retry": _RETRY,
     }
@@ -129,6 +128,7 @@ def router_settings(
     *,
     certificates: CertificateFiles | None = None,
     access: Mapping[str, Any] | None = None,
+    others: Sequence[RouterPlace] = (),
 ) -> dict[str, Any]:
     """The settings of a router.
 
@@ -136,18 +136,22 @@ def router_settings(
         places: Where it listens.
         certificates: For places with TLS; every client has to show one of the same authority.
         access: Zenoh's table of access control; None: all may do everything.
+        others: Routers to join with; those that are away are tried again all the time.
 
     Raises:
         EndpointError: It would be open to other machines, or TLS has no certificates.
     """
-    for place in places:
+    for place in (*places, *others):
         if not place.on_loopback and (place.scheme != "tls" or access is None):
             reason = (
-                "without certificates a router listens on this machine only; make them with "
-                "`rune-hub fleet keys`, and give --tls and the folder"
+                "without certificates a router listens and connects on this machine only; make "
+                "them with `rune-hub fleet keys`, and give --tls and the folder"
             )
             raise _refused(str(place), reason)
-    settings = _common(places, certificates, side="listen")
+    sides = ["listen", "connect"] if others else ["listen"]
+    settings = _common([*places, *others], certificates, sides=sides)
+    if others:
+        settings["connect/endpoints"] = [_two_links(other) for other in others]
     settings["listen/endpoints"] = [f"{place}#so_sndbuf={_SEND_BUFFER}" for place in places]
     if access is not None:
         settings["access_control"] = access
@@ -155,7 +159,10 @@ def router_settings(
 
 
 def _common(
-    places: Sequence[RouterPlace], certificates: CertificateFiles | None, *, side: str
+    places: Sequence[RouterPlace],
+    certificates: CertificateFiles | None,
+    *,
+    sides: Sequence[str],
 ) -> dict[str, Any]:
     settings: dict[str, Any] = {
         "transport/link/tx/lease": _LEASE_MS,
@@ -175,10 +182,19 @@ def _common(
         settings["transport/link/tls"] = {
             "root_ca_certificate": str(certificates.authority),
             "enable_mtls": True,
-            f"{side}_certificate": str(certificates.certificate),
-            f"{side}_private_key": str(certificates.key),
         }
+        for side in sides:
+            settings["transport/link/tls"] |= {
+                f"{side}_certificate": str(certificates.certificate),
+                f"{side}_private_key": str(certificates.key),
+            }
     return settings
+
+
+def _two_links(place: RouterPlace) -> dict[str, Any]:
+    """A place to connect to by a link for each group of priorities."""
+    each = [f"{place}?{link}#so_sndbuf={_SEND_BUFFER}" for link in _LINKS]
+    return {"strategy": "allOf", "locators": each}
 
 
 def _is_address(host: str) -> bool:

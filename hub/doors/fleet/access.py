@@ -7,6 +7,7 @@ All is denied that no rule allows. The subject of a rule is the common name of a
 | `robot:NAME` | states, pictures, answers of NAME | commands and queries to NAME, its operators |
 | `observe:NAME` | its sessions; `GCM_Stop` and queries as itself | states, pictures, answers |
 | `operate:NAME`, `supervise:NAME` | the same, and all commands as itself | the same |
+| `router` | all of the fleet; that router has checked its own sessions | all of the fleet |
 
 What a role may command in detail is decided by the robot's gateway, which says it in words.
 """
@@ -21,7 +22,11 @@ from hub.gcm.navigation import STOP
 from hub.ipc.roles import Principal, Role
 from hub.zenoh.fleet_keys import ANY, VERSION, KeyKind, parse_operator, pattern
 
-ROBOT = "robot"
+ROBOT, ROUTER = "robot", "router"
+_ALL = [
+    *("put", "delete", "query", "reply", "declare_subscriber", "declare_queryable"),
+    *("liveliness_token", "liveliness_query", "declare_liveliness_subscriber"),
+]
 _SHOWN = (
     KeyKind.STATE,
     KeyKind.PICTURE,
@@ -39,9 +44,14 @@ def access_table(fleet: str, names: Sequence[str]) -> dict[str, Any]:
         FleetKeyError: A name is neither a robot's nor an operator's.
     """
     rules, policies, subjects = [], [], []
-    for name in names:
+    for name in (*names, ROUTER):
         role, _, rest = name.partition(":")
-        own = _robot(fleet, rest) if role == ROBOT else _operator(fleet, parse_operator(name))
+        if name == ROUTER:
+            own = [_rule(flow, _ALL, [f"{fleet}/{VERSION}/**"]) for flow in ("ingress", "egress")]
+        elif role == ROBOT:
+            own = _robot(fleet, rest)
+        else:
+            own = _operator(fleet, parse_operator(name))
         made = [
             {"id": f"{name} {number}", "permission": "allow", **rule}
             for number, rule in enumerate(own)

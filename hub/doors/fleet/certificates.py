@@ -7,6 +7,7 @@ certificates count: a router reads it again when it changes.
 | --- | --- |
 | `authority.key`, `authority.pem` | the authority; its key never leaves the folder |
 | `router.key`, `router.pem` | the router, made with the role `router` |
+| `router-HOST.key`, `router-HOST.pem` | another router, at that host |
 | `ROLE-NAME.key`, `ROLE-NAME.pem` | what to copy, with `authority.pem`, to that machine |
 | `list.toml` | the certificates that count, by common name |
 """
@@ -14,18 +15,19 @@ certificates count: a router reads it again when it changes.
 from __future__ import annotations
 
 import ipaddress
+import re
 import secrets
 import shutil
 import subprocess
 import tempfile
 from pathlib import Path
 
+from hub.doors.fleet.access import ROUTER
 from hub.errors import FleetKeyError, KeyFileError, KeyNameError
 from hub.ipc.roles import Role
 from hub.ipc.security import key_files
 from hub.zenoh.settings import CertificateFiles
 
-ROUTER = "router"
 ROLES = (ROUTER, "robot", Role.OBSERVE.value, Role.OPERATE.value, Role.SUPERVISE.value)
 _LONGEST_NAME = 50
 """A common name has 64 characters at most, with the role."""
@@ -67,7 +69,7 @@ class Certificates:
         Raises:
             KeyFileError: They are not there.
         """
-        files = CertificateFiles.of(self.folder, ROUTER)
+        files = self._of(ROUTER)
         if not key_files.is_there(files.key):
             reason = "it is not there; make it: rune-hub fleet keys make HOST --role router"
             raise KeyFileError(files.key, reason)
@@ -94,7 +96,8 @@ class Certificates:
             raise KeyNameError(text)
         key_files.private_folder(self.folder)
         self._need_authority()
-        files = CertificateFiles.of(self.folder, ROUTER if role == ROUTER else f"{role}-{name}")
+        alone = role == ROUTER and not self._is_of_another_router(name)
+        files = self._of(ROUTER if alone else f"{role}-{name}")
         hosts = [name, "localhost", "127.0.0.1"] if role == ROUTER else ["localhost"]
         self._sign(files, common, hosts, days)
         if role != ROUTER:
@@ -113,6 +116,17 @@ class Certificates:
             text = f"there is no certificate {common[:80]!r}; `rune-hub fleet keys list` shows all"
             raise KeyNameError(text)
         self._write([name for name in names if name != common])
+
+    def _of(self, name: str) -> CertificateFiles:
+        return CertificateFiles.of(self.folder, name)
+
+    def _is_of_another_router(self, host: str) -> bool:
+        """Whether the folder's own router is there, at another host."""
+        own = self._of(ROUTER).certificate
+        if not key_files.is_there(own):
+            return False
+        named = self._openssl("x509", "-in", str(own), "-noout", "-ext", "subjectAltName")
+        return host not in re.split(r"[\s,]*(?:DNS|IP Address):|\s", named)
 
     def _write(self, names: list[str]) -> None:
         lines = "".join(f'    "{name}",\n' for name in sorted(names))
@@ -147,7 +161,7 @@ class Certificates:
                 "-extfile", str(extension),
             )  # fmt: skip
 
-    def _openssl(self, *words: str) -> None:
+    def _openssl(self, *words: str) -> str:
         program = shutil.which("openssl")
         if program is None:
             raise KeyFileError(self.folder, "openssl makes certificates and is missing; install it")
@@ -156,6 +170,7 @@ class Certificates:
             why = done.stderr.strip().splitlines()
             reason = f"openssl refused: {why[-1] if why else done.returncode}"
             raise KeyFileError(self.folder, reason)
+        return done.stdout
 
 
 def files_of(folder: Path, common: str) -> CertificateFiles:

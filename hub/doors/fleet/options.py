@@ -48,6 +48,10 @@ def add_fleet(commands: Commands) -> None:
         "--listen", type=_place, action="append", metavar="PLACE",
         help=f"tcp/HOST:PORT on this machine, or tls/HOST:PORT ({DEFAULT_PLACE})",
     )  # fmt: skip
+    router.add_argument(
+        "--connect", type=_place, action="append", default=[], metavar="PLACE",
+        help="another router of the fleet to join with; may be given again",
+    )  # fmt: skip
     router.add_argument("--tls", type=Path, metavar="FOLDER", help="folder of the certificates")
     look = CommandParser(add_help=False, parents=[named])
     add_connection(look, Role.OBSERVE)
@@ -103,7 +107,7 @@ def run_fleet(options: argparse.Namespace) -> int:
         from hub.doors.fleet.router import run_router
 
         places = options.listen or [parse_place(DEFAULT_PLACE)]
-        return run_router(places, options.tls, options.fleet)
+        return run_router(places, options.tls, options.fleet, others=options.connect)
     if options.task == "gateway":
         from hub.doors.fleet.__main__ import main
         from hub.robots.robot_file import find_robot_file
@@ -147,7 +151,13 @@ def _run_keys(options: argparse.Namespace) -> int:
     if options.action == "make":
         files = certificates.make(options.name, options.role, days=options.days)
         put(f"{files.certificate}\n{files.key}\n{files.authority}")
-        print_error(_use_of(options.role, options.name, certificates.folder))
+        if options.role == "router" and files != certificates.of_router():
+            print_error(
+                f"copy them and list.toml into a folder on {options.name}, this certificate as "
+                "router.pem and its key as router.key"
+            )
+        else:
+            print_error(_use_of(options.role, options.name, certificates.folder))
     elif options.action == "remove":
         certificates.remove(options.name)
     else:

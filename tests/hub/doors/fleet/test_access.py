@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -42,16 +42,28 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 class GuardedFleet:
     """A router with TLS, and sessions with certificates."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, others: Sequence[RouterPlace] = ()) -> None:
         self.folder = folder
         self.place = RouterPlace(scheme="tls", host="localhost", port=free_port())
         certificates = Certificates(folder)
-        settings = router_settings(
+        self._settings = router_settings(
             [self.place],
             certificates=certificates.of_router(),
             access=access_table("rune", certificates.holders()),
+            others=others,
         )
-        self.sessions = [open_fleet_session(self.place, settings, mode="router")]
+        self.sessions = [self._router()]
+
+    def _router(self) -> FleetSession:
+        return open_fleet_session(self.place, self._settings, mode="router")
+
+    def restart(self) -> None:
+        self.sessions[0].close()
+        self.sessions[0] = self._router()
+
+    def close(self) -> None:
+        for session in reversed(self.sessions):
+            session.close()
 
     def join(self, name: str) -> FleetSession:
         settings = client_settings(self.place, certificates=files_of(self.folder, name))
@@ -63,8 +75,7 @@ class GuardedFleet:
 def fleet(folder: Path) -> Iterator[GuardedFleet]:
     made = GuardedFleet(folder)
     yield made
-    for session in reversed(made.sessions):
-        session.close()
+    made.close()
 
 
 def test_each_certificate_may_do_what_its_role_says_and_no_more(fleet: GuardedFleet) -> None:
@@ -111,6 +122,39 @@ def test_each_certificate_may_do_what_its_role_says_and_no_more(fleet: GuardedFl
     assert wall.answers("rune/v1/a/ask/operate:alice/X", **ask) == []
     for each in keep:
         each.undeclare()
+
+
+def test_joined_routers_carry_what_each_allows_and_find_each_other_again(
+    fleet: GuardedFleet, folder: Path
+) -> None:
+    far = GuardedFleet(folder, others=[fleet.place])
+    try:
+        a = fleet.join("robot:a")
+        alice, wall = far.join("operate:alice"), far.join("observe:wall")
+        there: list[str] = []
+        keep = [
+            a.subscribe("rune/v1/a/command/*/*", lambda each: there.append(each.key)),
+            a.declare_token("rune/v1/a/alive"),
+        ]
+
+        def go() -> bool:
+            for who, message in (("observe:wall", DRIVE), ("operate:alice", DRIVE)):
+                key = f"rune/v1/a/command/{who}/{message}"
+                wall.put(key, b"x", None, FleetWay.COMMAND)
+            key = f"rune/v1/a/command/operate:alice/{STOP}"
+            alice.put(key, b"x", None, FleetWay.COMMAND)
+            return bool(there)
+
+        until(go, 15.0)
+        assert alice.tokens("rune/v1/*/alive", timeout=2.0) == ["rune/v1/a/alive"]
+        fleet.restart()
+        there.clear()
+        until(go, 15.0)
+        assert {key.split("/", 4)[4] for key in there} == {f"operate:alice/{STOP}"}
+        for each in keep:
+            each.undeclare()
+    finally:
+        far.close()
 
 
 def test_program_without_a_certificate_of_the_fleet_does_not_come_in(
@@ -160,6 +204,10 @@ def test_commands_say_what_they_made_and_what_is_wrong(tmp_path: Path) -> None:
     place = rune_hub("fleet", "list", "--fleet", "tls/robot:7447")
     assert (place.returncode, "--connect tls/robot:7447" in place.stderr) == (2, True)
     assert rune_hub(*keys, "list", "--json", *where).stdout == '{"name": "operate:alice"}\n'
+    for host, files in (("a.example", "router"), ("b.example", "router-b.example")) * 2:
+        made = rune_hub(*keys, "make", host, "--role", "router", *where)
+        assert made.stdout.startswith(f"{tmp_path / 'fleet' / files}.pem")
+        assert ("list.toml" in made.stderr) == (host == "b.example")
     refused = rune_hub("fleet", "router", "--listen", "tcp/0.0.0.0:7447")
     assert (refused.returncode, "this machine only" in refused.stderr) == (2, True)
     silent = rune_hub("fleet", "list", "--connect", f"tcp/127.0.0.1:{free_port()}")
