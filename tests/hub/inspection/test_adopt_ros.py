@@ -60,7 +60,9 @@ def test_the_doctor_says_what_stops_it_and_how_old_its_odometry_is(
     said = rune_hub("doctor", str(path)).stdout
     assert "ok      ros: the robot stops 0.5 s after the last command" in said, said
     assert "ok      ros: /odom comes " in said
+    assert "ok      ros: its own navigation /navigate_to_pose takes goals" in said
     path.write_text(path.read_text().replace('"/battery_state"', '"/no_such"'))
+    path.write_text(path.read_text().replace('"/navigate_to_pose"', '"/no_action"'))
     robot.set_parameter("/diff_drive_controller.cmd_vel_timeout", 0.0)
     try:
         done = rune_hub("doctor", str(path))
@@ -68,6 +70,7 @@ def test_the_doctor_says_what_stops_it_and_how_old_its_odometry_is(
         assert "problem ros: the robot keeps the last command for ever" in done.stdout
         assert "or write hold = true under [ros]" in done.stdout
         assert "warning ros: /no_such: the robot has no such topic" in done.stdout
+        assert "warning ros: the robot's own navigation lacks /no_action/_action/" in done.stdout
         path.write_text(path.read_text().replace("[ros]", "[ros]\nhold = true"))
         assert "problem ros" not in rune_hub("doctor", str(path)).stdout
     finally:

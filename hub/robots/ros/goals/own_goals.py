@@ -15,7 +15,7 @@ from hub.plain_text import counted, plain
 from hub.robots.ros.commands import CDR, ROS1
 from hub.robots.ros.goals.goal_actions import GoalAction, GoalEnds, action_of, missing_action
 from hub.robots.ros.goals.goal_keeper import ANSWER_S, CANCEL_AGAIN_S, GoalKeeper
-from hub.robots.ros.line import Payload, RosLine, RosMessage
+from hub.robots.ros.line import Payload, RosGraph, RosLine, RosMessage
 from hub.robots.ros.topic_reader import UNFIT
 from hub.robots.ros.whereabouts import PATIENCE_S
 from hub.ros import goal_messages as wire
@@ -52,6 +52,7 @@ class OwnGoals:
         self._up_since = math.inf
         self._now = self._listed_at = -math.inf
         self._fault = ""
+        self._graph: RosGraph | None = None
         if name:
             for ends in (GoalEnds.of(name, old=False), GoalEnds.of(name, old=True)):
                 line.subscribe(ends.status, self._take)
@@ -88,9 +89,13 @@ class OwnGoals:
             self._connections = state.connections
             self._up_since = now if state.up else math.inf
             self._port.find(None)
+            self._graph = None
             self._keeper.reach(now, ready=False)
         if state.up:
-            self._port.find(action_of(self._line.graph, self._name))
+            graph = self._line.graph
+            if graph is not self._graph:
+                self._graph = graph
+                self._port.find(action_of(graph, self._name))
             self._keeper.reach(now, ready=self._port.ready)
         self._keeper.advance(now)
 

@@ -14,7 +14,7 @@ from hub.ipc.security import publish_rights
 from tests.support.cases import for_each
 
 SUPERVISED = {"GCM_Common_Command", "GCM_Module_Command", "SIM_Pause"}
-FOR_THE_ROBOT = {"GCM_Drive_Command"}
+FOR_THE_ROBOT = {"GCM_Drive_Command", "GCM_Drive_Goal"}
 COMMANDS = {each.name for each in MESSAGES if each.plane is Plane.COMMAND}
 OPERATED = COMMANDS - SUPERVISED - FOR_THE_ROBOT
 ALLOWED = {
