@@ -242,6 +242,18 @@ def test_a_hub_that_is_killed_ends_the_goal(site: NavigatingSite) -> None:
 
 
 @pytest.mark.soak
+def test_a_hub_that_ends_ends_the_goal_before(tmp_path: Path) -> None:
+    with closing(NavigatingSite(tmp_path)) as made:
+        made.go()
+        sent = time.monotonic()
+        made.operator.twist = None
+        made.hub.close()
+        assert made.ended(sent) - sent < 2.0 + LATE_S
+        assert made.velocities(sent), "no zero came"
+        assert not any(moves for _, moves in made.velocities(sent))
+
+
+@pytest.mark.soak
 def test_move_base_of_ros_1_is_driven_and_stopped_too(tmp_path: Path) -> None:
     with closing(NavigatingSite(tmp_path, "--ros1", action="/move_base")) as made:
         test_it_drives_there_by_itself_and_rune_is_silent_meanwhile(made)
