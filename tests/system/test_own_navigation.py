@@ -166,7 +166,7 @@ def site(
 
 
 def test_it_drives_there_by_itself_and_rune_is_silent_meanwhile(site: NavigatingSite) -> None:
-    began = site.go(0.8)
+    began = site.go(0.5)
     ended = site.ended(began)
     site.wait(lambda: site.task == (Task.REACHED, Cause.NONE), "it is not reached:")
     sent = [at for at, _ in site.velocities(began + 0.1) if at < ended]
@@ -218,6 +218,7 @@ def test_the_next_driver_ends_the_goal_of_one_that_was_killed(site: NavigatingSi
     assert [name for _, name in site.goals(sent)] == [""], "a goal was sent again"
 
 
+@pytest.mark.soak
 def test_a_cut_line_leaves_the_goal_and_the_line_that_is_back_ends_it(
     site: NavigatingSite,
 ) -> None:
