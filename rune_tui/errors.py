@@ -63,7 +63,7 @@ class LayoutError(ConsoleError, ValueError):
 
 
 class DriveAddressError(ConsoleError, ValueError):
-    """An address of a robot to drive that has no kind of link, or of network."""
+    """An address to drive that has no kind of link, or a robot file that would be replaced."""
 
 
 class OwnHubError(ConsoleError, RuntimeError):

@@ -122,9 +122,12 @@ def _line_of(robot: RobotDescription) -> RosLine:
 
 
 def _ros_body(robot: RobotDescription) -> Body:
+    from hub.robots.ros.address import ros_address
     from hub.robots.ros.body import RosBody
+    from hub.robots.ros.robot_claim import RobotClaim
 
-    return RosBody(robot, _line_of(robot))
+    claim = RobotClaim(ros_address(robot.ros.address), robot.ros.cmd_vel)
+    return RosBody(robot, _line_of(robot), claim=claim)
 
 
 def _ros_camera(robot: RobotDescription, table: CameraTable) -> Camera:

@@ -55,13 +55,16 @@ def run(options: argparse.Namespace, log: Path, show: Callable[[str, str], int])
         show: Shows the console with the layout of a path, for the hub at an endpoint.
 
     Raises:
-        DriveAddressError: The address has no kind of link.
+        DriveAddressError: The address has no kind of link, or the robot file is there already.
         OwnHubError: The robot's hub did not start.
         TunnelError: Ssh failed.
     """
     kind, address = kind_and_address(options.address)
     if options.ssh and kind != ROS:
         text = f"--ssh is for robots with ROS, such as ws://127.0.0.1:8765, not {options.address!r}"
+        raise DriveAddressError(text)
+    if options.output is not None and options.output.exists():
+        text = f"{options.output} is there: give -o another name, or `rune-hub run` that file"
         raise DriveAddressError(text)
     with ExitStack() as stack:
         if options.ssh:

@@ -20,6 +20,7 @@ from hub.robots.ros.goals.own_goals import OwnGoals, goal_tag
 from hub.robots.ros.line import RosLine, RosMessage
 from hub.robots.ros.newest import Newest
 from hub.robots.ros.problems import line_problems
+from hub.robots.ros.robot_claim import RobotClaim
 from hub.robots.ros.scans import RosRanges
 from hub.robots.ros.services import RosServices
 from hub.robots.ros.settings import RosSettings
@@ -47,6 +48,7 @@ class RosBody:
         robot: RobotDescription,
         line: RosLine,
         clock: Callable[[], float] = time.monotonic,
+        claim: RobotClaim | None = None,
     ) -> None:
         """Subscribe; nothing is sent before the first `advance`.
 
@@ -54,7 +56,9 @@ class RosBody:
             robot: The robot file.
             line: The line to the robot.
             clock: The monotonic clock [s].
+            claim: While another process has it, the line is not opened; None: others may drive too.
         """
+        self._claim = claim
         self._robot, self._line, self._clock = robot, line, clock
         self._table = table = robot.ros
         self._watch: SparseWatch | None = None
@@ -135,6 +139,8 @@ class RosBody:
     def close(self) -> None:
         """Leave the line."""
         self._line.close()
+        if self._claim is not None:
+            self._claim.close()
 
     def sensors(self, _stamp: float) -> Sensors:
         """The present measurements."""
@@ -183,7 +189,8 @@ class RosBody:
     def _look(self) -> None:
         """Read the line, and send what is due."""
         now = self._clock()
-        self._line.advance(now)
+        if self._claim is None or self._claim.held(now):
+            self._line.advance(now)
         self._own.advance(now)
         self._share_wheels(now)
         self._velocities.advance(now)
@@ -242,6 +249,12 @@ class RosBody:
         return "navigates" if self._own.drives else ""
 
     def _problems(self, now: float) -> Iterator[DiagnosticStatus]:
+        if self._claim is not None and self._claim.rival:
+            text = (
+                f"{self._claim.rival} has this robot: end it, such as another hub or `rune drive`"
+            )
+            yield DiagnosticStatus(level=Severity.ERROR, name="ros", message=text)
+            return
         yield from line_problems(self._line, self._table.address, self._places, now)
         if self._line.state.up:
             for text in self._velocities.problems(now):
