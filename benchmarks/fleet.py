@@ -32,8 +32,9 @@ from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import Keep, MessageDefinition, Plane
+from hub.ipc.transport.loop import Loop
 from hub.values import dataclass
-from hub.zenoh.settings import client_settings, parse_place, router_settings
+from hub.zenoh.settings import client_settings, parse_place
 from tests.support.ports import free_port
 
 _HEAD = struct.Struct("<QQ")
@@ -166,6 +167,7 @@ def thin(listen: int, target: int, rate: float) -> None:
     server = socket.create_server(("127.0.0.1", listen))
     locks = threading.Lock(), threading.Lock()
     free = [0.0, 0.0]
+    ended = threading.Event()  # never set: the process is killed
 
     def pump(source: socket.socket, sink: socket.socket, way: int) -> None:
         with contextlib.suppress(OSError):
@@ -174,7 +176,7 @@ def thin(listen: int, target: int, rate: float) -> None:
                     now = time.monotonic()
                     free[way] = max(now, free[way]) + len(data) / rate
                     wait = free[way] - now
-                time.sleep(wait)
+                ended.wait(wait)
                 sink.sendall(data)
         for each in (source, sink):
             with contextlib.suppress(OSError):
@@ -192,18 +194,6 @@ def thin(listen: int, target: int, rate: float) -> None:
             threading.Thread(target=pump, args=(source, sink, way), daemon=True).start()
 
 
-def second_router(place: str, first: str) -> None:
-    """A router that is joined with another."""
-    from hub.zenoh.fleet_session import open_fleet_session
-
-    where = parse_place(place)
-    settings = router_settings([where]) | {"connect/endpoints": [first]}
-    session = open_fleet_session(where, settings, mode="router")
-    put({"ready": place})
-    sys.stdin.read()
-    session.close()
-
-
 def raw(place: str, size: int, rate: float) -> None:
     """A publisher of Zenoh alone."""
     from hub.zenoh.fleet_session import FleetWay, open_fleet_session
@@ -212,13 +202,18 @@ def raw(place: str, size: int, rate: float) -> None:
     session = open_fleet_session(where, client_settings(where))
     put({"ready": size})
     way = FleetWay.BULK if size == _PICTURE else FleetWay.STATE
-    due, count = time.monotonic() + 1.0, 0
-    while count < 6 * rate:
+    loop, count = Loop(), 0
+
+    def publish() -> None:
+        nonlocal count
         count += 1
-        time.sleep(max(0.0, due - time.monotonic()))
-        due += 1.0 / rate
         data = _HEAD.pack(count, time.monotonic_ns()) + bytes(size - _HEAD.size)
         session.put(f"raw/{size}", data, None, way)
+
+    loop.every(1.0 / rate, publish)
+    while count < 6 * rate:
+        loop.listen(1.0 / rate)
+    loop.close()
     session.close()
 
 
@@ -234,12 +229,14 @@ def put(said: dict[str, Any]) -> None:
 class Reader:
     """A console's client at a robot's mirror: ages of its messages, by size [ms]."""
 
-    def __init__(self, folder: Path, name: str, *sizes: int) -> None:
-        """Connect, and subscribe."""
+    def __init__(self, folder: Path, name: str, *sizes: int, loop: Loop | None = None) -> None:
+        """Connect, and subscribe; the loop serves several."""
         self.ages: dict[int, list[float]] = {size: [] for size in sizes}
         self.last = 0.0
         endpoint = f"ipc://{folder / name / 'hub'}"
-        self.client = Client(f"rune-bench-{os.getpid()}-{id(self)}", endpoint, near=False)
+        self.client = Client(
+            f"rune-bench-{os.getpid()}-{id(self)}", endpoint, near=False, loop=loop
+        )
         self.client.wait_connected(20.0)
         for size in sizes:
             self.client.subscribe(block(size), lambda value, _, size=size: self._came(value, size))
@@ -345,7 +342,8 @@ def many(folder: Path) -> None:
             place = stack.enter_context(router(free_port()))
             second = free_port()
             far = f"tcp/127.0.0.1:{second}"
-            stack.enter_context(program("benchmarks.fleet", "as-router", far, place))
+            joined = ["--listen", far, "--connect", place]
+            stack.enter_context(program("hub", "fleet", "router", *joined))
             names = [f"r{number}" for number in range(robots)]
             started = [
                 stack.enter_context(robot_program(name, far, **{f"s{_STATE}": 10.0}))
@@ -355,8 +353,10 @@ def many(folder: Path) -> None:
                 stack.enter_context(mirror(place, _made(folder / f"c{number}")))
                 for number in range(consoles)
             ]
+            loop = Loop()
+            stack.callback(loop.close)
             readers = [
-                Reader(folder / f"c{number}", name, _STATE)
+                Reader(folder / f"c{number}", name, _STATE, loop=loop)
                 for number in range(consoles)
                 for name in names
             ]
@@ -365,9 +365,7 @@ def many(folder: Path) -> None:
             before = [cpu(each) for each in (*started, *mirrors)]
             began = time.monotonic()
             while time.monotonic() - began < 5.0:
-                for reader in readers:
-                    reader.client.listen(0.0)
-                time.sleep(0.01)
+                loop.listen(0.05)
             passed = time.monotonic() - began
             after = [cpu(each) for each in (*started, *mirrors)]
             used = [100.0 * (b - a) / passed for a, b in zip(before, after, strict=True)]
@@ -431,8 +429,6 @@ def main(words: list[str]) -> None:
         )
     elif role == "as-thin":
         thin(int(rest[0]), int(rest[1]), float(rest[2]))
-    elif role == "as-router":
-        second_router(rest[0], rest[1])
     elif role == "as-raw":
         raw(rest[0], int(rest[1]), float(rest[2]))
     else:

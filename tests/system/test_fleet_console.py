@@ -7,19 +7,14 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
-import psutil
 import pytest
 
 from hub.doors.fleet.options import operator_of
-from hub.gcm import navigation
 from hub.gcm.control import CONTROL_STATE
-from hub.gcm.navigation import NAVIGATION_STATUS
 from hub.ipc.roles import Role
 from hub.zenoh.fleet_keys import FleetKey, KeyKind
 from hub.zenoh.fleet_session import FleetWay, open_fleet_session
@@ -27,54 +22,11 @@ from hub.zenoh.settings import client_settings, parse_place
 from tests.conftest import leaving_nothing
 from tests.support.ports import free_port
 from tests.support.waiting import until
-from tests.system.conftest import LAYOUT
-from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive, gone, in_soak
+from tests.system.fleet_site import Site, mirror_of, stopped_after
+from tests.system.harness import ConsoleProcess, HubProcess, drive, gone, in_soak
 
 STOPPED_S = 1.0
 """0.35 s, with room for a busy machine [s]."""
-
-
-class Site:
-    """A robot, its fleet's router, and one console after the other."""
-
-    def __init__(self, folder: Path) -> None:
-        self.place = f"tcp/127.0.0.1:{free_port()}"
-        self.start_router()
-        self.hub = HubProcess(folder, tables=self.table("rover"))
-        watched = (navigation.GROUND_TRUTH, CONTROL_STATE, NAVIGATION_STATUS)
-        self.observer = Observer(self.hub.endpoint, *watched)
-        self.layout = folder / "layout.xml"
-        text = LAYOUT.replace('hub="{hub}"', 'fleet="rune/lab"')
-        self.layout.write_text(text.replace("magellan", "rover"))
-
-    def table(self, name: str) -> str:
-        """The table of a robot file."""
-        return f'\n[fleet]\nrouter = "{self.place}"\nname = "{name}"\nfleet = "rune/lab"\n'
-
-    def start_router(self) -> None:
-        words = ["fleet", "router", "--fleet", "rune/lab", "--listen", self.place]
-        command = [sys.executable, "-m", "hub", *words]
-        self.router = subprocess.Popen(command, stdout=subprocess.PIPE)
-        assert self.router.stdout is not None
-        assert self.router.stdout.readline()
-
-    def kill_router(self) -> None:
-        self.router.kill()
-        self.router.communicate()
-
-    def console(self, *options: str) -> ConsoleProcess:
-        words = ["run", str(self.layout), "--fleet", self.place, "--operator", "ann", *options]
-        made = ConsoleProcess(words)
-        made.wait_for_picture(40.0)
-        return made
-
-    def newest(self, name: str) -> Any:
-        return self.observer.seen[name][-1][1]
-
-    def close(self) -> None:
-        self.observer.close()
-        self.hub.close()
-        self.kill_router()
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -93,22 +45,8 @@ def site(nothing_left_behind: None, tmp_path_factory: pytest.TempPathFactory) ->
 
 @pytest.fixture
 def console(site: Site) -> Iterator[ConsoleProcess]:
-    with closing(site.console()) as made:
+    with closing(site.console("--operator", "ann")) as made:
         yield made
-
-
-def mirror_of(console: ConsoleProcess) -> psutil.Process:
-    children = psutil.Process(console.process.pid).children(recursive=True)
-    return next(each for each in children if "mirror" in each.cmdline())
-
-
-def stopped_after(observer: Observer) -> float:
-    """Time from now until the wheels are commanded to stop [s]."""
-    began = time.monotonic()
-    observer.wait(lambda: observer.truth.commanded_linear == 0.0, 5.0, "the wheels are driven on")
-    took = time.monotonic() - began
-    observer.wait(lambda: abs(observer.truth.linear) < 1e-3, 5.0, "it rolls on")
-    return took
 
 
 def test_console_drives_and_has_control_as_at_a_hub(site: Site, console: ConsoleProcess) -> None:
