@@ -1,10 +1,14 @@
 """The body of a robot with ROS whose own navigation drives to goals, on a line in memory."""
 
+import struct
 from collections import Counter
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from hub.errors import RosMessageError
 from hub.gcm.geometry import (
     Point3D,
     Pose3D,
@@ -328,3 +332,36 @@ def test_move_base_gets_the_same_by_its_topics(tmp_path):
     assert robot.report.goal is OwnGoal.CANCELLED
     robot.run(4.0)
     assert any("/move_base is silent" in each for each in robot.problems)
+
+
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(payload=st.binary(max_size=120), what=st.sampled_from(["status", "feedback", "answer"]))
+def test_no_bytes_of_the_robot_end_the_driver(tmp_path, payload, what):
+    robot = NavigatingRobot(tmp_path)
+    robot.has_nav2()
+    robot.drive()
+    if what == "answer":
+        robot.body.stop()
+        for _, _, answered in robot.line.called:
+            answered(payload, "")
+    else:
+        robot.line.give(f"{ACTION}{what}", b"\0\1\0\0" + payload, robot.now)
+    robot.run(1.2, tick=0.1)
+    assert robot.report.number == GOAL.number
+    robot.body.command(ZERO)
+    robot.body.stop()
+    assert robot.problems is not None
+
+
+@given(name=st.binary(max_size=40))
+def test_names_of_goals_of_others_in_ros_1_may_be_any_bytes(name):
+    """They are cancelled at a stop, so they have to go back."""
+    size = struct.pack("<I", len(name))
+    listed = bytes(16) + struct.pack("<I", 1) + bytes(8) + size + name + b"\1" + bytes(4)
+    try:
+        (goal,) = wire.known_goals(listed, "ros1")
+    except RosMessageError:
+        return
+    assert isinstance(wire.old_cancel(goal.name), bytes)
