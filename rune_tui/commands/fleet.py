@@ -69,7 +69,10 @@ def with_fleet_files(
     mirror = mirrors.join(fleet, named)
     robots = _present(mirror, named)
     sys.stderr.write(f"rune: in the fleet {plain(fleet)}: {', '.join(robots)}\n")
-    with tempfile.TemporaryDirectory(prefix="rune-auto-") as folder:
+    with tempfile.TemporaryDirectory(
+        prefix="rune-auto-",
+        ignore_cleanup_errors=True,  # a late robot may still be described
+    ) as folder:
         files = FleetFiles(mirror, fleet, Path(folder), robots)
         mirrors.arrivals = files
         yield files.names()

@@ -64,7 +64,7 @@ class _RouterCertificates:
         self._announced = self._newest
         more = ", ".join(sorted({*self._newest} - {*self._counting}))
         wait = f"waits until no operator is in the fleet ({counted(sessions, 'session')} now)"
-        put(f"{more} {wait}, because all robots stop for it; at once: kill -HUP {os.getpid()}")
+        put(f"{more} {wait}, because all robots stop for it; at once: kill -USR1 {os.getpid()}")
 
     def use(self) -> tuple[CertificateFiles | None, dict[str, Any] | None]:
         """The router's own files, and the table with those that are listed now; they count then.
@@ -93,7 +93,7 @@ def run_router(
     | the list | the new one counts |
     | --- | --- |
     | lacks a certificate of before | within a second |
-    | has more certificates | when no operator is in the fleet, or after a signal HUP |
+    | has more certificates | when no operator is in the fleet, or after a signal USR1 |
     | cannot be read | when it can; the old one counts until then |
 
     Args:
@@ -108,7 +108,7 @@ def run_router(
     ended, forced = threading.Event(), threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.set())
-    signal.signal(signal.SIGHUP, lambda *_: forced.set())
+    signal.signal(signal.SIGUSR1, lambda *_: forced.set())
     certificates = _RouterCertificates(folder, fleet)
     session = _open(places, certificates, others)
     joined = f", joined with {', '.join(map(str, others))}" if others else ""
