@@ -18,9 +18,10 @@ from hub.robots.ros.asking.proposal import RosProposal, open_way_of
 from hub.robots.ros.asking.stopping import stopping
 from hub.robots.ros.asking.survey import look_at
 from hub.robots.ros.goals.goal_actions import action_of, actions_of, missing_action
+from hub.robots.ros.line import RosTopic
 from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.own_nodes import foreign
-from hub.robots.ros_table import ROS_KIND
+from hub.robots.ros_table import ROS_KIND, CommandType
 
 _LISTENING_S: Final = 3.0
 _OLD_S: Final = 0.2
@@ -64,6 +65,10 @@ def _driving(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
     """Whether velocities arrive, and what stops the robot without them."""
     name, hold = robot.ros.cmd_vel, robot.ros.hold
     command = found.graph.topics.get(name)
+    if command is None and not found.graph.whole and robot.ros.cmd_vel_type is not CommandType.AUTO:
+        command = RosTopic(name=name)
+        advice = "the bridge does not say which topics it takes: try whether the robot drives"
+        yield warning(f"it is not known whether a node subscribes to {name}", advice)
     if command is None:
         yield problem(f"the robot has no topic {name}", "correct [ros], key 'cmd_vel'")
         return

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Protocol
+from typing import Final, Protocol
 
 from hub.robots.interfaces import FileLoop
 from hub.values import dataclass
@@ -19,6 +19,8 @@ TakeAnswer = Callable[[Payload | None, str], None]
 TakeParameters = Callable[[Mapping[str, object]], None]
 """Takes the parameters that there are, perhaps none."""
 
+_ROS_1: Final = ("noetic", "melodic", "kinetic", "lunar")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosTopic:
@@ -26,8 +28,8 @@ class RosTopic:
 
     Attributes:
         name: Such as "/odom".
-        schema_name: Its type as ROS 2 writes it, such as "nav_msgs/msg/Odometry".
-        encoding: The encoding of its messages: "cdr" or "ros1".
+        schema_name: Its type as ROS 2 writes it, such as "nav_msgs/msg/Odometry"; empty: not known.
+        encoding: The encoding of its messages: "cdr" or "ros1"; empty: not known.
         schema_encoding: The encoding of its definition: "ros2msg", "ros2idl", "ros1msg"; empty: it
             is known by its name.
         schema: Its definition; empty: the robot does not give it.
@@ -36,8 +38,8 @@ class RosTopic:
     """
 
     name: str
-    schema_name: str
-    encoding: str
+    schema_name: str = ""
+    encoding: str = ""
     schema_encoding: str = ""
     schema: bytes = b""
     publishers: tuple[str, ...] = ()
@@ -74,6 +76,12 @@ class RosGraph:
     topics: Mapping[str, RosTopic]
     services: Mapping[str, RosService]
     whole: bool = False
+
+    @property
+    def version(self) -> int:
+        """Of ROS: 1 or 2."""
+        old = any(topic.encoding == "ros1" for topic in self.topics.values())
+        return 1 if old or self.distribution in _ROS_1 else 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -77,10 +77,13 @@ class RosVelocities:
         if now - self._up_since < PATIENCE_S:
             return
         if topic is None:
-            yield f"nothing on the robot subscribes to {name}: see [ros], key 'cmd_vel'"
+            if self._line.graph.whole or self._kind is None:
+                yield f"nothing on the robot subscribes to {name}: see [ros], key 'cmd_vel'"
             return
-        if self._kind is None:
-            text = f"velocities on {name} are {plain(topic.schema_name)[:80] or 'of no type'}"
+        if self._kind is None and not topic.schema_name:
+            yield f"the type of velocities on {name} is not known: set [ros], key 'cmd_vel_type'"
+        elif self._kind is None:
+            text = f"velocities on {name} are {plain(topic.schema_name)[:80]}"
             yield f"{text}, which is no Twist: see [ros], keys 'cmd_vel' and 'cmd_vel_type'"
         if self._line.graph.whole:
             if not topic.subscribers:

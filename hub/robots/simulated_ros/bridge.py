@@ -267,6 +267,8 @@ class SimulatedBridge:
     def _opened(self) -> dict[str, foxglove.Channel]:
         flavour = self._settings.flavour
         kinds = {each.name: each.type for each in TOPICS} | {COMMANDS: self._settings.commands}
+        if flavour.encoding == "ros1" and not self._settings.other_publishers:
+            del kinds[COMMANDS]  # that bridge has channels for published topics only
         if not can_compress():
             del kinds[f"{IMAGE}/compressed"]
         return {

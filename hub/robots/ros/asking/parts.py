@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from hub.robots.ros.asking.findings import RosFindings, frame_name, plain_type
+from hub.robots.ros.commands import TYPES
 from hub.robots.ros.goals.goal_actions import GoalAction, actions_of
 from hub.robots.ros.line import RosTopic
 from hub.robots.ros.own_nodes import foreign
+from hub.robots.ros_table import CommandType
 from hub.values import dataclass
 
+_ASSUMED: Final = "Twist is assumed; nodes with another type ignore it"
 COMMAND_TYPES: Final = ("geometry_msgs/Twist", "geometry_msgs/TwistStamped")
 IMAGE: Final = "sensor_msgs/Image"
 COMPRESSED: Final = "sensor_msgs/CompressedImage"
@@ -61,6 +65,7 @@ class RosParts:
 
     Attributes:
         command: The topic of velocities; None: there is none.
+        assumed: What is assumed of the type of that topic, in words; empty: it is known.
         commands: Other topics that take velocities.
         odometry: Of its odometry.
         odometries: Others of the same type.
@@ -74,6 +79,7 @@ class RosParts:
     """
 
     command: RosTopic | None
+    assumed: str = ""
     commands: tuple[str, ...]
     odometry: str
     odometries: tuple[str, ...]
@@ -98,8 +104,9 @@ class RosParts:
 
 def parts_of(found: RosFindings) -> RosParts:
     """The parts of a robot."""
-    commands = sorted(found.topics_of(*COMMAND_TYPES), key=_command_rank(found))
-    commands = [each for each in commands if _takes(each, found)]
+    known = [each for each in found.topics_of(*COMMAND_TYPES) if _takes(each, found)]
+    assumed = [] if known else _assumed(found)
+    commands = sorted((*known, *assumed), key=_command_rank(found))
     command = commands[0] if commands else None
     home = command.name.rpartition("/")[0] if command is not None else ""
     rank = _rank(home)
@@ -108,6 +115,7 @@ def parts_of(found: RosFindings) -> RosParts:
     )
     return RosParts(
         command=command,
+        assumed=_ASSUMED if assumed else "",
         commands=tuple(each.name for each in commands[1:]),
         odometry=odometries[0] if odometries else "",
         odometries=tuple(odometries[1:]),
@@ -153,6 +161,35 @@ def _takes(topic: RosTopic, found: RosFindings) -> bool:
         return True
     last = topic.name.rpartition("/")[2]
     return "cmd" in topic.name or "command" in topic.name or last == "velocity"
+
+
+def _assumed(found: RosFindings) -> list[RosTopic]:
+    """Topics of velocities whose type a bridge for ROS 1 does not say, as if it were Twist.
+
+    That bridge knows the types of published topics only, and velocities often have no publisher.
+    Where it does not know subscribers either, it is assumed that the robot has the usual name.
+    """
+    graph = found.graph
+    if graph.version != 1:
+        return []
+    names = [
+        each.name
+        for each in graph.topics.values()
+        if not each.schema_name
+        and found.counts(each.name)
+        and each.name.endswith("cmd_vel")
+        and foreign(each.subscribers)
+    ]
+    if not names and not graph.whole:
+        names = [f"{found.namespace}/cmd_vel"]
+    return [
+        dataclasses.replace(
+            graph.topics.get(name, RosTopic(name=name)),
+            schema_name=TYPES[CommandType.TWIST],
+            encoding="ros1",
+        )
+        for name in names
+    ]
 
 
 def _odometry_rank(found: RosFindings, rank: Rank) -> Rank:

@@ -23,7 +23,6 @@ from hub.values import dataclass
 
 _MOST_NAMED: Final = 4
 _MOST_DOUBTS: Final = 12
-_ROS_1: Final = ("noetic", "melodic", "kinetic", "lunar")
 _LIGHT: Final = re.compile(r"light|led|lamp", re.IGNORECASE)
 _HEAD: Final = re.compile(r"(?:^|_|/)(?:pan|tilt)(?:_|/|$)")
 _NUMBER_TYPES: Final = ("std_msgs/Float64", "std_msgs/Float32", "std_msgs/Float64MultiArray")
@@ -89,10 +88,8 @@ class RosProposal:
     def title(self) -> str:
         """What it is: "robot with ROS 2 (jazzy)"."""
         graph = self.found.graph
-        old = any(topic.encoding == "ros1" for topic in graph.topics.values())
-        version = 1 if old or graph.distribution in _ROS_1 else 2
         named = f" ({plain(graph.distribution)[:20]})" if graph.distribution else ""
-        return f"robot with ROS {version}{named}"
+        return f"robot with ROS {graph.version}{named}"
 
     @property
     def name(self) -> str:
@@ -195,6 +192,8 @@ class RosProposal:
             return
         if self.stopping.safe:
             yield self.stopping.words
+        if parts.assumed:
+            yield f"the bridge does not say the type of {command.name}: {parts.assumed}"
         if self.found.graph.whole and not foreign(command.subscribers):
             yield f"no node subscribes to {command.name}: the robot will not move"
         if parts.commands:
@@ -235,7 +234,8 @@ class RosProposal:
         left = [
             f"{topic.name} ({plain_type(topic.schema_name)[:60]})"
             for topic in graph.topics.values()
-            if topic.name not in taken
+            if topic.schema_name
+            and topic.name not in taken
             and is_name(topic.name)
             and plain_type(topic.schema_name) not in READ
         ]

@@ -11,6 +11,7 @@ from hub.robots.ros.asking.findings import frame_name, plain_type
 from hub.robots.ros.asking.parts import RosParts
 from hub.robots.ros.asking.proposal import RosProposal
 from hub.robots.ros.asking.tables import Table
+from hub.robots.ros_table import CommandType
 
 _UNKNOWN_RADIUS: Final = 0.3
 _UNKNOWN_HEIGHT: Final = 0.4
@@ -67,11 +68,7 @@ def _ros(proposal: RosProposal) -> Iterator[str]:
     parts, found = proposal.parts, proposal.found
     yield "[ros]"
     yield f"address = {_value(found.address.text)}"
-    if parts.command is not None:
-        kind = plain_type(parts.command.schema_name)
-        yield f"cmd_vel = {_value(parts.command.name)}    # {plain(kind)[:60]}"
-    if proposal.hold:
-        yield f"hold = true    # {plain(proposal.stopping.words)[:200]}"
+    yield from _velocities(proposal)
     yield from _own_abilities(parts)
     yield f"odom = {_value(parts.odometry)}"
     yield f"tf = {_value(parts.transforms)}"
@@ -97,6 +94,18 @@ def _own_abilities(parts: RosParts) -> Iterator[str]:
     if parts.navigation is not None:
         comment = "drives to goals; without this key Rune's own navigation does"
         yield f"navigation = {_value(parts.navigation.name)}    # {comment}"
+
+
+def _velocities(proposal: RosProposal) -> Iterator[str]:
+    """The keys of `[ros]` about velocities."""
+    command, assumed = proposal.parts.command, proposal.parts.assumed
+    if command is not None:
+        kind = plain_type(command.schema_name)
+        yield f"cmd_vel = {_value(command.name)}    # {plain(kind)[:60]}"
+    if assumed:
+        yield f"cmd_vel_type = {_value(CommandType.TWIST.value)}    # not known: {assumed}"
+    if proposal.hold:
+        yield f"hold = true    # {plain(proposal.stopping.words)[:200]}"
 
 
 def _limits(proposal: RosProposal) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 from hub.robots.ros.foxglove.bridge_events import BridgeGraph
@@ -19,7 +19,8 @@ MOST_SCHEMAS: Final = 1 << 25
 class BridgeTopics:
     """The channels and services of a bridge.
 
-    A topic has several channels if nodes use it with several types; the first counts that has an
+    A topic that nodes only subscribe to may have no channel; then its type is not known. A topic
+    has several channels if nodes use it with several types; the first counts that has an
     encoding of ROS.
 
     Attributes:
@@ -48,11 +49,18 @@ class BridgeTopics:
             topics = (self._with_nodes(self._channels[each]) for each in found if each is not None)
             self._graph = RosGraph(
                 distribution=distribution,
-                topics={topic.name: topic for topic in topics},
+                topics={topic.name: topic for topic in (*self._without_channels(), *topics)},
                 services={each.name: each for each in self._services.values()},
                 whole=self._whole,
             )
         return self._graph
+
+    def _without_channels(self) -> Iterator[RosTopic]:
+        """Topics that are subscribed to only: the bridge for ROS 1 has no channels for them."""
+        for name, nodes in self._subscribers.items():
+            if nodes and name not in self._by_topic:
+                publishers = self._publishers.get(name, ())
+                yield RosTopic(name=name, subscribers=nodes, publishers=publishers)
 
     def _with_nodes(self, topic: RosTopic) -> RosTopic:
         publishers = self._publishers.get(topic.name, ())

@@ -25,7 +25,7 @@ from hub.gcm.standard import Header, Time
 from hub.gcm.transforms import Transform, Transforms, TransformStamped, Translation
 from hub.robots.interfaces import BodyJoints, BodyLights, BodyStops, BodyWakes
 from hub.robots.ros.body import RosBody
-from hub.robots.ros.line import RosService
+from hub.robots.ros.line import RosService, RosTopic
 from tests.support.memory_ros_line import ROS1, MemoryLine, cdr, ros_robot
 
 ZERO, AHEAD = Twist(), Twist.planar(0.4, 0.1)
@@ -308,6 +308,26 @@ def test_problems_of_its_nodes_are_shown_until_they_end_or_are_not_repeated(robo
     assert not robot.problem("motor1")
     say(*[Severity.ERROR] * 200)
     assert len(robot.sensors.diagnostics) < 50
+
+
+def test_velocities_of_a_type_that_the_bridge_does_not_say(tmp_path):
+    robot = Robot(tmp_path, velocities="")
+    robot.line.topics["/cmd_vel"] = RosTopic(name="/cmd_vel", subscribers=("/base",))
+    robot.run(3.0, tick=0.1)
+    (problem,) = robot.problem("velocities")
+    assert "the type of velocities on /cmd_vel is not known" in problem
+    assert "cmd_vel_type" in problem
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_named_type_of_velocities_needs_no_topic_of_the_bridge(tmp_path, whole):
+    robot = Robot(
+        tmp_path, velocities="", more=ROBOT.replace("[ros]", '[ros]\ncmd_vel_type = "Twist"')
+    )
+    robot.line.whole = whole
+    robot.run(3.0, tick=0.1)
+    assert robot.line.advertised == {"/cmd_vel": TWIST}
+    assert bool(robot.problem("velocities")) == whole
 
 
 def test_another_publisher_and_a_missing_subscriber_are_named(tmp_path):

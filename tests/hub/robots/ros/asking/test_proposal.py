@@ -204,6 +204,49 @@ def test_what_cannot_be_driven_says_why() -> None:
         assert RosProposal(robot()).refusal() == ""
 
 
+UNTYPED = {"type": "", "to": ("/mobile_base",)}
+
+
+def old(topics: dict[str, Any], **more: Any) -> RosFindings:
+    """A robot with ROS 1, whose bridge knows the types of published topics only."""
+    return found({"/odom": ODOM, **topics}, distribution="noetic", encoding="ros1", **more)
+
+
+@pytest.mark.parametrize(
+    ("robot", "name"),
+    [
+        (old({"/base/cmd_vel": UNTYPED}), "/base/cmd_vel"),
+        (old({}, whole=False), "/cmd_vel"),
+    ],
+    ids=["known by its subscriber", "not known at all"],
+)
+def test_a_bridge_for_ros_1_need_not_say_the_type_of_velocities(
+    robot: RosFindings, name: str
+) -> None:
+    proposal = RosProposal(robot)
+    assert proposal.refusal() == ""
+    table = read(proposal)["ros"]
+    assert (table["cmd_vel"], table["cmd_vel_type"]) == (name, "Twist")
+    assert f"does not say the type of {name}: Twist is assumed" in said(robot)
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [
+        found({"/odom": ODOM, "/cmd_vel": UNTYPED}),
+        old({"/cmd_vel": {"type": ""}}),
+        old({"/cmd_vel": UNTYPED}, namespace="/other"),
+    ],
+    ids=["ROS 2", "nobody subscribes", "another robot"],
+)
+def test_the_type_of_velocities_is_assumed_of_no_other_robot(robot: RosFindings) -> None:
+    assert "no topic of it takes velocities" in RosProposal(robot).refusal()
+
+
+def test_a_type_that_the_bridge_says_is_not_assumed() -> None:
+    assert "cmd_vel_type" not in read(RosProposal(ros_1()))["ros"]
+
+
 def test_velocities_that_nobody_takes_are_said() -> None:
     robot = found({"/cmd_vel": {"type": TWIST, "by": ("/teleop",)}, "/odom": ODOM})
     assert "no node subscribes to /cmd_vel: the robot will not move" in said(robot)

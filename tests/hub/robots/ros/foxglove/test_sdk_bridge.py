@@ -155,6 +155,20 @@ def test_the_graph_names_the_nodes(bridge, line):
     channel.close()
 
 
+def test_a_topic_without_a_channel_is_known_by_its_subscribers(bridge, line):
+    graph = ConnectionGraph()
+    graph.set_subscribed_topic("/cmd_vel", ["/base"])
+    wait(line, lambda: line.graph.whole)
+    bridge.server.publish_connection_graph(graph)
+    wait(line, lambda: "/cmd_vel" in line.graph.topics)
+    topic = line.graph.topics["/cmd_vel"]
+    assert (topic.subscribers, topic.schema_name, topic.encoding) == (("/base",), "", "")
+    channel = bridge.channel("/cmd_vel", TWIST)
+    wait(line, lambda: line.graph.topics["/cmd_vel"].schema_name)
+    assert line.graph.topics["/cmd_vel"].subscribers == ("/base",)
+    channel.close()
+
+
 def test_the_newest_sentences_of_the_bridge_are_kept_until_it_takes_them_back(bridge, line):
     wait(line, lambda: line.state.up)
     bridge.server.publish_status("the camera is\x1b[2J hot", StatusLevel.Warning, "hot")
