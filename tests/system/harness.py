@@ -189,6 +189,9 @@ class Observer:
 _ASKED = re.compile(rb"\x1b\[(\d+);(\d+)H\x1b\[6n")
 _QUESTION_BYTES = 16
 """A question is no longer, and may come in two pieces."""
+_IGNORED = "ignores keys typed"
+"""What the console says of a key that may be old."""
+_ONE_KEY = re.compile(r"[^\x1b]|\x1b\[\d+~|\x1bO.|\x1b\[[A-Z]")
 
 
 class _Answering(pyte.Screen):
@@ -267,6 +270,8 @@ class TerminalProcess:
         self._stream = _QuickStream(self.screen)
         self.output_bytes = 0
         self._unread = b""
+        self._typed = ""
+        self._ignored = 0
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process = warm_start.start(
             command,
@@ -286,7 +291,19 @@ class TerminalProcess:
 
     def type(self, keys: str) -> None:
         """Press keys."""
+        self._typed, self._ignored = keys, self.text.count(_IGNORED)
+        self._send(keys)
+
+    def _send(self, keys: str) -> None:
         os.write(self.terminal, keys.encode())
+
+    def _press_again(self) -> None:
+        """Press the last key again where the console asks for that, as a person does.
+
+        On a busy machine the console blocks at times, and ignores a key that may be old.
+        """
+        if _ONE_KEY.fullmatch(self._typed) and self.text.count(_IGNORED) > self._ignored:
+            self.type(self._typed)
 
     def pump(self, seconds: float = 0.02) -> None:
         """Read what the console writes for a while."""
@@ -334,11 +351,12 @@ class TerminalProcess:
 
         def repeat() -> None:
             pause = self.first_repeat
-            self.type(keys)
+            self._send(keys)
             while not let_go.wait(pause):
-                self.type(keys)
+                self._send(keys)
                 pause = every
 
+        self._typed = ""
         hand = threading.Thread(target=repeat)
         hand.start()
         try:
@@ -385,7 +403,13 @@ class TerminalProcess:
         }
 
     def wait(self, condition: Any, timeout: float, why: str = "") -> None:
-        until(condition, timeout, lambda: f"{why}\n{self.text}", meanwhile=lambda: self.pump(0.03))
+        """Wait for a condition while the console runs; press an ignored key again."""
+
+        def meanwhile() -> None:
+            self.pump(0.03)
+            self._press_again()
+
+        until(condition, timeout, lambda: f"{why}\n{self.text}", meanwhile=meanwhile)
 
     def wait_for_picture(self, timeout: float = 20.0) -> None:
         """Until the camera image is on the screen: many colours."""
