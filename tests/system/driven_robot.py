@@ -22,8 +22,9 @@ from tests.support.ports import free_port
 from tests.support.waiting import until
 from tests.system.driven_autopilot import DOOR, RecordedAutopilot
 from tests.system.driven_ros import WITH_ROS, RecordedRos
-from tests.system.harness import DELAY_S, ConsoleProcess, HubProcess
+from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.recorded_robot import Recording, Row
+from tests.system.terminal_process import DELAY_S
 
 _PAD = "logitech_f310_dinput"
 _STICKS = """

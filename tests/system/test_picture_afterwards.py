@@ -24,7 +24,8 @@ import pytest
 from hub.gcm.navigation import VELOCITY_COMMAND
 from tests.support.waiting import until
 from tests.system.conftest import LAYOUT
-from tests.system.harness import ConsoleProcess, HubProcess, Observer, TerminalProcess, in_soak
+from tests.system.harness import ConsoleProcess, HubProcess, Observer, in_soak
+from tests.system.terminal_process import TerminalProcess
 
 PICTURE_ROWS = 20
 """Below them are words that change by themselves."""
