@@ -23,6 +23,8 @@ from hub.values import dataclass
 DEFAULT_PORT = 7447
 DEFAULT_PLACE = f"tcp/127.0.0.1:{DEFAULT_PORT}"
 _HOST_NAME = re.compile(r"[A-Za-z0-9]([A-Za-z0-9._-]{0,251}[A-Za-z0-9])?", re.ASCII)
+UNLISTED = "the router's list lacks this certificate: see `rune-hub fleet keys list` there"
+"""A reason for a fleet that looks empty."""
 _OPERATORS = tuple(role.value for role in (Role.OBSERVE, Role.OPERATE, Role.SUPERVISE))
 _LINKS = ("prio=1-4", "prio=5-7")
 _SEND_BUFFER = 16384

@@ -15,7 +15,7 @@ from typing import Protocol
 
 from hub.errors import CentralUnreachableError, EndpointError, HubError
 from hub.plain_text import plain
-from hub.zenoh.settings import CertificateFiles, parse_place
+from hub.zenoh.settings import UNLISTED, CertificateFiles, parse_place
 from rune_tui.commands.auto import auto_layout
 from rune_tui.link.fleet_mirrors import FleetMirror, FleetMirrors, FleetPlace
 from rune_tui.startup.fleet_layout import MOST, fleet_layout_text
@@ -171,4 +171,6 @@ def _present(mirror: FleetMirror, named: Sequence[str]) -> list[str]:
         raise CentralUnreachableError(mirror.trouble)
     who = " and ".join(named) if named else "no robot"
     text = f"{plain(who)} {'is not' if named else 'is'} in the fleet {mirror.place.name} now"
+    if mirror.place.keys is not None:  # a router says nothing to those that it refuses
+        text += f", or {UNLISTED}"
     raise CentralUnreachableError(text)

@@ -14,22 +14,23 @@ from hub.plain_text import counted, plain
 from hub.zenoh.attachment import CLOCK, unpack
 from hub.zenoh.fleet_keys import FleetKey, KeyKind, parse_key, pattern
 from hub.zenoh.fleet_session import FleetSession, FleetWay
+from hub.zenoh.settings import UNLISTED, RouterPlace
 
 _ANSWER_S = 2.0
 
 
-def list_robots(session: FleetSession, fleet: str, *, as_json: bool) -> int:
+def list_robots(session: FleetSession, fleet: str, place: RouterPlace, *, as_json: bool) -> int:
     """Show the robots that are there."""
     robots = _robots(session, fleet)
     for robot in robots:
         put(json.dumps({"robot": robot}) if as_json else robot)
     if not robots:
-        print_error(f"no robot is in the fleet {fleet} now")
+        _say_none(fleet, place)
     return 0
 
 
 def show_status(
-    session: FleetSession, fleet: str, place: str, asker: Principal, *, as_json: bool
+    session: FleetSession, fleet: str, place: RouterPlace, asker: Principal, *, as_json: bool
 ) -> int:
     """Show who drives each robot, how far it is away, and the link of this program."""
     robots = _robots(session, fleet)
@@ -42,7 +43,15 @@ def show_status(
             put(json.dumps(facts))
         else:
             put(f"  {robot:<20} {_words(facts)}")
+    if not robots and place.scheme == "tls":
+        _say_none(fleet, place)
     return 0
+
+
+def _say_none(fleet: str, place: RouterPlace) -> None:
+    """Say why nothing is shown; a router says nothing to a refused program."""
+    unlisted = f", or {UNLISTED}" if place.scheme == "tls" else ""
+    print_error(f"no robot is in the fleet {fleet} now{unlisted}")
 
 
 def _robots(session: FleetSession, fleet: str) -> list[str]:

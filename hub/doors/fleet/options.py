@@ -136,10 +136,8 @@ def _look(options: argparse.Namespace) -> int:
     session = open_fleet_session(place, client_settings(place, certificates=files))
     try:
         if options.task == "list":
-            return fleet_status.list_robots(session, options.fleet, as_json=options.json)
-        return fleet_status.show_status(
-            session, options.fleet, str(place), who, as_json=options.json
-        )
+            return fleet_status.list_robots(session, options.fleet, place, as_json=options.json)
+        return fleet_status.show_status(session, options.fleet, place, who, as_json=options.json)
     finally:
         session.close()
 

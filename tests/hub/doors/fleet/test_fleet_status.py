@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from hub.doors.fleet.fleet_status import list_robots
+from hub.doors.fleet.fleet_status import list_robots, show_status
+from hub.ipc.roles import Principal, Role
+from hub.zenoh.settings import parse_place
+
+OPEN, GUARDED = parse_place("tcp/127.0.0.1:7447"), parse_place("tls/fleet.example:7447")
 
 
 class FakeSession:
@@ -19,13 +23,22 @@ class FakeSession:
 
 
 def test_an_empty_fleet_is_said_beside_the_list(capsys: pytest.CaptureFixture[str]) -> None:
-    assert list_robots(FakeSession(), "rune/lab", as_json=False) == 0
+    assert list_robots(FakeSession(), "rune/lab", OPEN, as_json=False) == 0
     said = capsys.readouterr()
     assert (said.out, said.err) == ("", "rune-hub: no robot is in the fleet rune/lab now\n")
 
 
 def test_robots_are_listed_once_in_order(capsys: pytest.CaptureFixture[str]) -> None:
     tokens = ("rune/v1/rover/alive", "rune/v1/boat/alive", "rune/v1/rover/alive")
-    assert list_robots(FakeSession(*tokens), "rune", as_json=False) == 0
+    assert list_robots(FakeSession(*tokens), "rune", OPEN, as_json=False) == 0
     said = capsys.readouterr()
     assert (said.out, said.err) == ("boat\nrover\n", "")
+
+
+def test_a_certificate_that_the_router_does_not_list_may_be_why_a_fleet_looks_empty(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    who = Principal(name="ann", role=Role.OPERATE)
+    assert list_robots(FakeSession(), "rune", GUARDED, as_json=False) == 0
+    assert show_status(FakeSession(), "rune", GUARDED, who, as_json=False) == 0
+    assert capsys.readouterr().err.count("the router's list lacks this certificate") == 2
