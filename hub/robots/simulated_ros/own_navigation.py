@@ -31,14 +31,14 @@ _SPEED, _TURN = 0.3, 1.0
 """Largest velocities [m/s, rad/s]."""
 _REACHED, _TURNED = 0.1, 0.1
 """A goal is reached within these [m, rad]."""
-_AHEAD: Final = 0.3
+_AHEAD: Final = 0.2
 """The robot heads for a point this far along its path [m]."""
 _ASIDE: Final = 0.7
 """With a larger bearing to that point it turns on the spot [rad]."""
 _PATIENCE_S: Final = 8.0
 _HEADWAY: Final = 0.1
 """Time without headway after which it gives up [s]; headway is [m, or rad for a turn]."""
-_MARGIN: Final = 0.05
+_MARGIN: Final = 0.1
 _MOST_KEPT: Final = 10
 """Goals that have ended and are still listed."""
 

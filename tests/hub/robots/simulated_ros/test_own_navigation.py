@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from hub.gcm.geometry import Twist
@@ -107,3 +108,20 @@ def test_another_goal_takes_the_place_of_the_first(old: bool, end: GoalStatus) -
     wheels.go(1.0)
     wheels.go(2.0, name=SECOND)
     assert (wheels.state(), wheels.state(SECOND)) == (end, GoalStatus.DRIVES)
+
+
+def test_it_keeps_away_from_walls() -> None:
+    """In the yellow arena, round a corner."""
+    wheels = Wheels("yellow")
+    grid = wheels.robot.message("/map")
+    rows, columns = np.nonzero(grid["data"] == 100)
+    edge, origin = grid["info"]["resolution"], grid["info"]["origin"].position
+    x, y = origin.x + (columns + 0.5) * edge, origin.y + (rows + 0.5) * edge
+    wheels.navigation.begin(FIRST, GoalPlace(frame="map", x=4.3, y=0.9, theta=0.0))
+    nearest = math.inf
+    while wheels.state() is GoalStatus.DRIVES:
+        wheels.run(0.2)
+        here = wheels.robot.pose
+        nearest = min(nearest, float(np.hypot(x - here.x, y - here.y).min()))
+    assert wheels.state() is GoalStatus.REACHED
+    assert nearest - edge / 2.0 > 0.18
