@@ -11,7 +11,6 @@ from tests.support.ports import free_port
 
 FILE = """
 name = "airship"
-port = {port}
 kind = "mavlink"
 [hub]
 port = {port}
