@@ -13,6 +13,7 @@ Times are 0: ROS 1 ends goals with older times at a cancel, and clocks differ.
 
 from __future__ import annotations
 
+import contextlib
 import enum
 import functools
 import math
@@ -209,11 +210,12 @@ def feedback_of(payload: bytes | memoryview, encoding: str) -> tuple[str, float]
     if len(name) < _UUID_BYTES:
         text = "a feedback is too short for the name of its goal"
         raise RosMessageError(text)
-    try:
-        left = float(_reader(FEEDBACK, "cdr").decode(payload).get("distance_remaining"))
-    except RosMessageError:
-        left = math.nan
-    return name.hex(), left if 0.0 <= left <= _FARTHEST_M else math.nan
+    for later in (0, _LATER_BYTES):
+        with contextlib.suppress(RosMessageError):
+            value = _reader(FEEDBACK, "cdr").decode(payload[: len(payload) - later])
+            left = float(value.get("distance_remaining"))
+            return name.hex(), left if 0.0 <= left <= _FARTHEST_M else math.nan
+    return name.hex(), math.nan
 
 
 def goal_text(name: str, encoding: str) -> str:
@@ -233,6 +235,8 @@ def goal_reader(name: str, encoding: str) -> RosDecoder:
 
 _SCHEMAS: Final = {"cdr": "ros2msg", "ros1": "ros1msg"}
 _UUID_BYTES: Final = 16
+_LATER_BYTES: Final = 8
+"""Of the two errors of tracking with which later versions of Nav2 end a feedback."""
 _FARTHEST_M: Final = 1e6
 
 

@@ -147,6 +147,16 @@ def test_feedback_says_whose_it_is_also_where_nav2_has_other_fields(new):
     message = the(new, f"{NAV2}FeedbackMessage", goal_id=the_uuid(new), feedback=feedback)
     payload = bytes(new.serialize_cdr(message, f"{NAV2}FeedbackMessage"))
     assert wire.feedback_of(payload, "cdr") == (NAME, pytest.approx(2.5))
+    later = (
+        f"{NEW_PARTS['Feedback']}\nfloat32 position_tracking_error\nfloat32 heading_tracking_error"
+    )
+    store, kind = get_typestore(Stores.ROS2_JAZZY), f"{NAV2}FeedbackMessage"
+    store.register(get_types_from_msg(later, f"{NAV2}Feedback"))
+    store.register(get_types_from_msg(NEW_PARTS["FeedbackMessage"], kind))
+    feedback = the(store, f"{NAV2}Feedback", distance_remaining=2.5, heading_tracking_error=0.5)
+    message = the(store, kind, goal_id=the_uuid(store), feedback=feedback)
+    payload = bytes(store.serialize_cdr(message, kind))
+    assert wire.feedback_of(payload, "cdr") == (NAME, pytest.approx(2.5))
     name, left = wire.feedback_of(payload[:60], "cdr")
     assert name == NAME
     assert math.isnan(left)
