@@ -19,6 +19,7 @@ from hub.doors.fleet.gateway import FleetGateway
 from hub.gcm import navigation
 from hub.gcm.catalog import MESSAGES
 from hub.gcm.control import CONTROL_STATE, ControlAction, ControlRequest
+from hub.gcm.pad import PAD_STATE, PadState
 from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.robots.fleet_table import FleetTable
@@ -177,6 +178,24 @@ def test_operator_drives_by_a_client_of_its_own_and_sees_states_of_the_robot(
     assert state.owner_name.startswith("alice@fleet")
     alice.stop()
     assert _stands_soon(observer) < _STOPPED_S
+
+
+def test_gamepad_at_the_robots_hub_reaches_consoles_of_the_fleet(
+    robots: Robots, alice: FleetOperator
+) -> None:
+    came: list[int] = []
+    key = alice.key(KeyKind.STATE, message=PAD_STATE.name)
+    alice.line.subscribe(key, lambda _, said, __: came.append(PAD_STATE.decode(said).session))
+    with contextlib.closing(Client("rune-pad", robots.hubs["magellan"].endpoint)) as pad:
+        pad.wait_connected(10.0)
+
+        def sent() -> bool:
+            pad.publish(PAD_STATE, PadState(session=9))
+            pad.listen(0.02)
+            return bool(came)
+
+        alice.wait(sent, why="no state of the gamepad")
+    assert came[0] == 9
 
 
 def test_operator_that_is_gone_leaves_a_robot_that_stands_and_is_free(

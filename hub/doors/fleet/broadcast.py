@@ -16,11 +16,15 @@ from hub.zenoh.fleet_line import ZenohFleetLine
 
 _LONGEST_WAIT_S = 2.0
 """Longest wait of a message for the line, where its lifespan allows more [s]."""
-_ROOM = {Plane.STATE: KeyKind.STATE, Plane.PICTURE: KeyKind.PICTURE}
+_ROOM = {
+    Plane.COMMAND: KeyKind.STATE,
+    Plane.STATE: KeyKind.STATE,
+    Plane.PICTURE: KeyKind.PICTURE,
+}
 
 
 class FleetBroadcast:
-    """A message of the state or picture plane, with its twin at a low rate."""
+    """A message for the fleet, with its twin at a low rate where it has one."""
 
     def __init__(
         self,

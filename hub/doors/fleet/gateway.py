@@ -9,6 +9,7 @@ from hub.bucket import Bucket
 from hub.doors.fleet.broadcast import FleetBroadcast
 from hub.doors.fleet.hub_messages import HubMessages
 from hub.doors.fleet.operators import FleetOperators, header_of
+from hub.doors.pads import FOR_CONSOLES
 from hub.errors import FleetKeyError
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition, Plane
@@ -122,7 +123,7 @@ class FleetGateway:
         self._line.put(key, self._messages.as_json(), None, Plane.PICTURE, name=key)
 
     def _offer(self, definition: MessageDefinition[object]) -> None:
-        if definition.plane is Plane.COMMAND:
+        if definition.plane is Plane.COMMAND and definition.name not in FOR_CONSOLES:
             return
         self._broadcasts.append(
             FleetBroadcast(

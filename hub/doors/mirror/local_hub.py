@@ -14,6 +14,7 @@ from typing import Any
 
 from hub.doors.mirror.robot_line import RobotLine
 from hub.doors.mirror.sender_numbers import renumbered
+from hub.doors.pads import FOR_CONSOLES
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition, Plane
@@ -82,7 +83,7 @@ class LocalHub:
                 continue
             self._definitions[definition.name] = definition
             self._client.respond_frames(definition, functools.partial(self._ask, definition))
-            if definition.plane is Plane.COMMAND:
+            if definition.plane is Plane.COMMAND and definition.name not in FOR_CONSOLES:
                 if may_publish(self._line.operator.role, definition.name):
                     handler = functools.partial(self._command, definition)
                     self._client.subscribe_payload(definition, handler)

@@ -30,7 +30,11 @@ _FARTHEST_NS = 1 << 62
 _MOST_WORDS = 500
 _REFUSALS, _REFUSALS_PER_S = 5.0, 1.0
 _LONGEST = frames.MAX_FRAME - frames.MAX_TOPIC - 8 - frames.HEADER_SIZE
-_ROOM = {Plane.STATE: KeyKind.STATE, Plane.PICTURE: KeyKind.PICTURE}
+_ROOM = {
+    Plane.COMMAND: KeyKind.STATE,
+    Plane.STATE: KeyKind.STATE,
+    Plane.PICTURE: KeyKind.PICTURE,
+}
 
 CameFrame = Callable[[frames.Frame], None]
 """Gets a broadcast."""

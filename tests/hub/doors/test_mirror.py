@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from hub.doors.mirror.mirror import Mirror
@@ -17,6 +18,7 @@ from hub.gcm.catalog import MESSAGES
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.geometry import TwistStamped
 from hub.gcm.navigation import VELOCITY_COMMAND
+from hub.gcm.pad import PAD_CONSOLE, PAD_STATE, PadConsole, PadState
 from hub.gcm.vision import IMAGE, IMAGE_REQUEST, ImageRequest
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -251,6 +253,23 @@ def test_late_states_come_at_the_low_rate_without_lost_numbers(bench: Bench) -> 
     assert client.lost == 0
     client.unsubscribe(CONTROL_STATE)
     bench.until(lambda: thin not in bench.fleet.patterns)
+
+
+def test_gamepads_at_the_robots_hub_come_to_consoles_and_never_go_back(bench: Bench) -> None:
+    client = bench.client(bench.open())
+    pads: list[tuple[int, int]] = []
+    client.subscribe(PAD_STATE, lambda state, info: pads.append((info.publisher, state.session)))
+    bench.until(lambda: f"rune/v1/rover/state/{PAD_STATE.name}" in bench.fleet.patterns)
+    bench.robot.says(PAD_STATE, PadState(session=5), age_s=2.0, room="state")  # too old
+    bench.robot.says(PAD_STATE, PadState(session=6), room="state")
+    bench.until(lambda: pads)
+    assert pads == [(77, 6)], "under the number that it has at the robot's hub"
+    # What a console says of the pads that it uses goes to the robot's hub, and names that number.
+    taken = PadConsole(operator="ann", taken=np.array([77], np.uint32))
+    client.define(PAD_CONSOLE)
+    bench.until(lambda: client.publish(PAD_CONSOLE, taken) or bench.fleet.puts)
+    assert {key.rpartition("/")[2] for key, *_ in bench.fleet.puts} == {PAD_CONSOLE.name}
+    assert [*PAD_CONSOLE.decode(bench.fleet.puts[0][1]).taken] == [77]
 
 
 def test_refusals_of_the_robot_are_events_in_words_a_few_at_once(bench: Bench) -> None:
