@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable
 from typing import Final
 
-_OWN: Final = re.compile(r"foxglove_bridge|(?:^|/)rune(?:_|$)")
-"""Names of nodes through which Rune itself publishes."""
+_OWN: Final = re.compile(r"foxglove_bridge|(?:^|/)rune_")
+"""Names of nodes through which Rune itself publishes; `rune` alone is a robot of Rune."""
 
 
 def foreign(nodes: Iterable[str]) -> tuple[str, ...]:

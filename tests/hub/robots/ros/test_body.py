@@ -335,7 +335,7 @@ def test_another_publisher_and_a_missing_subscriber_are_named(tmp_path):
     robot.run(3.0, tick=0.1)
     assert "nothing on the robot subscribes to /cmd_vel" in robot.problem("velocities")[0]
     robot.line.whole = True
-    own = "/foxglove_bridge", "/rune_12", "/bot/rune"
+    own = "/foxglove_bridge", "/rune_12", "/bot/rune_3"
     robot.line.topic("/cmd_vel", TWIST, publishers=(*own, "/joy_teleop", "/prune"))
     robot.run(0.1)
     deaf, other = robot.problem("velocities")

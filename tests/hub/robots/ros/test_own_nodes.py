@@ -1,0 +1,11 @@
+"""Nodes through which Rune publishes, and all others."""
+
+from __future__ import annotations
+
+from hub.robots.ros.own_nodes import foreign
+
+
+def test_the_node_of_a_robot_that_rune_serves_is_one_that_may_follow() -> None:
+    own = ("/foxglove_bridge", "rune_4711", "/lab/rune_4711")
+    others = ("/rune", "/rover/rune", "/teleop", "/prune_node")
+    assert foreign((*own, *others)) == others
