@@ -65,7 +65,7 @@ def test_console_drives_and_has_control_as_at_a_hub(site: Site, console: Console
 
 def _refuse(site: Site, why: str) -> None:
     """Refuse a command as the robot's gateway does."""
-    who = operator_of(argparse.Namespace(operator=None), Role.OPERATE)
+    who = operator_of(argparse.Namespace(operator=None, tls=None), Role.OPERATE)
     key = FleetKey(kind=KeyKind.REFUSAL, robot="rover", operator=who).under("rune/lab")
     place = parse_place(site.place)
     with closing(open_fleet_session(place, client_settings(place))) as session:
