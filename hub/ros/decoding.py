@@ -10,7 +10,7 @@
 
 from __future__ import annotations
 
-import functools
+import threading
 from collections.abc import Callable, Mapping
 from typing import Final, Protocol
 
@@ -33,6 +33,11 @@ READABLE: Final[Mapping[str, tuple[str, ...]]] = {
 """Encodings of payloads that are decoded, and those of their definitions."""
 MOST_PAYLOAD: Final = 1 << 28
 """Longest message that is decoded [bytes]."""
+
+_MOST_KEPT: Final = 10_000
+"""Most fields of all types whose decoders are kept; a decoder has some 20 kB for a field."""
+_BYTES_OF_FIELD: Final = 20
+"""Bytes of a definition that count as a field, where its fields are not known."""
 
 Payload = bytes | memoryview
 
@@ -62,12 +67,14 @@ class RosDecoder:
 
     Attributes:
         type: Their type; None: only the messages themselves have it.
+        fields: Number of fields of their type, with those of all types within it; 0: not known.
     """
 
     def __init__(
         self, name: str, read: Callable[[Payload], RosValue], kind: RosType | None = None
     ) -> None:
         self.type = kind
+        self.fields = 0 if kind is None else kind.all_fields
         self._name = name
         self._read = read
 
@@ -83,7 +90,7 @@ class RosDecoder:
             text += f" ({topic.schema_encoding})" * bool(topic.schema_encoding)
             text += f", and Rune reads {', '.join(READABLE)}"
             raise RosMessageError(text)
-        return _decoder(topic.schema_name, topic.encoding, topic.schema_encoding, topic.schema)
+        return _KEPT.of((topic.schema_name, topic.encoding, topic.schema_encoding, topic.schema))
 
     def decode(self, payload: Payload) -> RosValue:
         """The message in a payload; arrays of numbers are views of it.
@@ -110,7 +117,41 @@ class RosDecoder:
         return foxglove.as_ros(self._name, self.decode(payload))
 
 
-@functools.lru_cache(maxsize=512)
+_Description = tuple[str, str, str, bytes]
+
+
+class _KeptDecoders:
+    """Decoders that may be used again, within a bound; threads may share them."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._found: dict[_Description, tuple[RosDecoder, int]] = {}
+        self._fields = 0
+
+    def of(self, described: _Description) -> RosDecoder:
+        """The decoder of a type.
+
+        Raises:
+            RosMessageError: There is none.
+        """
+        with self._lock:
+            known = self._found.pop(described, None)
+            if known is not None:
+                self._found[described] = known  # it is the newest now
+                return known[0]
+        made = _decoder(*described)
+        fields = max(made.fields, len(described[3]) // _BYTES_OF_FIELD, 1)
+        with self._lock:
+            self._fields += fields - self._found.pop(described, (made, 0))[1]
+            self._found[described] = made, fields
+            while self._fields > _MOST_KEPT:
+                self._fields -= self._found.pop(next(iter(self._found)))[1]
+        return made
+
+
+_KEPT: Final = _KeptDecoders()
+
+
 def _decoder(name: str, encoding: str, schema_encoding: str, schema: bytes) -> RosDecoder:
     if encoding == "json":
         return RosDecoder(name, lambda payload: NamedValue(name, json_values(payload)))

@@ -16,6 +16,8 @@ from hub.ros.values import RosValue
 _MOST_FRAMES: Final = 10_000
 _MOST_STEPS: Final = 100
 """Longest way from a frame to the root; frames may also form a ring."""
+_FARTHEST: Final = 1e12
+"""Farthest origin of a frame in another [m]; the sum of many is still a number."""
 
 Floats = npt.NDArray[np.float64]
 
@@ -61,7 +63,7 @@ class FrameTree:
         return self._parents.keys()
 
     def take(self, message: RosValue) -> None:
-        """Take a tf2_msgs/TFMessage."""
+        """Take a tf2_msgs/TFMessage; a frame whose place makes no sense is known no more."""
         for each in message.get("transforms"):
             parent, child = (
                 plain_frame(each.get("header.frame_id")),
@@ -70,7 +72,9 @@ class FrameTree:
             known = child in self._parents or len(self._parents) < _MOST_FRAMES
             moved = each.get("transform")
             place = place_of(moved.get("translation"), moved.get("rotation"))
-            if child and child != parent and known and place is not None:
+            if place is None:
+                self._parents.pop(child, None)
+            elif child and child != parent and known:
                 self._parents[child] = parent, place
 
     def place(self, frame: str, within: str) -> FramePlace | None:
@@ -116,10 +120,11 @@ def turn_of(orientation: RosValue) -> Floats | None:
 
 
 def place_of(position: RosValue, orientation: RosValue) -> FramePlace | None:
-    """The pose of a position and a quaternion; None: it is not finite, or no rotation."""
+    """The pose of a position and a quaternion; None: it is too far away, or no rotation."""
     origin = np.array([float(position.get(part)) for part in "xyz"])
     turn = turn_of(orientation)
-    return None if turn is None or not np.isfinite(origin).all() else FramePlace(turn, origin)
+    near = bool((abs(origin) <= _FARTHEST).all())
+    return FramePlace(turn, origin) if near and turn is not None else None
 
 
 def pose_of(pose: RosValue) -> FramePlace:

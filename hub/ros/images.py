@@ -76,9 +76,23 @@ def pixels_of(image: RosValue) -> Pixels:
     ):
         text = f"a picture of {width}x{height} pixels is not shown"
         raise RosMessageError(text)
-    step, data = int(image.get("step")), image.get("data")
+    step, data = int(image.get("step")), _bytes_of(image)
     raw = RawPicture(height, width, step, "<>"[bool(image.get("is_bigendian"))], data)
     return _reader(encoding)(raw)
+
+
+def _bytes_of(image: RosValue) -> Pixels:
+    """The bytes of a picture, of any type that its definition gives them.
+
+    Raises:
+        RosMessageError: They are no bytes.
+    """
+    data = image.get("data")
+    if not (isinstance(data, np.ndarray) and data.ndim == 1 and data.dtype.kind in "iu"):
+        text = "the data of a picture are no bytes"
+        raise RosMessageError(text)
+    made: Pixels = np.ascontiguousarray(data, np.uint8)
+    return made
 
 
 def shaded(values: npt.NDArray[np.generic]) -> Pixels:

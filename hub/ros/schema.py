@@ -17,10 +17,10 @@ from hub.values import dataclass
 
 MOST_TEXT: Final = 1 << 20
 """Longest definition [characters]."""
-MOST_FIELDS: Final = 20_000
-"""Most fields of a type, with those of all types within it."""
-MOST_DEPTH: Final = 32
-"""Types within types."""
+MOST_FIELDS: Final = 2000
+"""Most fields of a type, with those of all types within it; reading them takes 0.4 s at most."""
+MOST_DEPTH: Final = 16
+"""Types within types; Python reads no more than 20 sequences within sequences."""
 MOST_ELEMENTS: Final = 1 << 24
 """Most elements of an array of constant length."""
 
@@ -82,7 +82,13 @@ class RosType:
     name: str
     fields: tuple[RosField, ...]
 
-    @functools.lru_cache(maxsize=4096)  # noqa: B019 - types live as long as the decoders of them
+    @property
+    def all_fields(self) -> int:
+        """Number of its fields, with those of all types within it."""
+        kinds = (each.kind for each in self.fields)
+        return sum(1 if isinstance(kind, str) else kind.all_fields for kind in kinds)
+
+    @functools.lru_cache(maxsize=1024)  # noqa: B019 - types live as long as the decoders of them
     def place(self, name: str) -> int:
         """Which field has this name; -1: none."""
         return next((at for at, each in enumerate(self.fields) if each.name == name), -1)

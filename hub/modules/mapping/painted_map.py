@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import logging
 
+from hub.bucket import Bucket
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.modules.mapping.grid import LOADED, OccupancyGrid
 from hub.robots.interfaces import OwnMap
 
 _logger = logging.getLogger(__name__)
+
+_WARNINGS_PER_S, _WARNINGS_AT_ONCE = 1.0 / 60.0, 3.0
 
 
 class PaintedMap:
@@ -23,6 +26,7 @@ class PaintedMap:
         self.counts = False
         self._newest: OccupancyMap | None = None
         self._fault = ""
+        self._warnings = Bucket(_WARNINGS_PER_S, _WARNINGS_AT_ONCE)
         self._too_large = False
 
     def follow(self, now: float) -> bool:
@@ -31,7 +35,7 @@ class PaintedMap:
         newer = self._own.take()
         if self._own.fault != self._fault:
             self._fault = self._own.fault
-            if self._fault:
+            if self._fault and self._warnings.take(1.0, now):
                 _logger.warning("%s", self._fault)
         if newer is None:
             return False

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from hub.gcm.fields import FARTHEST_M
 from hub.gcm.geometry import Twist, Vector3
 from hub.pose import Pose
 from hub.robots.ros.odometry import RosPlace
@@ -58,9 +59,9 @@ class RosFrames:
         found = self._tree.place(frame, within)
         if found is None:
             return None
-        return Pose(
-            x=float(found.origin[0]), y=float(found.origin[1]), theta=found.roll_pitch_yaw[2]
-        )
+        x, y, theta = *(float(each) for each in found.origin[:2]), found.roll_pitch_yaw[2]
+        near = all(abs(each) <= FARTHEST_M for each in (x, y, theta))
+        return Pose(x=x, y=y, theta=theta) if near else None
 
     def _measure(self, pose: Pose, now: float) -> None:
         """Measure the velocity by two places."""

@@ -87,7 +87,7 @@ def place_of_odometry(value: RosValue, measured: float) -> RosPlace:
     x, y, z = (float(position.get(part)) for part in "xyz")
     quaternion = [float(turn.get(part)) for part in "wxyz"]
     size = math.hypot(*quaternion)
-    if not (max(map(abs, (x, y, z))) <= FARTHEST_M and 0.5 < size < 2.0):
+    if not (all(abs(each) <= FARTHEST_M for each in (x, y, z)) and 0.5 < size < 2.0):
         text = "the place or the orientation of an odometry makes no sense"
         raise RosMessageError(text)
     _, _, theta = roll_pitch_yaw(*(each / size for each in quaternion))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hub.gcm.mapping import MOST_CELLS
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.robots.ros.frames import STATIC_FRAMES, RosFrames
 from hub.robots.ros.line import RosLine, RosMessage
@@ -12,6 +13,8 @@ from hub.ros.values import RosValue
 
 _UPDATES = "_updates"
 """What ROS adds to the name of a map for the topic of its changes."""
+_MOST_MAP = MOST_CELLS**2 + 1024
+"""Longest message of a map [bytes]."""
 
 
 class RosMap:
@@ -36,8 +39,8 @@ class RosMap:
         self._topics: tuple[str, ...] = (table.tf, STATIC_FRAMES)
         for topic in self._topics:
             self._reader.read(topic, self._framed, each=True)
-        self._reader.read(table.map, self._mapped, each=True)
-        self._reader.read(f"{table.map}{_UPDATES}", self._updated, each=True)
+        for topic, take in ((table.map, self._mapped), (f"{table.map}{_UPDATES}", self._updated)):
+            self._reader.read(topic, take, each=True, most=_MOST_MAP)
 
     def advance(self, now: float) -> None:
         """Read the line [s, monotonic]."""

@@ -15,6 +15,7 @@ import dataclasses
 import math
 from typing import Final
 
+from hub.gcm.fields import FARTHEST_M
 from hub.paths import for_reckoning
 from hub.pose import Pose
 from hub.robots.description import RobotDescription
@@ -73,7 +74,9 @@ class RosWhereabouts:
         if in_map is None:
             # A driver that begins waits for the frames: else the place would seem to be lost.
             return None if self._table.map and now - self._up_since < PATIENCE_S else place
-        return dataclasses.replace(place, pose=in_map.then(place.pose))
+        pose = in_map.then(place.pose)
+        near = max(abs(pose.x), abs(pose.y)) <= FARTHEST_M
+        return dataclasses.replace(place, pose=pose) if near else None
 
     @property
     def frame(self) -> str:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import math
 import random
 import struct
+import time
+import weakref
 from typing import Any
 
 import numpy as np
@@ -19,6 +22,7 @@ from hub.errors import RosMessageError
 from hub.recording.topics import RecordedTopic
 from hub.ros.decoding import RosDecoder
 from hub.ros.known_types import known_texts
+from hub.ros.schema import MOST_DEPTH, MOST_FIELDS
 from hub.ros.values import RosValue
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
@@ -160,9 +164,9 @@ def nested(depth: int, twice: str = "") -> str:
     [
         ("A a\n", "contains a/msg/A within itself"),
         (f"B[] b\n{SECTION}MSG: a/B\nA[] a\n", "within itself"),
-        (nested(300), "deeper than 32"),
-        (nested(30, "B{} c\n"), "more than 20000 fields"),
-        ("int32 x\n" * 20_001, "more than 20000 fields"),
+        (nested(300), "deeper than 16"),
+        (nested(13, "B{} c\n"), "more than 2000 fields"),
+        ("int32 x\n" * 2001, "more than 2000 fields"),
         ("uint8[4000000000] x\n", "4000000000 elements"),
         ("uint8[0] x\n", "0 elements"),
         ("other/Thing x\n", "lacks the definition of other/msg/Thing"),
@@ -177,6 +181,32 @@ def nested(depth: int, twice: str = "") -> str:
 def test_definitions_that_cannot_be_are_refused(text: str, words: str) -> None:
     with pytest.raises(RosMessageError, match=words):
         RosDecoder.of(topic(text))
+
+
+def test_the_deepest_definition_is_read() -> None:
+    """Python reads no more than 20 loops within each other, and a decoder is Python."""
+    inner = "".join(f"{SECTION}MSG: a/B{n}\nB{n + 1}[] b\n" for n in range(MOST_DEPTH - 2))
+    text = f"B0[] b\n{inner}{SECTION}MSG: a/B{MOST_DEPTH - 2}\nint32 x\n"
+    ones = struct.pack("<I", 1) * (MOST_DEPTH - 1)
+    assert RosDecoder.of(topic(text)).decode(HEAD + ones + b"\7\0\0\0").name == "a/msg/A"
+
+
+@pytest.mark.parametrize("field", ["string", "uint8[]", "B[]"])
+def test_the_largest_definition_takes_a_bounded_time(field: str) -> None:
+    rest = f"{SECTION}MSG: a/B\nint8 y\n"
+    text = "".join(f"{field} x{n}\n" for n in range(MOST_FIELDS)) + rest
+    begun = time.process_time()
+    with pytest.raises(RosMessageError):
+        RosDecoder.of(topic(text)).decode(HEAD + bytes(100))
+    assert time.process_time() - begun < 5.0
+
+
+def test_decoders_are_kept_within_a_bound() -> None:
+    small = [RosDecoder.of(topic(f"int8 x{n}\n")) for n in range(100)]
+    assert all(RosDecoder.of(topic(f"int8 x{n}\n")) is small[n] for n in range(100))
+    large = [weakref.ref(RosDecoder.of(topic(f"int8 y{n}\n" * 900))) for n in range(40)]
+    gc.collect()
+    assert 0 < sum(each() is not None for each in large) <= 10_000 // 900
 
 
 @pytest.mark.parametrize(

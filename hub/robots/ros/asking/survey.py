@@ -37,6 +37,8 @@ _PARAMETERS_S: Final = 4.0
 _AGAIN_S: Final = 0.2
 _PAUSE_S: Final = 0.01
 _MOST_TOPICS: Final = 64
+_MOST_BYTES: Final = 1 << 25
+"""Longest message that is read [bytes]: a picture, a map, a description of the robot."""
 _MOST_CAMERAS: Final = 8
 _MOST_TREES: Final = 8
 _MOST_ODOMETRIES: Final = 4
@@ -140,7 +142,7 @@ class RosSurvey:
         for name in wanted:
             if name and name not in self._read and len(self._read) < _MOST_TOPICS:
                 self._read[name] = []
-                self._reader.read(name, self._take, each=True)
+                self._reader.read(name, self._take, each=True, most=_MOST_BYTES)
 
     def _take(self, value: RosValue, message: RosMessage) -> None:
         name, kind = message.topic.name, message.topic.schema_name

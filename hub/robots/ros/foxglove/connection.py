@@ -122,7 +122,8 @@ class FoxgloveConnection:
             if self._stream.is_open and not self._stream.joined:
                 self._stream.join()
             if self._stream.joined:
-                self._read()
+                if not self._messages:
+                    self._read()
                 self._flush()
             self._judge()
         except OSError as fault:

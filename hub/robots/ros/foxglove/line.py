@@ -29,6 +29,8 @@ from hub.robots.ros.line import (
 
 _MOST_STATUSES: Final = 8
 """Newest sentences of the bridge that are kept."""
+_MOST_HANDLED: Final = 1 << 18
+"""About the most bytes of messages of one `advance`; the rest waits for the next one."""
 _NO_COMMANDS: Final = (
     "the bridge takes no commands: it lacks the capability clientPublish or the encodings cdr, ros1"
 )
@@ -157,8 +159,10 @@ class FoxgloveLine:
         """Connect if need be, receive, send what is due; never waits."""
         self._now = now
         self._connection.advance(now)
-        while (message := self._connection.receive()) is not None:
+        size = 0
+        while size < _MOST_HANDLED and (message := self._connection.receive()) is not None:
             is_text, data = message
+            size += len(data)
             self._read(memoryview(data), is_text=is_text)
         self._calls.expire(now)
         self._questions.expire(now)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from hub.robots.ros.address import ros_address
 from hub.robots.ros.asking.survey import RosSurvey
 from hub.robots.ros.line import TakeParameters
-from tests.support.memory_ros_line import MemoryLine
+from hub.ros.standard_types import CompressedImage
+from tests.support.memory_ros_line import MemoryLine, cdr
 from tests.support.ros_findings import ADDRESS
 
 TIME_OUT = "/base.cmd_vel_timeout"
@@ -30,3 +31,14 @@ def test_parameters_are_asked_for_once_nodes_are_known() -> None:
     assert survey.advance(3.0)
     assert survey.findings.takes
     assert not line.published
+
+
+def test_a_large_picture_is_read() -> None:
+    line = MemoryLine()
+    survey = RosSurvey(line, ros_address(ADDRESS))
+    line.topic("/camera/image_raw/compressed", "sensor_msgs/msg/CompressedImage")
+    assert not survey.advance(0.0)
+    picture = CompressedImage(format="jpeg", data=b"\xff" * 2_000_000)
+    line.give("/camera/image_raw/compressed", cdr(picture), 0.1)
+    found = survey.findings.of("/camera/image_raw/compressed")
+    assert (found.fault, found.messages) == ("", 1)
