@@ -45,6 +45,8 @@ SILENCE_S = 0.3
 LATE_S = 0.5
 """How late a busy machine may be [s]."""
 MODULES = ("driver", "navigation")
+_MOST_TRIES = 5
+"""Goals until one is not ended by a busy machine."""
 
 
 class NavigatingSite:
@@ -65,7 +67,8 @@ class NavigatingSite:
             self.relay = stack.enter_context(closing(HeldRelay(self.robot.port)))
             service = 'stop_service = "/e_stop"\n'
             tables = ros_tables(self.relay.port)
-            tables = tables.replace(service, f'{service}navigation = "{action}"\n')
+            own = f'navigation = "{action}"\ncmd_vel_type = "TwistStamped"\n'
+            tables = tables.replace(service, f"{service}{own}")
             self._folder, self._tables = folder, tables
             self.hub = stack.enter_context(closing(self._hub()))
             watched = (ROBOT_STATE, NAVIGATION_STATUS, DIAGNOSTICS, OWN_NAVIGATION)
@@ -112,6 +115,18 @@ class NavigatingSite:
 
     def go(self, x: float = 8.0) -> float:
         """Send a goal, and wait until the robot drives to it; returns when that began."""
+        began = (self._begin(x) for _ in range(_MOST_TRIES))
+        found = next((each for each in began if each is not None), None)
+        assert found is not None, "the machine is too busy to drive"
+        return found
+
+    @property
+    def was_busy(self) -> bool:
+        """Whether the task ended because a module had no time."""
+        return self.task[0] is Task.CANCELLED and self.task[1] in (Cause.BUSY, Cause.DRIVER)
+
+    def _begin(self, x: float) -> float | None:
+        """Send a goal once; None: it ended before the robot moved, as the machine was busy."""
         self.operator.twist = Twist()
         asked = time.monotonic()
 
@@ -140,8 +155,9 @@ class NavigatingSite:
             return bool(self.goals(since))
 
         self.wait(begun, "the robot gets no goal:")
-        self.wait(lambda: abs(self.newest(ROBOT_STATE).linear) > 0.1, "it does not move:")
-        return self.goals(since)[0][0]
+        moves = lambda: abs(self.newest(ROBOT_STATE).linear) > 0.1  # noqa: E731
+        self.wait(lambda: moves() or self.was_busy, "it does not move:")
+        return None if self.was_busy else self.goals(since)[0][0]
 
     def ended(self, since: float) -> float:
         """When the robot's goal ended after an event."""
@@ -166,9 +182,13 @@ def site(
 
 
 def test_it_drives_there_by_itself_and_rune_is_silent_meanwhile(site: NavigatingSite) -> None:
-    began = site.go(0.5)
-    ended = site.ended(began)
-    site.wait(lambda: site.task == (Task.REACHED, Cause.NONE), "it is not reached:")
+    for _ in range(_MOST_TRIES):
+        began = site.go(0.5)
+        ended = site.ended(began)
+        site.wait(lambda: site.task[0] is not Task.GOING, "the task goes on:")
+        if not site.was_busy:
+            break
+    assert site.task == (Task.REACHED, Cause.NONE)
     sent = [at for at, _ in site.velocities(began + 0.1) if at < ended]
     assert not sent, "Rune sent velocities while the robot drove itself"
 
@@ -180,7 +200,7 @@ def test_a_stop_ends_the_goal_at_once_and_zeros_follow(site: NavigatingSite) -> 
     ended = site.ended(sent)
     assert ended - sent < SOON_S + LATE_S
     site.wait(lambda: site.task == (Task.CANCELLED, Cause.STOP), "the task goes on:")
-    site.wait(lambda: len(site.velocities(ended)) >= 15, "too few zeros:")
+    site.wait(lambda: len(site.velocities(sent)) >= 15, "too few zeros:")
     assert not any(moves for _, moves in site.velocities(sent))
     site.wait(lambda: abs(site.newest(ROBOT_STATE).linear) < 0.01, "it does not stand:")
 
