@@ -67,7 +67,8 @@ class Site:
     def close(self) -> None:
         self.observer.close()
         self.hub.close()
-        self.kill_router()
+        if self.router.poll() is None:
+            self.kill_router()
 
 
 def mirror_of(console: ConsoleProcess) -> psutil.Process:

@@ -2,38 +2,55 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import time
 from collections.abc import Iterator
 from contextlib import closing
+from pathlib import Path
 
 import pytest
 
-from tests.conftest import leaving_nothing
 from tests.system.fleet_site import Site, stopped_after
-from tests.system.harness import Observer, drive
+from tests.system.harness import ConsoleProcess, Observer, drive
 
 STOPPED_S = 0.35
 """Longest time from a death to the last command that is not zero [s]."""
 _SAMPLE_S = 0.1
 """Longest time between two samples of the wheels' commands [s]."""
+_TRIES, _TRY_S = 5, 3.0
 _QUIET_S = 1.0
 """Time after the stop in which no motion may come back [s]."""
 
 
-@pytest.fixture(scope="module", autouse=True)
-def nothing_left_behind() -> Iterator[None]:
-    """The router and the gateway are started again in a test, and stay for the next."""
-    with leaving_nothing():
-        yield
-
-
-@pytest.fixture(scope="module")
-def site(nothing_left_behind: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
-    del nothing_left_behind
-    with closing(Site(tmp_path_factory.mktemp("fleet"))) as made:
+@pytest.fixture
+def site(tmp_path: Path) -> Iterator[Site]:
+    """Another one for each test, so that its robot has room ahead."""
+    with closing(Site(tmp_path)) as made:
         yield made
+
+
+@contextlib.contextmanager
+def _driving(console: ConsoleProcess, observer: Observer) -> Iterator[None]:
+    """A key is held, and the robot has been driven for a second.
+
+    Where commands fall silent on a busy machine, the robot wants neutral: press again then.
+    """
+    for _ in range(_TRIES):
+        drive(console, observer)
+        stopped_after(observer)
+        with contextlib.ExitStack() as hand:
+            hand.enter_context(console.holding("w"))
+            end = time.monotonic() + _TRY_S
+            observer.wait(
+                lambda end=end: _drives_on(observer) or time.monotonic() > end, 2 * _TRY_S
+            )
+            if _drives_on(observer):
+                yield
+                return
+        stopped_after(observer)
+    pytest.fail("the robot does not drive on")
 
 
 def _drives_on(observer: Observer) -> bool:
@@ -49,10 +66,7 @@ def _drives_on(observer: Observer) -> bool:
 def test_no_motion_is_commanded_after_the_bar(site: Site, victim: str) -> None:
     observer = site.observer
     with closing(site.console()) as console:
-        drive(console, observer)
-        stopped_after(observer)
-        with console.holding("w"):
-            observer.wait(lambda: _drives_on(observer), 20.0, "it does not drive on")
+        with _driving(console, observer):
             died = time.monotonic()
             if victim == "router":
                 site.kill_router()
@@ -69,7 +83,5 @@ def test_no_motion_is_commanded_after_the_bar(site: Site, victim: str) -> None:
             assert last > -_SAMPLE_S, "it stood before"
             print(f"{victim}: last motion after {last:.3f} s")  # noqa: T201
             assert last <= STOPPED_S
-        if victim == "router":
-            site.start_router()
-        elif victim == "paused router":
+        if victim == "paused router":
             site.router.send_signal(signal.SIGCONT)
