@@ -136,13 +136,14 @@ def test_robot_that_joins_later_is_named_and_a_key_shows_it_beside_the_driven_on
         with closing(HubProcess(tmp_path, tables=site.table("boat"))):
             console.wait(lambda: "boat joined the fleet" in console.text, 30.0, console.text)
             assert "2 boat" not in console.text, "the view waits for the key"
-            drive(console, observer)
-            with console.holding("w"):
+            # It turns in place, because the robot of all these tests may be at the wall.
+            console.hold_until("a", lambda: observer.truth.angular > 0.2)
+            with console.holding("a"):
                 console.type("\x1bOS")  # F4
                 console.wait(lambda: "2 boat" in console.text, 10.0, console.text)
-                stopped_after(observer)
+                observer.wait(lambda: observer.truth.commanded_angular == 0.0, 5.0, "it turns on")
             # The robot of before is the chosen one still, and begins from neutral.
-            console.hold_until("s", lambda: observer.truth.linear < -0.2)
+            console.hold_until("d", lambda: observer.truth.angular < -0.2)
             assert console.quit() == 0
 
 
