@@ -22,6 +22,7 @@ from tests.support.command_line import rune_hub
 from tests.support.ports import free_port
 from tests.support.ros_node import STORE, Paced, RosNode, dds, encoded
 from tests.support.running_command import RunningCommand
+from tests.support.sdk_nodes import SdkNode
 from tests.support.waiting import until
 from tests.support.zenoh_router import ZenohRouter, zenoh_router
 from tests.system.door_stops import STOP_S, free, stopped_after
@@ -280,3 +281,17 @@ def test_what_cannot_be_opened_is_said(hub: HubProcess) -> None:
     assert f"no Zenoh router answers at {where}" in done.stderr
     done = rune_hub("serve", "ros2", "--hub", hub.endpoint, "--namespace", "a b")
     assert "write one as /rover" in done.stderr
+
+
+def test_nodes_of_others_read_the_robot_and_drive_it(
+    door: Ros2Door, router: ZenohRouter, observer: Observer
+) -> None:
+    assert door.ready
+    with closing(SdkNode("driver", router.port)) as driver:
+        observer.wait(lambda: observer.truth.linear > 0.1, 30.0, "the node does not drive")
+        wanted = {"/odom", "/scan", "/tf", "/tf_static", "/map"}
+        until(
+            lambda: wanted <= set(driver.newest.get("came", ())), 30.0, lambda: f"{driver.newest}"
+        )
+        until(lambda: driver.newest["x"] != 0.0, 20.0)
+    expect_stop(observer)
