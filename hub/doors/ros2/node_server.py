@@ -113,6 +113,7 @@ class RosNodeServer:
         self._numbers = 0
         self._clocks = PublisherClocks()
         self._subscribers: dict[tuple[str, str], set[str]] = defaultdict(set)
+        self._tokens = 0
         self._fresh: set[tuple[str, str]] = set()
         self._sticks: dict[str, str] = {}
         self._commands: dict[Panel, PanelCommand] = {}
@@ -245,11 +246,17 @@ class RosNodeServer:
         self._note()
 
     def _note_subscriber(self, kind: tuple[str, str], token: str, *, alive: bool) -> None:
+        known = self._subscribers.get(kind, set())
         if not alive:
-            self._subscribers[kind].discard(token)
-            if not self._subscribers[kind]:
-                del self._subscribers[kind]
-        elif len(self._subscribers) < MOST_TOKENS and len(self._subscribers[kind]) < MOST_TOKENS:
+            self._tokens -= token in known
+            known.discard(token)
+            if not known:
+                self._subscribers.pop(kind, None)
+        elif token not in known:
+            if self._tokens >= MOST_TOKENS:
+                self.refused["too many"] += 1
+                return
+            self._tokens += 1
             self._subscribers[kind].add(token)
             self._fresh.add(kind)
 
