@@ -243,6 +243,7 @@ def test_it_holds_when_it_has_lost_its_operator(rover: AutopilotSite) -> None:
     assert rover.phase is AutopilotPhase.ELSEWHERE
 
 
+@pytest.mark.soak
 def test_killed_processes_leave_a_vehicle_that_stands_and_waits_for_a_neutral_stick(
     tmp_path: Path,
 ) -> None:

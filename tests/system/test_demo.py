@@ -35,6 +35,7 @@ def test_shows_a_picture_drives_and_leaves_nothing_behind(demo: ConsoleProcess) 
     until(lambda: gone(processes), 10.0, "processes are left")
 
 
+@pytest.mark.soak
 def test_drives_a_vehicle_with_a_simulated_autopilot(stack: ExitStack) -> None:
     command = ["demo", "--autopilot", "rover"]
     demo = stack.enter_context(closing(ConsoleProcess(command, columns=140, rows=45)))
@@ -73,6 +74,7 @@ def suspended(*processes: psutil.Process) -> Iterator[None]:
                 process.resume()
 
 
+@pytest.mark.soak
 def test_its_hubs_end_in_parallel_and_later_than_a_terminal_that_blocks_may(
     stack: ExitStack,
 ) -> None:

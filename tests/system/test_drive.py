@@ -129,6 +129,7 @@ def test_keys_arm_drive_hold_and_disarm_and_another_station_takes_the_vehicle(
     shows("DISARMED · guided")
 
 
+@pytest.mark.soak
 def test_a_vehicle_that_refuses_to_arm_says_why(stack: ExitStack) -> None:
     vehicle = stack.enter_context(closing(SimulatedVehicle("rover", booted=False)))
     console = stack.enter_context(closing(driven(vehicle)))

@@ -80,6 +80,7 @@ def reached(
     return made
 
 
+@pytest.mark.soak
 def test_the_hub_runs_on_the_robot_where_rune_is_installed(
     robot: SimulatedRos, reached: Callable[..., SshServer], stack: ExitStack, tmp_path: Path
 ) -> None:
@@ -107,6 +108,7 @@ def hubs_of(_: Path) -> list[str]:
     return found
 
 
+@pytest.mark.soak
 def test_otherwise_the_bridge_comes_through_ssh(
     robot: SimulatedRos, reached: Callable[..., SshServer], stack: ExitStack
 ) -> None:

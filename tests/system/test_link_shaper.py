@@ -141,6 +141,7 @@ def test_a_killed_shaper_is_a_cut_link(hub: HubProcess, stack: ExitStack) -> Non
     assert link.ended
 
 
+@pytest.mark.soak
 def test_in_a_blackout_the_robot_stops_and_afterwards_waits_for_neutral(
     hub: HubProcess, stack: ExitStack, tmp_path: Path
 ) -> None:

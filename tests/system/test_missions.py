@@ -63,6 +63,7 @@ def test_marks_and_map_outlive_mapping_and_daemon(site: Site) -> None:
     )  # fmt: skip
 
 
+@pytest.mark.soak
 def test_no_confirmed_mark_is_lost_when_processes_are_killed(site: Site) -> None:
     """A few kills; `make soak` has two hundred."""
     counts = killed_often(site, ["mapping", "console", "mapping", "daemon", "mapping"], seed=3)

@@ -223,6 +223,7 @@ def expect_a_held_stick_drives_nothing(
     expect_no_driving(observer)
 
 
+@pytest.mark.soak
 def test_of_two_consoles_that_use_one_pad_only_the_one_in_control_drives_and_from_neutral_on(
     desk: Desk, hub: HubProcess, console: ConsoleProcess, tmp_path: Path, stack: ExitStack
 ) -> None:

@@ -193,6 +193,7 @@ def tmux() -> Iterator[list[str]]:
         subprocess.run([*own, "kill-server"], capture_output=True, check=False)
 
 
+@pytest.mark.soak
 @pytest.mark.timeout(120)
 def test_the_picture_is_right_and_no_command_late_after_tmux_was_left_and_attached_again(
     hub: HubProcess,

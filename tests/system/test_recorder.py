@@ -207,6 +207,7 @@ def test_a_snapshot_is_a_file_of_its_own(start_hub: Start, look: Look, folder: P
     observer.wait(lambda: not target.with_suffix(".parts").exists(), 10.0)
 
 
+@pytest.mark.soak
 def test_a_snapshot_outlives_its_recorder(start_hub: Start, look: Look, folder: Path) -> None:
     hub = start_hub(**recorder('keep = "1h"\nalways = true'))
     observer = look(hub, RECORD_STATE)

@@ -71,6 +71,7 @@ def check(
         assert float(found[*trial, "fo_measured"]["value"]) == pytest.approx(active, abs=WORK)
 
 
+@pytest.mark.soak
 @pytest.mark.timeout(240)
 def test_a_session_is_played_by_keys_and_measured(tmp_path: Path) -> None:
     metrics = simulated(tmp_path, "console", participants=1, seconds=16)
@@ -82,6 +83,7 @@ def test_a_session_is_played_by_keys_and_measured(tmp_path: Path) -> None:
     assert not list(tmp_path.glob("sub-*"))
 
 
+@pytest.mark.soak
 @pytest.mark.timeout(240)
 def test_trials_on_hubs_are_measured(tmp_path: Path) -> None:
     metrics = simulated(tmp_path, "hubs", participants=1, seconds=16)

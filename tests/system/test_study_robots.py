@@ -130,6 +130,7 @@ LOST = {
 }
 
 
+@pytest.mark.soak
 @pytest.mark.timeout(150)
 @pytest.mark.parametrize("part", [*list(LOST)[:2], *in_soak("run")])
 def test_a_trial_without_one_of_its_parts_begins_again_and_says_why(

@@ -123,6 +123,7 @@ def test_a_trial_is_driven_recorded_and_asked_about(folder: Path) -> None:
     assert "/console/RuneFrame" in topics[files[1]]
 
 
+@pytest.mark.soak
 @pytest.mark.timeout(150)
 def test_a_session_that_is_killed_in_a_trial_leaves_nothing_and_goes_on(folder: Path) -> None:
     session = begun(folder, 60.0)
@@ -150,6 +151,7 @@ def test_a_session_that_is_killed_in_a_trial_leaves_nothing_and_goes_on(folder: 
         again.close()
 
 
+@pytest.mark.soak
 @pytest.mark.timeout(150)
 def test_freezes_withheld_control_and_the_secondary_task_interrupt_a_trial(folder: Path) -> None:
     session = begun(folder, 9.0, INTERRUPTED)
@@ -199,6 +201,7 @@ truth = "collisions"
 """
 
 
+@pytest.mark.soak
 @pytest.mark.timeout(150)
 def test_answers_at_a_freeze_are_scored_by_the_truth_of_that_moment(folder: Path) -> None:
     (folder / "questionnaires" / "sagat.toml").write_text(SAGAT)
@@ -314,6 +317,7 @@ def test_practice_ends_when_a_metric_of_its_last_part_is_reached(folder: Path) -
     assert note.data["values"]["bumps"] == 0.0
 
 
+@pytest.mark.soak
 @pytest.mark.timeout(150)
 def test_teleoperation_without_assistance_refuses_goals_and_drives(folder: Path) -> None:
     limits = '[defaults]\narena = "empty"\nautonomy = "teleoperation"\nassistance = "off"'

@@ -234,6 +234,7 @@ def test_module_that_is_deaf_is_killed(workshop: Robot) -> None:
         assert not psutil.pid_exists(pid)
 
 
+@pytest.mark.soak
 def test_module_that_grows_is_started_anew(workshop: Robot) -> None:
     with running(workshop, "leak"):
         workshop.until(lambda: workshop.modules["leak"].starts >= 2)

@@ -106,6 +106,7 @@ def link(tmp_path: Path) -> Iterator[RobotLink]:
         yield stack.enter_context(closing(made))
 
 
+@pytest.mark.soak
 def test_on_a_link_that_broadcasts_would_fill_pictures_and_states_stay_live(
     link: RobotLink,
 ) -> None:

@@ -16,6 +16,7 @@ from rune_tui.replay.console_log import ConsoleLog
 from rune_tui.replay.drawing import FrameCheck, FrameDrawer
 from rune_tui.replay.player import Knowledge, Player
 from tests.console.replay.logged_session import HERTZ, logged_session
+from tests.system.harness import in_soak
 
 SECONDS = 40
 SECOND = 1_000_000_000
@@ -67,7 +68,7 @@ def ticking(steps: float) -> Callable[[], float]:
     return lambda: steps * next(times)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [2, *in_soak(1)])
 def test_a_hundred_jumps_show_what_was_drawn(
     player: Player, drawn: dict[int, int], seed: int
 ) -> None:
@@ -91,6 +92,7 @@ def test_a_jump_into_the_unknown_is_exact_once_the_recording_is_prepared(
     assert shown(player) == drawn[player.position]
 
 
+@pytest.mark.soak
 def test_a_jump_in_a_long_recording_fills_at_once_and_is_exact_later(tmp_path: Path) -> None:
     opened = partial(ConsoleLog, logged_session(tmp_path, 150, hertz=2))
     expected = FrameDrawer()
