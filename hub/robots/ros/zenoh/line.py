@@ -34,6 +34,8 @@ from hub.ros.rmw_zenoh import EntityKind, tokens_of
 from hub.zenoh.session import ZenohDeclared
 
 _MOST_TOKENS_WAITING: Final = 50_000
+_MOST_TOKENS_READ: Final = 1000
+"""Most tokens of one `advance`, some 10 ms; the rest waits for the next one."""
 _BAD_MESSAGES: Final = (
     "messages without the attachment of rmw_zenoh came and were left out; the nodes need rmw_zenoh "
     "of 2025 or later"
@@ -235,13 +237,13 @@ class ZenohLine:
             publication.fit(session, self._node, self._tokens)
 
     def _read_tokens(self) -> bool:
-        """Read the waiting tokens; returns whether there were any."""
-        came = bool(self._news)
-        while self._news:
+        """Read waiting tokens; returns whether there were any."""
+        waiting = min(len(self._news), _MOST_TOKENS_READ)
+        for _ in range(waiting):
             zid, key, alive = self._news.popleft()
             if self._link.session is not None and self._link.session.zid == zid:
                 self._tokens.take(key, alive=alive)
-        return came
+        return waiting > 0
 
     def _heard_of(self, zid: str, key: str, alive: bool) -> None:  # noqa: FBT001 - Zenoh calls it
         self._news.append((zid, key, alive))

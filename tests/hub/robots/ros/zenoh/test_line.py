@@ -109,6 +109,23 @@ def test_it_offers_what_every_line_does(driven: Driven) -> None:
     assert line.state.why == ""
 
 
+def test_a_flood_of_tokens_leaves_time_between_two_parts_of_it(
+    driven: Driven, robot: RosNode
+) -> None:
+    for number in range(2500):
+        robot.publisher(f"/flood/topic_{number}", TWIST)
+
+    def gained() -> int:
+        before = len(driven.line.graph.topics)
+        driven.turn()
+        return len(driven.line.graph.topics) - before
+
+    steps = [gained()]
+    until(lambda: sum(steps) >= 2500, 20.0, meanwhile=lambda: steps.append(gained()))
+    assert max(steps) <= 2000  # a turn advances twice
+    assert driven.line.state.faults == 0
+
+
 def test_the_graph_has_topics_services_and_nodes(driven: Driven, robot: RosNode) -> None:
     robot.publisher("/odom", ODOMETRY)
     robot.publisher("/sonar", "sensor_msgs/msg/Range")
