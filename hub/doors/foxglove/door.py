@@ -13,8 +13,6 @@ from typing import TYPE_CHECKING, Final
 from hub import files
 from hub.command_output import put
 from hub.doors.foxglove.layout import LAYOUT, layout_of
-from hub.doors.panels.hub_topics import PictureWishes
-from hub.doors.panels.panel_door import PanelDoor
 from hub.doors.panels.serving import body_of, serve
 from hub.errors import DoorError
 from hub.gcm.body import RobotBody
@@ -55,21 +53,16 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
         )
         if options.layout is not None:
             _write_layout(options.layout, body)
-        pictures = PictureWishes(
-            rate=options.pictures, width_px=options.size[0], height_px=options.size[1]
-        )
         opened: list[ToolServer] = []
 
         def open_server(changed: Callable[[], None]) -> ToolServer:
             opened.append(ToolServer(settings, changed))
             return opened[0]
 
-        operator = _OPERATOR if options.drive else ""
-        with contextlib.closing(
-            PanelDoor(client, open_server, pictures, operator=operator, keys=options.keys)
-        ) as door:
+        def announce() -> None:
             _announce(opened[0].address, settings, options)
-            serve(door, stop_with_stdin=options.stop_with_stdin)
+
+        serve(client, options, open_server, operator=_OPERATOR, announce=announce)
     return 0
 
 

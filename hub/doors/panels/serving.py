@@ -1,13 +1,17 @@
-"""A door's process: what it asks the hub at its start, and when it ends."""
+"""A door's process: what it asks the hub, how it opens, and when it ends."""
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import signal
+from collections.abc import Callable
 from typing import Final
 
 from hub.command_output import stdin_ended
+from hub.doors.panels.hub_topics import PictureWishes
 from hub.doors.panels.panel_door import PanelDoor
+from hub.doors.panels.wishes import TopicServer
 from hub.errors import QueryError
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.ipc.client import Client
@@ -24,8 +28,37 @@ def body_of(client: Client) -> RobotBody | None:
     return None
 
 
-def serve(door: PanelDoor, *, stop_with_stdin: bool) -> None:
-    """Serve until a signal, or the end of standard input."""
+def serve(
+    client: Client,
+    options: argparse.Namespace,
+    open_server: Callable[[Callable[[], None]], TopicServer],
+    *,
+    operator: str,
+    announce: Callable[[], None],
+) -> None:
+    """Open a door, and serve until a signal, or the end of standard input.
+
+    Args:
+        client: A connected client for this alone.
+        options: Those that all doors have.
+        open_server: Opens the server; it calls its argument when panels want something else.
+        operator: Who has control while a panel drives, if the options let it drive.
+        announce: Says that the door is open.
+    """
+    width_px, height_px = options.size
+    door = PanelDoor(
+        client,
+        open_server,
+        PictureWishes(rate=options.pictures, width_px=width_px, height_px=height_px),
+        operator=operator if options.drive else "",
+        keys=options.keys,
+    )
+    with contextlib.closing(door):
+        announce()
+        _listen(door, stop_with_stdin=options.stop_with_stdin)
+
+
+def _listen(door: PanelDoor, *, stop_with_stdin: bool) -> None:
     ending = False
 
     def end(*_: object) -> None:

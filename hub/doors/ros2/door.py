@@ -11,8 +11,6 @@ from collections.abc import Callable
 from typing import Final
 
 from hub.command_output import put
-from hub.doors.panels.hub_topics import PictureWishes
-from hub.doors.panels.panel_door import PanelDoor
 from hub.doors.panels.serving import body_of, serve
 from hub.doors.panels.wishes import CMD_VEL
 from hub.doors.ros2.node_server import NodeSettings, RosNodeServer
@@ -42,21 +40,13 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
     settings = NodeSettings(domain=options.domain, namespace=namespace, drive=options.drive)
     with contextlib.closing(connect()) as client:
         session = open_session(options.connect)
-        pictures = PictureWishes(
-            rate=options.pictures, width_px=options.size[0], height_px=options.size[1]
+        serve(
+            client,
+            options,
+            lambda changed: RosNodeServer(session, settings, changed),
+            operator=_OPERATOR,
+            announce=lambda: _announce(client, settings, options),
         )
-        operator = _OPERATOR if options.drive else ""
-        with contextlib.closing(
-            PanelDoor(
-                client,
-                lambda changed: RosNodeServer(session, settings, changed),
-                pictures,
-                operator=operator,
-                keys=options.keys,
-            )
-        ) as door:
-            _announce(client, settings, options)
-            serve(door, stop_with_stdin=options.stop_with_stdin)
     return 0
 
 

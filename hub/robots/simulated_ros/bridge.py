@@ -14,7 +14,14 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import foxglove
-from foxglove.websocket import Capability, ChannelView, Client, ClientChannel, ServerListener
+from foxglove.websocket import (
+    Capability,
+    ChannelView,
+    Client,
+    ClientChannel,
+    ServerListener,
+    WebSocketServer,
+)
 
 from hub.errors import EndpointError, RosMessageError
 from hub.gcm.geometry import Twist, Vector3
@@ -112,28 +119,7 @@ class SimulatedBridge:
         self._goal = ""
         if settings.navigates:
             self._goals = GoalServer(robot, settings.flavour, self._context, self._clock)
-        # A client that leaves without a farewell is no fault of the robot's.
-        foxglove.set_log_level(logging.CRITICAL)
-        try:
-            self._server = foxglove.start_server(
-                name=_NAME,
-                host=_LOOPBACK,
-                port=port,
-                capabilities=[
-                    Capability.ClientPublish,
-                    Capability.ConnectionGraph,
-                    Capability.Parameters,
-                    Capability.Services,
-                ],
-                server_listener=_Listener(self),
-                supported_encodings=list(settings.flavour.encodings),
-                services=[self._service(), *(self._goals.services if self._goals else ())],
-                context=self._context,
-            )
-        except (OSError, RuntimeError, ValueError) as error:
-            busy = "another program listens there" if "in use" in str(error) else str(error)
-            text = f"port {port} of {_LOOPBACK} cannot be used: {busy}; name another with --port"
-            raise EndpointError(text) from error
+        self._server = self._listen(port)
         self.port: int = self._server.port
         self._graph_at = math.inf
         self._publish_graph()
@@ -220,6 +206,31 @@ class SimulatedBridge:
             self._trace.command(at, twist, stamp, counts=counts)
         if COMMANDS in self._channels:
             self._channels[COMMANDS].log(payload, log_time=self._clock_ns())
+
+    def _listen(self, port: int) -> WebSocketServer:
+        """Start the server at a TCP port; 0: a free one."""
+        # A client that leaves without a farewell is no fault of the robot's.
+        foxglove.set_log_level(logging.CRITICAL)
+        try:
+            return foxglove.start_server(
+                name=_NAME,
+                host=_LOOPBACK,
+                port=port,
+                capabilities=[
+                    Capability.ClientPublish,
+                    Capability.ConnectionGraph,
+                    Capability.Parameters,
+                    Capability.Services,
+                ],
+                server_listener=_Listener(self),
+                supported_encodings=list(self._settings.flavour.encodings),
+                services=[self._service(), *(self._goals.services if self._goals else ())],
+                context=self._context,
+            )
+        except (OSError, RuntimeError, ValueError) as error:
+            busy = "another program listens there" if "in use" in str(error) else str(error)
+            text = f"port {port} of {_LOOPBACK} cannot be used: {busy}; name another with --port"
+            raise EndpointError(text) from error
 
     def _navigate(self) -> None:
         """Let the robot's own navigation drive, as a node that publishes velocities."""
