@@ -86,18 +86,21 @@ def leaving_nothing() -> Iterator[None]:
     yield
 
     def left() -> list[str]:
-        running = [
-            f"process {child.pid}: {child.name()}"
-            for child in _descendants()
-            if child.pid not in children
-        ]
-        return running + [
+        running = [_shown(child) for child in _descendants() if child.pid not in children]
+        return [each for each in running if each] + [
             f"thread {thread.name}"
             for thread in set(threading.enumerate()) - threads
             if not thread.name.startswith(("asyncio_", "textual-", "pymonitor", "Dummy-"))
         ]
 
     until(lambda: not left(), 5.0, lambda: f"left behind: {left()}")
+
+
+def _shown(process: psutil.Process) -> str:
+    """A process in words; empty: it has just ended."""
+    with contextlib.suppress(psutil.NoSuchProcess):
+        return f"process {process.pid}: {process.name()}"
+    return ""
 
 
 def _descendants() -> list[psutil.Process]:

@@ -32,7 +32,8 @@ _ASKED = re.compile(rb"\x1b\[(\d+);(\d+)H\x1b\[6n")
 _QUESTION_BYTES = 16
 """A question is no longer, and may come in two pieces."""
 _IGNORED = "ignores keys typed"
-"""What the console says of a key that may be old."""
+"""What the console says of a key that may be old; then how often, on this line or the next two."""
+_TIMES = re.compile(r"\((\d+) times\)")
 _ONE_KEY = re.compile(r"[^\x1b]|\x1b\[\d+~|\x1bO.|\x1b\[[A-Z]")
 
 
@@ -133,7 +134,7 @@ class TerminalProcess:
 
     def type(self, keys: str) -> None:
         """Press keys."""
-        self._typed, self._ignored = keys, self.text.count(_IGNORED)
+        self._typed, self._ignored = keys, self._said_ignored()
         self._send(keys)
 
     def _send(self, keys: str) -> None:
@@ -144,8 +145,19 @@ class TerminalProcess:
 
         On a busy machine the console blocks at times, and ignores a key that may be old.
         """
-        if _ONE_KEY.fullmatch(self._typed) and self.text.count(_IGNORED) > self._ignored:
+        if _ONE_KEY.fullmatch(self._typed) and self._said_ignored() > self._ignored:
             self.type(self._typed)
+
+    def _said_ignored(self) -> int:
+        """How often the console says on the screen that it ignored a key."""
+        lines, times = self.screen.display, 0
+        for row, line in enumerate(lines):
+            if (column := line.find(_IGNORED)) >= 0:
+                begin = max(0, column - len("00:00:00 the console "))
+                notice = " ".join(each[begin:] for each in lines[row : row + 3])
+                more = _TIMES.search(notice)
+                times += int(more[1]) if more else 1
+        return times
 
     def pump(self, seconds: float = 0.02) -> None:
         """Read what the console writes for a while."""
