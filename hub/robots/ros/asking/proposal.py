@@ -144,7 +144,7 @@ class RosProposal:
             return (
                 f"{self.stopping.words}. If this hub or the line ends while it drives, "
                 f"{'perhaps ' * math.isnan(self.stopping.seconds)}nothing stops it. Set a time-out "
-                "in the robot; with `hold = true` Rune at least repeats the zero while it stands"
+                "in the robot. Until then Rune repeats the zero while it stands: `hold = true`"
             )
         return f"{self.stopping.words}, which is long; set it to 0.5 in the robot"
 

@@ -105,8 +105,9 @@ class _SensorTables:
         spread = group.step * (group.beams - 1)
         if math.isclose(abs(group.step) * group.beams, math.tau, rel_tol=_ALL_AROUND):
             spread = math.copysign(math.tau, group.step)
+        frame = frame_name(value)
         table: Table = {
-            "name": self._name(frame_name(value) or group.name),
+            "name": self._name(frame if frame and frame != self._base else group.name),
             "topic": topic,
             "kind": RangeKind(group.kind).name.lower().replace("_", " "),
         }
@@ -120,7 +121,7 @@ class _SensorTables:
             table["opening_deg"] = _rounded(math.degrees(group.opening))
         table |= {"nearest": _rounded(group.nearest), "farthest": _rounded(group.farthest)}
         table["rate_hz"] = round(min(1000.0, max(0.1, rate)) if rate > 0.0 else _USUAL_RATE, 1)
-        place = self._place(frame_name(value), topic)
+        place = self._place(frame, topic)
         return table | (_pose(place) if place is not None else {})
 
     def cameras(self) -> Iterator[Table]:

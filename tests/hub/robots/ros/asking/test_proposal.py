@@ -76,6 +76,13 @@ def test_a_scan_gets_its_place_above_the_ground_and_its_beams() -> None:
     assert table["rate_hz"] == 7.5
 
 
+def test_a_scan_in_the_frame_of_the_base_has_the_name_of_its_topic() -> None:
+    topics = {"/scan": {"type": LASER, "by": ("/laser",), "said": scan("base_link")}}
+    robot = found({"/cmd_vel": TAKEN, "/odom": ODOM, **topics})
+    (group,) = read(RosProposal(robot))["range"]
+    assert group["name"] == "scan"
+
+
 def test_compressed_pictures_are_preferred_and_their_calibration_counts() -> None:
     (table,) = read(RosProposal(turtlebot_4()))["camera"]
     assert table["topic"] == "/oakd/rgb/preview/image_raw/compressed"
