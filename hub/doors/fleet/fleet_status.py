@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 from hub.command_output import print_error, put
-from hub.errors import CodecError, FrameError
+from hub.errors import CodecError, FleetKeyError, FrameError
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.ipc.roles import Principal
 from hub.plain_text import counted, plain
@@ -17,6 +17,10 @@ from hub.zenoh.fleet_session import FleetSession, FleetWay
 from hub.zenoh.settings import UNLISTED, RouterPlace
 
 _ANSWER_S = 2.0
+_ALL_S = 30.0
+"""Time after which no further robot is asked for its status [s]."""
+MOST_LISTED = 1000
+"""Most robots that are listed."""
 
 
 def list_robots(session: FleetSession, fleet: str, place: RouterPlace, *, as_json: bool) -> int:
@@ -37,7 +41,12 @@ def show_status(
     if not as_json:
         number = counted(len(robots), "robot")
         put(f"fleet {fleet} at {place}, as {asker}: {number}")
-    for robot in robots:
+    began = time.monotonic()
+    for number_asked, robot in enumerate(robots):
+        if time.monotonic() - began > _ALL_S:
+            left = counted(len(robots) - number_asked, "robot")
+            print_error(f"{left} not asked, as the answers took more than {_ALL_S:g} s")
+            break
         facts = _facts(session, fleet, robot)
         if as_json:
             put(json.dumps(facts))
@@ -55,8 +64,19 @@ def _say_none(fleet: str, place: RouterPlace) -> None:
 
 
 def _robots(session: FleetSession, fleet: str) -> list[str]:
-    tokens = session.tokens(pattern(fleet, KeyKind.ALIVE), timeout=_ANSWER_S)
-    return sorted({parse_key(fleet, token).robot for token in tokens})
+    """The robots that are there; says how many tokens are not shown."""
+    names, wrong = set(), 0
+    for token in session.tokens(pattern(fleet, KeyKind.ALIVE), timeout=_ANSWER_S):
+        try:
+            names.add(parse_key(fleet, token).robot)
+        except FleetKeyError:
+            wrong += 1
+    if wrong:
+        print_error(f"{counted(wrong, 'token')} left out, which cannot be the name of a robot")
+    if len(names) > MOST_LISTED:
+        left = counted(len(names) - MOST_LISTED, "robot")
+        print_error(f"{left} left out, as at most {MOST_LISTED} are listed")
+    return sorted(names)[:MOST_LISTED]
 
 
 def _facts(session: FleetSession, fleet: str, robot: str) -> dict[str, Any]:

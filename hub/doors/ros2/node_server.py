@@ -10,7 +10,7 @@ import logging
 import os
 import threading
 import time
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable
 from typing import Final
 
@@ -24,6 +24,7 @@ from hub.doors.panels.wishes import (
 )
 from hub.errors import RosMessageError
 from hub.gcm.geometry import Twist, TwistStamped
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.recording.topics import RecordedTopic
 from hub.ros.publisher_clocks import PublisherClocks
 from hub.ros.rmw_zenoh import (
@@ -89,11 +90,7 @@ class _Offered:
 
 
 class RosNodeServer:
-    """The node of a hub.
-
-    Attributes:
-        refused: Number of commands and tokens that made no sense, by reason.
-    """
+    """The node of a hub."""
 
     def __init__(
         self, session: ZenohSession, settings: NodeSettings, changed: Callable[[], None]
@@ -105,15 +102,15 @@ class RosNodeServer:
             settings: Who it is.
             changed: Called by any thread when there are new wishes.
         """
-        self.refused: Counter[str] = Counter()
+        self._faults = FaultCounter(_logger, time.monotonic)
         self._session, self._settings, self._changed = session, settings, changed
         self._lock = threading.Lock()
         self._noted = False
         self._offered: dict[int, _Offered] = {}
         self._numbers = 0
         self._clocks = PublisherClocks()
-        self._subscribers: dict[tuple[str, str], set[str]] = defaultdict(set)
-        self._tokens = 0
+        self._subscribers: dict[tuple[str, str], set[str]] = {}
+        self._counted = 0
         self._fresh: set[tuple[str, str]] = set()
         self._sticks: dict[str, str] = {}
         self._commands: dict[Panel, PanelCommand] = {}
@@ -129,6 +126,11 @@ class RosNodeServer:
             self._kept.append(session.subscribe(pattern, self._stick_came))
             self._announce_stick()
 
+    @property
+    def refused(self) -> Counter[str]:
+        """Number of commands and tokens that were not taken, by reason."""
+        return self._faults.counts
+
     def take_wishes(self) -> Wishes:
         """What other nodes want now."""
         now = time.monotonic()
@@ -140,11 +142,7 @@ class RosNodeServer:
             watched = {number for number, kind in kinds.items() if self._subscribers.get(kind)}
             fresh = {number for number in watched if kinds[number] in self._fresh}
             self._fresh.clear()
-            self._panels = {
-                panel: came
-                for panel, came in self._panels.items()
-                if self._sticks and now - came < FORGOTTEN_S
-            }
+            self._forget_panels(now)
             wishes = Wishes(
                 watched=frozenset(watched),
                 fresh=frozenset(fresh),
@@ -232,8 +230,8 @@ class RosNodeServer:
     def _token_came(self, token: str, alive: bool) -> None:  # noqa: FBT001 - Zenoh calls it
         try:
             entity = parse_token(token)
-        except RosMessageError:
-            self.refused["token"] += 1
+        except RosMessageError as error:
+            self._faults.count("no token", str(error))
             return
         if entity.session == self._session.zid or entity.endpoint is None:
             return
@@ -247,18 +245,20 @@ class RosNodeServer:
 
     def _note_subscriber(self, kind: tuple[str, str], token: str, *, alive: bool) -> None:
         known = self._subscribers.get(kind, set())
-        if not alive:
-            self._tokens -= token in known
-            known.discard(token)
-            if not known:
-                self._subscribers.pop(kind, None)
-        elif token not in known:
-            if self._tokens >= MOST_TOKENS:
-                self.refused["too many"] += 1
+        if alive and token not in known:
+            # The first subscriber of an own topic always counts: tokens that lie hide no node.
+            own = any((it.name, it.type) == kind for it in self._offered.values())
+            if self._counted >= MOST_TOKENS and (known or not own):
+                self._faults.count("too many", f"at most {MOST_TOKENS} are counted")
                 return
-            self._tokens += 1
-            self._subscribers[kind].add(token)
+            self._counted += 1
+            self._subscribers.setdefault(kind, known).add(token)
             self._fresh.add(kind)
+        elif not alive and token in known:
+            self._counted -= 1
+            known.remove(token)
+            if not known:
+                del self._subscribers[kind]
 
     def _note_stick(self, end: Endpoint, token: str, *, alive: bool) -> None:
         if end.name != self._settings.namespace + CMD_VEL or end.type not in _TWISTS:
@@ -272,11 +272,12 @@ class RosNodeServer:
         now = time.monotonic()
         try:
             origin, kind = unpack_origin(sample.attachment), type_in_key(sample.key)
-        except RosMessageError:
-            self.refused["no velocity"] += 1
+        except RosMessageError as error:
+            self._faults.count("no velocity", str(error))
             return
         if kind not in _TWISTS or len(sample.payload) > LARGEST_COMMAND:
-            self.refused["no velocity"] += 1
+            text = f"{len(sample.payload)} bytes of {kind[:80]} came to {CMD_VEL}"
+            self._faults.count("no velocity", text)
             return
         panel = (
             int.from_bytes(origin.gid[:8], "little"),
@@ -284,7 +285,10 @@ class RosNodeServer:
         )
         with self._lock:
             if panel not in self._panels and len(self._panels) >= MOST_PANELS:
-                self.refused["too many"] += 1
+                self._forget_panels(now)
+            if panel not in self._panels and len(self._panels) >= MOST_PANELS:
+                text = f"at most {MOST_PANELS} publish to {CMD_VEL} within {FORGOTTEN_S:g} s"
+                self._faults.count("too many publishers", text)
                 return
             age = self._clocks.age(origin, now)
             self._panels[panel] = now
@@ -292,6 +296,14 @@ class RosNodeServer:
                 panel=panel, encoding="cdr", schema_name=kind, data=sample.payload, came=now - age
             )
         self._note()
+
+    def _forget_panels(self, now: float) -> None:
+        """Forget publishers that were silent, or all if no node announces one."""
+        self._panels = {
+            panel: came
+            for panel, came in self._panels.items()
+            if self._sticks and now - came < FORGOTTEN_S
+        }
 
     def _link_changed(self, here: bool) -> None:  # noqa: FBT001 - Zenoh calls it
         _logger.log(
