@@ -20,6 +20,7 @@ from hub.zenoh.fleet_session import FleetQuery, FleetSession, FleetWay, open_fle
 from hub.zenoh.handover import Handover, Sender, Work
 from hub.zenoh.session import ZenohDeclared, ZenohSample
 from hub.zenoh.settings import RouterPlace
+from hub.zenoh.token_changes import TokenChanges
 
 _logger = logging.getLogger(__name__)
 
@@ -104,11 +105,8 @@ class ZenohFleetLine:
 
     def watch(self, pattern: str, changed: Callable[[str, bool], None]) -> FleetDeclared:
         """Call `changed` with each key where a token is, or (False) is no longer."""
-        return self._declare(
-            lambda session: session.watch_tokens(
-                pattern, lambda key, there: self._pass_on(lambda: changed(key, there))
-            )
-        )
+        changes = TokenChanges(self._loop.post, changed)
+        return self._declare(lambda session: session.watch_tokens(pattern, changes.note))
 
     def declare_token(self, key: str) -> FleetDeclared:
         """Be there at a key."""

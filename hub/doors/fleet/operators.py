@@ -25,6 +25,8 @@ _logger = logging.getLogger(__name__)
 
 MOST_SESSIONS = 32
 """Most sessions of operators at one robot: each is a client of its hub."""
+_MOST_WAITING = 1000
+"""Most further sessions that are remembered, until one of the others ends."""
 _REFUSAL_S = 1.0
 """Least time between two refusals that are said to one operator [s]."""
 _LOOK_S = 0.05
@@ -47,6 +49,7 @@ class FleetOperators:
         self._client, self._line, self._messages = client, line, messages
         self._faults, self._fleet, self._robot = faults, fleet, robot
         self._sessions: dict[int, RemoteOperator] = {}
+        self._waiting: dict[int, Principal] = {}
         self._said: dict[str, float] = {}
         self._published: dict[str, int] | None = None
         self._stops = Bucket(20.0, 20.0)
@@ -75,6 +78,7 @@ class FleetOperators:
         for operator in self._sessions.values():
             operator.close()
         self._sessions.clear()
+        self._waiting.clear()
 
     def _numbers(self) -> dict[str, int]:
         return {
@@ -104,13 +108,27 @@ class FleetOperators:
             del self._sessions[session]
             known.close()
             _logger.info("%s is gone from the fleet", principal)
+            self._admit_waiting()
+        elif not there and self._waiting.get(session) == principal:
+            del self._waiting[session]
         elif there and known is None:
             if len(self._sessions) >= MOST_SESSIONS:
                 text = f"{principal} comes after {MOST_SESSIONS} sessions; end one of them first"
                 self._refuse(principal, "too many sessions", text)
+                if len(self._waiting) < _MOST_WAITING:
+                    self._waiting.setdefault(session, principal)
                 return
-            self._sessions[session] = RemoteOperator(principal, session, self._client)
-            _logger.info("%s is there, in the fleet", principal)
+            self._admit(principal, session)
+
+    def _admit(self, principal: Principal, session: int) -> None:
+        self._sessions[session] = RemoteOperator(principal, session, self._client)
+        _logger.info("%s is there, in the fleet", principal)
+
+    def _admit_waiting(self) -> None:
+        """Let the session in that waits longest, in the place of one that ended."""
+        session = next(iter(self._waiting), 0)
+        if session and session not in self._sessions:
+            self._admit(self._waiting.pop(session), session)
 
     def _commanded(self, key: str, payload: bytes, attachment: bytes | None) -> None:
         try:
