@@ -7,7 +7,7 @@ import logging
 import socket
 import threading
 import time
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable
 from dataclasses import field
 
@@ -26,6 +26,7 @@ from hub.doors.panels.wishes import (
     Wishes,
 )
 from hub.errors import DoorError
+from hub.ipc.transport.fault_counter import FaultCounter
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
@@ -79,7 +80,12 @@ class _PanelListener(ServerListener):
         self._changed, self._drive = changed, drive
         self._lock = threading.Lock()
         self._asked = _Asked()
-        self.refused: Counter[str] = Counter()
+        self._faults = FaultCounter(_logger, time.monotonic)
+
+    @property
+    def refused(self) -> int:
+        """Number of commands and channels that were not taken."""
+        return self._faults.counts.total()
 
     def take(self) -> Wishes:
         """All that was asked until now."""
@@ -112,7 +118,8 @@ class _PanelListener(ServerListener):
 
     def on_client_advertise(self, client: Viewer, channel: ViewerChannel) -> None:
         if not self._drive or channel.topic != CMD_VEL:
-            self.refused["another topic"] += 1
+            why = f"{channel.topic[:80]!r} is none on which panels drive"
+            self._faults.count("refused channel", why if self._drive else "panels do not drive")
             return
         with self._lock:
             panels = self._asked.panels
@@ -130,7 +137,8 @@ class _PanelListener(ServerListener):
         panel = client.id, client_channel_id
         kind = self._asked.panels.get(panel)
         if kind is None or len(data) > LARGEST_COMMAND:
-            self.refused["no command" if kind is None else "too long"] += 1
+            why = "its channel is not open" if kind is None else "it is too long"
+            self._faults.count("refused command", f"{len(data)} bytes of a panel: {why}")
             return
         encoding, schema_name = kind
         command = PanelCommand(
@@ -218,7 +226,7 @@ class ToolServer:
     @property
     def refused(self) -> int:
         """Number of commands and channels of programs that were not taken."""
-        return self._listener.refused.total()
+        return self._listener.refused
 
     def take_wishes(self) -> Wishes:
         """What panels want now."""

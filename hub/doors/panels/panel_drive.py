@@ -54,6 +54,8 @@ _ASK_EVERY_S = 0.5
 _SAY_EVERY_S = 0.2
 """Least times between two requests, and two sentences: a flood of one panel must not flood the hub
 or the other panels [s]."""
+_UNREADABLE_S = 60.0
+"""Least time between two sentences about commands that cannot be read [s]."""
 _SLOW = "the panel sends too slowly to drive: set its publish rate to 10 Hz"
 
 
@@ -82,8 +84,8 @@ class PanelDrive:
         self._ready = math.inf
         self._asked = False
         self._count = self._lone = 0
-        self._asked_at = -math.inf
-        self._text = self._shown = ""
+        self._asked_at = self._unreadable_due = -math.inf
+        self._text = self._shown = self._fault = ""
         client.define(VELOCITY_COMMAND, CONSOLE_HEARTBEAT, CONTROL_REQUEST, COMMON_RESULT)
         follow_control(client, self._controlled)
         client.subscribe(STOP, self._stopped)
@@ -106,8 +108,7 @@ class PanelDrive:
         try:
             twist = twist_of(command.encoding, command.schema_name, command.data)
         except (CodecError, RosMessageError) as error:
-            self.refused["unreadable"] += 1
-            self._show(f"a command of a panel cannot be read: {error}")
+            self._unreadable(error, now)
             return
         if self._panel not in (None, command.panel):
             self.refused["another panel drives"] += not twist.neutral
@@ -128,6 +129,15 @@ class PanelDrive:
         if self.mine:
             self._send(Twist())
             self._request(ControlAction.RELEASE)
+
+    def _unreadable(self, error: CodecError | RosMessageError, now: float) -> None:
+        """Count it; say the first, and then one a minute, as panels may send many that differ."""
+        self.refused["unreadable"] += 1
+        if now >= self._unreadable_due:
+            self._unreadable_due = now + _UNREADABLE_S
+            number = self.refused["unreadable"]
+            self._fault = f"a command of a panel cannot be read ({number} so far): {error}"
+        self._show(self._fault)
 
     def _drive(self, panel: Panel, twist: Twist, now: float) -> None:
         if self._panel is None:

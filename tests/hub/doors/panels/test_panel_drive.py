@@ -204,3 +204,15 @@ def test_old_commands_are_not_followed(site: Site) -> None:
     assert site.drive.refused["late"] == 1
     site.daemon.listen(0.05)
     assert site.asked == []
+
+
+def test_commands_that_cannot_be_read_are_counted_and_said_once(site: Site) -> None:
+    begun = time.monotonic()
+    while time.monotonic() < begun + 0.7:
+        site.press(math.nan)
+        site.press(1e300)
+        site.daemon.listen(0.001)
+    assert site.drive.refused["unreadable"] > 10
+    assert [each for each in site.said if each] == site.said[:1]
+    assert "cannot be read (1 so far): x of a velocity in JSON is no number" in site.said[0]
+    assert (site.sent, site.asked) == ([], [])
