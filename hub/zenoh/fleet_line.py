@@ -28,6 +28,9 @@ _RETRY_S = 0.5
 _PUT_S = 0.5
 """Longest wait of a put that has no limit of its own [s]."""
 
+LONGEST = 1 << 24
+"""Longest payload that waits for the loop [bytes]; the bus carries none of this length."""
+
 Came = Callable[[str, bytes, bytes | None], None]
 """Gets the key, the payload and the attachment of what was put."""
 
@@ -82,6 +85,7 @@ class ZenohFleetLine:
         }
         self._session: FleetSession | None = None
         self._trouble = ""
+        self._too_long = 0
         self._declared: set[FleetDeclared] = set()
         self._closed = threading.Event()
         self._opening = threading.Thread(target=self._open, name="fleet open", daemon=True)
@@ -99,9 +103,9 @@ class ZenohFleetLine:
 
     @property
     def dropped(self) -> int:
-        """Number of messages that were dropped on this side, because too many waited."""
+        """Number of messages that were dropped on this side: too many waited, or too long."""
         senders = set(self._senders.values())
-        return self._handover.dropped + sum(sender.dropped for sender in senders)
+        return self._too_long + self._handover.dropped + sum(sender.dropped for sender in senders)
 
     def watch(self, pattern: str, changed: Callable[[str, bool], None]) -> FleetDeclared:
         """Call `changed` with each key where a token is, or (False) is no longer."""
@@ -124,9 +128,14 @@ class ZenohFleetLine:
         """
 
         def take(sample: ZenohSample) -> None:
-            key = sample.key
+            key, payload = sample.key, sample.payload
             kept = keep(key)
-            call = functools.partial(came, key, sample.payload, sample.attachment)
+            if len(payload) > LONGEST:
+                self._too_long += 1
+                if not kept:
+                    return
+                payload = b""  # what is kept counts even when it cannot be read
+            call = functools.partial(came, key, payload, sample.attachment)
             self._handover.add(call, name=key if kept else None, keep=kept)
 
         return self._declare(lambda session: session.subscribe(pattern, take))

@@ -12,6 +12,7 @@ import pytest
 
 from hub.errors import EndpointError
 from hub.ipc.definition import Plane
+from hub.zenoh.fleet_line import LONGEST
 from hub.zenoh.fleet_session import FleetSession, FleetWay
 from hub.zenoh.handover import Handover, Sender
 from hub.zenoh.settings import (
@@ -86,6 +87,27 @@ def test_line_has_a_link_of_its_own_for_commands_and_states(
     operator.wait(lambda: operator.line.connected)
     until(lambda: len(router.links()) == 4, 5.0)  # of two programs
     assert place.on_loopback
+
+
+@pytest.mark.usefixtures("router")
+def test_payloads_that_are_too_long_do_not_wait_but_stops_count(sides: Sides) -> None:
+    robot, operator = sides
+    came: list[tuple[str, int]] = []
+    robot.line.subscribe(
+        "f/command/*",
+        lambda key, payload, _: came.append((key, len(payload))),
+        keep=lambda key: key.endswith("stop"),
+    )
+    operator.wait(lambda: robot.line.connected and operator.line.connected)
+
+    def stopped() -> bool:
+        for name in ("velocity", "stop"):
+            operator.line.put(f"f/command/{name}", bytes(LONGEST + 1), b"", Plane.COMMAND)
+        return ("f/command/stop", 0) in came
+
+    operator.wait(stopped)
+    assert {key for key, _ in came} == {"f/command/stop"}
+    assert robot.line.dropped >= 1
 
 
 _PROGRAM = """
