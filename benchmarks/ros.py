@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import json
 import multiprocessing
+import select
 import statistics
 import struct
 import time
@@ -185,8 +186,21 @@ def measured(client: Callable[[int], Record]) -> dict[str, float]:
     }
 
 
+def wake_up_us() -> float:
+    """What the processor spends on a wake-up in which nothing is done [us]."""
+    poller, count = select.epoll(), 300
+    begun = time.process_time()
+    for _ in range(count):
+        poller.poll(0.01)
+    poller.close()
+    return 1e6 * (time.process_time() - begun) / count
+
+
 def line() -> None:
     """Measure our line and the other client."""
+    note = (
+        f"a wake-up that does nothing takes {wake_up_us():.0f} us; the line needs some 180 a second"
+    )
     clients = {"websockets, asyncio": asynchronous}
     found = measured(ours)
     peers = {name: measured(client) for name, client in clients.items()}
@@ -197,7 +211,7 @@ def line() -> None:
         ("share", "% of a core", 3.0),
     ):
         theirs = {peer: round(figures[name], 4) for peer, figures in peers.items()}
-        report(f"ros_line_{name}", found[name], unit, bar=bar, peers=theirs)
+        report(f"ros_line_{name}", found[name], unit, bar=bar, peers=theirs, note=note)
 
 
 def main() -> None:
