@@ -65,7 +65,8 @@ def _driving(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
     """Whether velocities arrive, and what stops the robot without them."""
     name, hold = robot.ros.cmd_vel, robot.ros.hold
     command = found.graph.topics.get(name)
-    if command is None and not found.graph.whole and robot.ros.cmd_vel_type is not CommandType.AUTO:
+    typed = robot.ros.cmd_vel_type is not CommandType.AUTO or found.graph.version == 1
+    if command is None and not found.graph.whole and typed:
         command = RosTopic(name=name)
         advice = "the bridge does not say which topics it takes: try whether the robot drives"
         yield warning(f"it is not known whether a node subscribes to {name}", advice)

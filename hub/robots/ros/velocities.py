@@ -107,10 +107,15 @@ class RosVelocities:
         """The type of velocities; None: not known, or none that can be sent."""
         if self._table.cmd_vel_type is not CommandType.AUTO:
             return self._table.cmd_vel_type
-        topic = self._line.graph.topics.get(self._table.cmd_vel)
-        if topic is None:
+        graph = self._line.graph
+        topic = graph.topics.get(self._table.cmd_vel)
+        if topic is None and self._kind is not None:
             return self._kind  # what was known stays so after a loss
-        return next((each for each, name in TYPES.items() if name == topic.schema_name), None)
+        if topic is not None and topic.schema_name:
+            return next((each for each, name in TYPES.items() if name == topic.schema_name), None)
+        # A bridge for ROS 1 knows the types of published topics only; nodes ignore a wrong type.
+        may_take = topic is not None or not graph.whole
+        return CommandType.TWIST if graph.version == 1 and may_take else None
 
     @property
     def wanted(self) -> Twist:

@@ -319,6 +319,15 @@ def test_velocities_of_a_type_that_the_bridge_does_not_say(tmp_path):
     assert "cmd_vel_type" in problem
 
 
+def test_velocities_of_ros_1_are_twist_where_the_bridge_does_not_say_their_type(tmp_path):
+    robot = Robot(tmp_path, velocities="", encoding="ros1")
+    robot.line.topics["/cmd_vel"] = RosTopic(name="/cmd_vel", subscribers=("/base",))
+    robot.line.whole = True
+    robot.run(3.0, tick=0.1)
+    assert robot.line.advertised == {"/cmd_vel": TWIST}
+    assert not robot.problem("velocities")
+
+
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_named_type_of_velocities_needs_no_topic_of_the_bridge(tmp_path, whole):
     robot = Robot(
