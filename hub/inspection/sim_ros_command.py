@@ -41,7 +41,9 @@ def add_sim_ros(commands: Commands) -> None:
         default=_DEFAULT_PORT,
         help="TCP port of loopback (%(default)s); 0: a free one",
     )
-    command.add_argument("--ros1", action="store_true", help="ROS 1: its encoding and types")
+    command.add_argument(
+        "--ros1", action="store_true", help="ROS 1: its encoding and types, and Twist"
+    )
     command.add_argument(
         "--twist", action="store_true", help="take geometry_msgs/Twist, which has no header"
     )
@@ -104,7 +106,7 @@ def run_sim_ros(options: argparse.Namespace) -> int:
     robot = SimulatedRosRobot(options.arena, options.seed, timeout=timeout)
     settings = BridgeSettings(
         flavour=ROS_1 if options.ros1 else ROS_2,
-        stamped=not options.twist,
+        stamped=not (options.twist or options.ros1),
         clock_ahead=options.clock,
         other_publishers=tuple(options.other_publisher),
         navigates=not options.no_navigation,

@@ -67,7 +67,7 @@ class NavigatingSite:
             self.relay = stack.enter_context(closing(HeldRelay(self.robot.port)))
             service = 'stop_service = "/e_stop"\n'
             tables = ros_tables(self.relay.port)
-            own = f'navigation = "{action}"\ncmd_vel_type = "TwistStamped"\n'
+            own = f'navigation = "{action}"\n'
             tables = tables.replace(service, f"{service}{own}")
             self._folder, self._tables = folder, tables
             self.hub = stack.enter_context(closing(self._hub()))

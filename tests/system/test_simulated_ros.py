@@ -18,7 +18,6 @@ AHEAD = struct.pack("<6d", 0.3, 0.0, 0.0, 0.0, 0.0, 0.0)
 NEUTRAL = bytes(48)
 CDR = b"\0\1\0\0"
 STAMP_0 = struct.pack("<iII", 0, 0, 1) + bytes(4)
-HEADER_OF_ROS_1 = struct.pack("<IIII", 0, 0, 0, 0)
 _CHANNEL, _CALL = 1, 7
 
 
@@ -110,17 +109,18 @@ def client(robot):
         yield made
 
 
-def stamped(robot, velocity):
-    return (CDR + STAMP_0 if robot.encoding == "cdr" else HEADER_OF_ROS_1) + velocity
+def commanded(robot, velocity):
+    """A velocity as the robot takes it: TwistStamped, with ROS 1 Twist."""
+    return (CDR + STAMP_0 if robot.encoding == "cdr" else b"") + velocity
 
 
 def begin(robot, client):
     newer = robot.encoding == "cdr"
-    kind = "geometry_msgs/msg/TwistStamped" if newer else "geometry_msgs/TwistStamped"
+    kind = "geometry_msgs/msg/TwistStamped" if newer else "geometry_msgs/Twist"
     client.publish_commands(robot.encoding, kind)
     robot.trace.write_text("")
-    client.command(stamped(robot, NEUTRAL))
-    client.command(stamped(robot, AHEAD))
+    client.command(commanded(robot, NEUTRAL))
+    client.command(commanded(robot, AHEAD))
 
 
 def test_each_topic_is_read_by_its_own_definition(robot, client):
@@ -144,8 +144,8 @@ def test_it_stops_half_a_second_after_the_last_command(robot, client):
 
     until(moved, 5.0)
     until(lambda: time.monotonic() - moved()[-1] > 0.3, 5.0, "it goes on")
-    commanded = [each for each in robot.commands() if each["twist"][0] == 0.3]
-    assert 0.45 < moved()[-1] - commanded[-1]["at"] < 1.5  # then it brakes
+    ahead = [each for each in robot.commands() if each["twist"][0] == 0.3]
+    assert 0.45 < moved()[-1] - ahead[-1]["at"] < 1.5  # then it brakes
     assert "/joy" in client.graph["/cmd_vel"]
 
 
@@ -154,13 +154,14 @@ def test_e_stop_holds_until_a_neutral_command_comes(robot, client):
     answer = client.call("/e_stop", CDR + b"\0" if robot.encoding == "cdr" else b"")
     assert b"neutral command" in answer
     for velocity in (AHEAD, NEUTRAL, AHEAD):
-        client.command(stamped(robot, velocity))
+        client.command(commanded(robot, velocity))
     until(lambda: len(robot.commands()) >= 5, 5.0)
     assert [each["counts"] for each in robot.commands()] == [True, True, False, True, True]
 
 
 def test_a_publisher_of_another_type_is_not_heard(robot, client):
-    client.publish_commands(robot.encoding, "geometry_msgs/msg/Twist")
+    other_kind = "Twist" if robot.encoding == "cdr" else "TwistStamped"
+    client.publish_commands(robot.encoding, f"geometry_msgs/msg/{other_kind}")
     robot.trace.write_text("")
     client.command(AHEAD)
     with closing(Client(robot)) as other:
