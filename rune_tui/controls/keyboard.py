@@ -284,9 +284,9 @@ class KeyboardHold:
 
     @property
     def needs_answers(self) -> bool:
-        """Whether keys are HELD or waited for until the terminal answers."""
+        """Whether a key is HELD, or waited for, until the terminal answers."""
         reported = any(hold.releases_reported for hold in self._holds.values())
-        return reported or self._guard.needs_answers or self._others.awaits_proof
+        return reported or self._guard.needs_answers or bool(self._others.keys)
 
     @property
     def hurries(self) -> bool:

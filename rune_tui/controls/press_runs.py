@@ -9,12 +9,15 @@ least eight times a second. The states of a key:
 | PRESSED | a report | a repeat, or a second press | SECOND |
 | PRESSED | no report for `FIRST_QUIET_S` | | UP |
 | SECOND | no report for `PROOF_S` or `SLOW_PROOF_S` | it was a second press | UP |
+| PRESSED, SECOND | a report from a pause of the console | it does not count | HELD |
 | SECOND | a report | both were repeats | HELD |
 | HELD | a report | a repeat | HELD |
 | HELD | no report for `QUIET_S` | | UP |
 
 So a second press may come as soon as a finger can, and counts a moment later. A finger that goes up
 right after the first repeat looks the same as two presses.
+
+A press from a pause does not count, so the operator presses again: that is a second press too.
 """
 
 from __future__ import annotations
@@ -25,6 +28,9 @@ from hub.values import dataclass
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.release_guard import FIRST_QUIET_S, QUIET_S, ReleaseGuard
 
+_HELD = 3
+"""Number of reports from which only the first is a press."""
+
 
 @dataclass(slots=True)
 class _Run:
@@ -32,9 +38,9 @@ class _Run:
 
     Attributes:
         last: Time of the last report [s].
-        reports: Number of reports, at most 3.
+        reports: Number of reports, at most `_HELD`.
         fine: Whether Shift was down at the last one.
-        stale: Whether one of them may be from a pause: then it has no second press, nor a release.
+        stale: Whether one of them may be from a pause: then only a second press has a release.
     """
 
     last: float
@@ -45,7 +51,12 @@ class _Run:
     @property
     def second(self) -> bool:
         """Whether the last report may be a second press."""
-        return self.reports == 2 and not self.stale
+        return self.reports == 2
+
+    @property
+    def released(self) -> bool:
+        """Whether its end is a release of a press that counts."""
+        return self.second or not self.stale
 
 
 class PressRuns:
@@ -81,7 +92,7 @@ class PressRuns:
             self._runs[key] = _Run(last=read, fine=fine, stale=stale)
         else:
             run.last, run.fine, run.stale = read, fine, run.stale or stale
-            run.reports = min(3, run.reports + 1)
+            run.reports = _HELD if stale else min(_HELD, run.reports + 1)
         return ControlEvent(
             name=key,
             pressed=True,
@@ -100,7 +111,7 @@ class PressRuns:
             del self._runs[key]
             if run.second:
                 yield ControlEvent(name=key, pressed=True, fine=run.fine, timed=True, second=True)
-            if not run.stale:
+            if run.released:
                 yield ControlEvent(name=key, pressed=False)
 
     def release_all(self) -> Iterator[ControlEvent]:

@@ -428,6 +428,38 @@ def test_a_terminal_that_answers_proves_a_second_press_sooner():
     assert keyboard.expire(0.37) == (second("f8"), release("f8"))
 
 
+@for_each("stale", [False, True])
+def test_a_key_that_does_not_drive_is_down_until_the_terminal_answers(*, stale: bool):
+    keyboard = KeyboardHold(silent)
+    keyboard.answers = True
+    keyboard.press("t", 0.0, stale=stale)
+    assert keyboard.needs_answers
+    assert not keyboard.hurries
+    keyboard.heard(1.25, 1.2)
+    keyboard.expire(1.28)
+    assert keyboard.held == ()
+    assert not keyboard.needs_answers
+    assert keyboard.press("t", 1.3) == (press("t"),)
+
+
+@for_each("gap", [0.05, 0.3, 1.09])
+def test_a_press_soon_after_one_from_a_pause_counts(gap: float):
+    keyboard = KeyboardHold(silent)
+    (ignored,) = keyboard.press("t", 0.0, stale=True)
+    assert ignored.stale
+    assert keyboard.press("t", gap) == (repeat("t"),)
+    assert keyboard.expire(gap + 0.48) == (second("t"), release("t"))
+
+
+def test_a_key_held_since_a_pause_never_counts():
+    keyboard = KeyboardHold(silent)
+    keyboard.press("t", 0.0, stale=True)
+    keyboard.press("t", 0.01, stale=True)
+    for at in (0.04, 0.07):
+        assert keyboard.press("t", at) == (repeat("t"),)
+    assert keyboard.expire(5.0) == ()
+
+
 def test_a_pause_of_the_console_or_of_the_focus_takes_the_second_press():
     keyboard = KeyboardHold(silent)
     keyboard.press("f8", 0.0)
