@@ -142,11 +142,12 @@ class ZenohFleetLine:
 
     def watch_subscribers(self, key: str, changed: Callable[[bool], None]) -> FleetDeclared:
         """Call `changed` when the first subscriber of a key comes, and when the last has gone."""
-        return self._declare(
-            lambda session: session.watch_subscribers(
-                key, lambda wanted: self._pass_on(lambda: changed(wanted))
-            )
-        )
+
+        def note(wanted: bool) -> None:  # noqa: FBT001 - Zenoh calls it
+            call = functools.partial(changed, wanted)
+            self._handover.add(call, name=("subscribers", key), keep=True)
+
+        return self._declare(lambda session: session.watch_subscribers(key, note))
 
     def respond(self, pattern: str, take: Callable[[FleetQuery], None]) -> FleetDeclared:
         """Call `take` for each query of keys that match."""
@@ -266,10 +267,6 @@ class ZenohFleetLine:
             sender.close()
         if self._session is not None:
             self._session.close()
-
-    def _pass_on(self, work: Work) -> None:
-        """Have the loop make a call that others make room for."""
-        self._handover.add(work, keep=True)
 
     def _declare(self, make: Callable[[FleetSession], ZenohDeclared]) -> FleetDeclared:
         declared = FleetDeclared(make, self._declared)

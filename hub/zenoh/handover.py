@@ -37,8 +37,6 @@ class _Waiting:
         if key not in self._calls and len(self._calls) >= self._most:
             oldest = next((each for each, (_, kept) in self._calls.items() if not kept), None)
             self.dropped += 1
-            if oldest is None and keep and name is not None:  # a stop goes before any token
-                oldest = next((each for each in self._calls if isinstance(each, tuple)), None)
             if oldest is None:
                 return
             del self._calls[oldest]

@@ -11,7 +11,6 @@ from hub.robots.ros.asking.findings import frame_name, plain_type
 from hub.robots.ros.asking.parts import RosParts
 from hub.robots.ros.asking.proposal import RosProposal
 from hub.robots.ros.asking.tables import Table
-from hub.robots.ros_table import CommandType
 
 _UNKNOWN_RADIUS: Final = 0.3
 _UNKNOWN_HEIGHT: Final = 0.4
@@ -100,10 +99,8 @@ def _velocities(proposal: RosProposal) -> Iterator[str]:
     """The keys of `[ros]` about velocities."""
     command, assumed = proposal.parts.command, proposal.parts.assumed
     if command is not None:
-        kind = plain_type(command.schema_name)
-        yield f"cmd_vel = {_value(command.name)}    # {plain(kind)[:60]}"
-    if assumed:
-        yield f"cmd_vel_type = {_value(CommandType.TWIST.value)}    # not known: {assumed}"
+        kind = f"type not known: {assumed}" if assumed else plain_type(command.schema_name)[:60]
+        yield f"cmd_vel = {_value(command.name)}    # {plain(kind)}"
     if proposal.hold:
         yield f"hold = true    # {plain(proposal.stopping.words)[:200]}"
 
