@@ -40,6 +40,9 @@ MAX_NAME = 64
 _MOST_PARTS = 8
 _NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*", re.ASCII)
 _ROLES = {role.value: role for role in (Role.OBSERVE, Role.OPERATE, Role.SUPERVISE)}
+ROBOT, ROUTER = "robot", "router"
+HOLDERS = (ROUTER, ROBOT, *_ROLES)
+"""The roles of those who hold a certificate of a fleet."""
 ANY = "*"
 """Stands for any one part in a pattern."""
 

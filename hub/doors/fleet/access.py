@@ -20,9 +20,8 @@ from typing import Any
 from hub.errors import FleetKeyError
 from hub.gcm.navigation import STOP
 from hub.ipc.roles import Principal, Role
-from hub.zenoh.fleet_keys import ANY, VERSION, KeyKind, parse_operator, pattern
+from hub.zenoh.fleet_keys import ANY, ROBOT, ROUTER, VERSION, KeyKind, parse_operator, pattern
 
-ROBOT, ROUTER = "robot", "router"
 _ALL = [
     *("put", "delete", "query", "reply", "declare_subscriber", "declare_queryable"),
     *("liveliness_token", "liveliness_query", "declare_liveliness_subscriber"),

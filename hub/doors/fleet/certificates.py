@@ -22,13 +22,11 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from hub.doors.fleet.access import ROUTER
 from hub.errors import FleetKeyError, KeyFileError, KeyNameError
-from hub.ipc.roles import Role
 from hub.ipc.security import key_files
+from hub.zenoh.fleet_keys import HOLDERS, ROUTER
 from hub.zenoh.settings import CertificateFiles
 
-ROLES = (ROUTER, "robot", Role.OBSERVE.value, Role.OPERATE.value, Role.SUPERVISE.value)
 _LONGEST_NAME = 50
 """A common name has 64 characters at most, with the role."""
 _AUTHORITY_DAYS = 3650
@@ -80,7 +78,7 @@ class Certificates:
 
         Args:
             name: Of the robot or operator; of a router, its host.
-            role: One of `ROLES`.
+            role: One of `HOLDERS`.
             days: How long it counts.
 
         Raises:
@@ -180,8 +178,8 @@ def files_of(folder: Path, common: str) -> CertificateFiles:
         FleetKeyError: It is no common name.
     """
     role, colon, name = common.partition(":")
-    if role not in ROLES or not colon or not name:
-        raise FleetKeyError(common, f"write ROLE:NAME, with one of {', '.join(ROLES[1:])}")
+    if role not in HOLDERS or not colon or not name:
+        raise FleetKeyError(common, f"write ROLE:NAME, with one of {', '.join(HOLDERS[1:])}")
     return CertificateFiles.of(folder, f"{role}-{name}")
 
 

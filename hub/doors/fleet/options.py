@@ -14,7 +14,7 @@ from hub.command_output import print_error, put
 from hub.errors import HubError
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, endpoint_of
 from hub.ipc.roles import Principal, Role
-from hub.zenoh.fleet_keys import DEFAULT_FLEET, MAX_NAME, check_fleet, parse_operator
+from hub.zenoh.fleet_keys import DEFAULT_FLEET, HOLDERS, MAX_NAME, check_fleet, parse_operator
 from hub.zenoh.settings import (
     DEFAULT_PLACE,
     CertificateFiles,
@@ -26,7 +26,6 @@ from hub.zenoh.settings import (
 T = TypeVar("T")
 
 _STRANGE = re.compile(r"[^A-Za-z0-9._-]", re.ASCII)
-_ROLES = ("router", "robot", "observe", "operate", "supervise")
 _days = number_type(int, 1, 36500, "number of days from 1 to 36500")
 
 
@@ -207,7 +206,7 @@ def _add_keys(keys: CommandParser) -> None:
     make = actions.add_parser("make", parents=[where], help="make one, and say where its files are")
     make.add_argument("name", help="of the robot or operator; of a router, its host or address")
     make.add_argument(
-        "--role", choices=_ROLES, required=True, metavar="|".join(_ROLES),
+        "--role", choices=HOLDERS, required=True, metavar="|".join(HOLDERS),
         help="observe: see all, and stop robots; operate: command as well; supervise: also take "
         "control from others",
     )  # fmt: skip

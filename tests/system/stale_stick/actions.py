@@ -239,13 +239,17 @@ def rival_gives_up(scene: Scene) -> None:
     scene.robot.wait(lambda: "nobody has control" in rival.text, "control was not given up")
 
 
+LINK_BACK_S = 3.0
+"""The stick stays deflected for this time after a link is back [s]."""
+
+
 def rival_pushes(scene: Scene) -> None:
     """Somebody else holds a key all the time."""
     rival = scene.robot.start_rival()
     scene.robot.finger.press(lambda: rival.terminal, "s")
 
 
-def insist(scene: Scene, seconds: float) -> None:
+def insist(scene: Scene, seconds: float = LINK_BACK_S) -> None:
     """Keep the stick deflected for a while [s]."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:

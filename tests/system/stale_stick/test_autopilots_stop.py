@@ -33,8 +33,6 @@ REPETITIONS = 2
 HOLD_MODES = {"rover": 4, "sub": 2, "blimp": 3}
 NEXT_HEARTBEAT_S = 1.3
 """A vehicle that another station disarmed says so with its next heartbeat [s]."""
-INSISTED_S = 3.0
-"""The stick stays deflected for this time after the link is back [s]."""
 
 
 def autopilot(scene: Scene) -> RecordedAutopilot:
@@ -54,7 +52,7 @@ def join(scene: Scene) -> None:
     """The link is back, and the stick was deflected all the time."""
     insist(scene, 1.5)
     autopilot(scene).join()
-    insist(scene, INSISTED_S)
+    insist(scene)
 
 
 def order(command: int, *values: float) -> Action:
@@ -102,7 +100,7 @@ def arm_restarted(scene: Scene) -> None:
         return station.armed and station.mode == mode
 
     scene.robot.wait(armed, "the other station cannot arm it")
-    insist(scene, INSISTED_S)
+    insist(scene)
 
 
 def arm_elsewhere(scene: Scene) -> None:
@@ -116,13 +114,13 @@ def arm_elsewhere(scene: Scene) -> None:
 
 
 def vehicle_again(scene: Scene) -> None:
-    insist(scene, INSISTED_S)
+    insist(scene)
 
 
 def driver_again(scene: Scene) -> None:
     started_again("driver")(scene)
     linked(scene)
-    insist(scene, INSISTED_S)
+    insist(scene)
 
 
 DRIVER_KILLED = Case(

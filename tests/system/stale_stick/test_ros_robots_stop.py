@@ -34,8 +34,6 @@ pytestmark = needs_virtual_devices
 REPETITIONS = 2
 REST_S = 1.5
 """Longest time from the event to rest: 0.5 s of the robot's own watchdog, then it brakes [s]."""
-INSISTED_S = 3.0
-"""The stick stays deflected for this time after the line is back [s]."""
 PAUSED_S = 2.0
 
 
@@ -55,7 +53,7 @@ def go_on(seconds: float) -> Action:
     def back(scene: Scene) -> None:
         insist(scene, seconds)
         record(scene).relay.go_on()
-        insist(scene, INSISTED_S)
+        insist(scene)
 
     return back
 
@@ -69,14 +67,10 @@ def pause(scene: Scene) -> float:
     return time.monotonic()
 
 
-def insist_long(scene: Scene) -> None:
-    insist(scene, INSISTED_S)
-
-
 def driver_again(scene: Scene) -> None:
     started_again("driver")(scene)
     linked(scene)
-    insist(scene, INSISTED_S)
+    insist(scene)
 
 
 def driver_goes_on(scene: Scene) -> None:
@@ -87,7 +81,7 @@ def driver_goes_on(scene: Scene) -> None:
     driver_again(scene)
 
 
-PAUSED = Case(name="bridge paused", strike=pause, mend=insist_long)
+PAUSED = Case(name="bridge paused", strike=pause, mend=insist)
 CASES = (
     cases.UNPLUGGED,
     cases.KILLED,
@@ -112,12 +106,12 @@ CASES = (
     Case(name="line held for long", strike=hold(TO_ROBOT, TO_HUB), mend=go_on(6.0)),
     Case(name="commands held", strike=hold(TO_ROBOT), mend=go_on(4.0)),
     Case(name="topics held", strike=hold(TO_HUB), mend=go_on(PAUSED_S), stopped_s=0.9),
-    Case(name="line reset", strike=lambda scene: record(scene).relay.reset(), mend=insist_long),
+    Case(name="line reset", strike=lambda scene: record(scene).relay.reset(), mend=insist),
     PAUSED,
     Case(
         name="bridge restarted",
         strike=lambda scene: record(scene).robot.start_again(),
-        mend=insist_long,
+        mend=insist,
     ),
 )
 QUICK = {"ros-stamped": PAUSED}

@@ -1,4 +1,4 @@
-"""A door between a hub and panels: what panels are told of the hub itself."""
+"""A door between a hub and panels: what panels see of the hub itself."""
 
 from __future__ import annotations
 
