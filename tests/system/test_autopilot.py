@@ -94,15 +94,14 @@ def test_a_vehicle_that_floats_follows_each_velocity_and_stops_without_an_operat
         site.operator.takes_control()
         site.drive()
         site.move(wanted)
-        site.wait(
-            lambda: (
-                site.robot.linear == pytest.approx(wanted.linear.x, rel=0.2)
-                and site.robot.sway == pytest.approx(wanted.linear.y, rel=0.2)
-                and site.robot.heave == pytest.approx(wanted.linear.z, rel=0.2)
-                and site.robot.angular == pytest.approx(wanted.angular.z, rel=0.25, abs=0.02)
-            ),
-            why="it never had these velocities:",
-        )
+        for name, velocity in (
+            ("linear", wanted.linear.x),
+            ("sway", wanted.linear.y),
+            ("heave", wanted.linear.z),
+            ("angular", wanted.angular.z),
+        ):
+            near = pytest.approx(velocity, rel=0.2, abs=0.02)
+            site.wait(lambda name=name, near=near: getattr(site.robot, name) == near, why=name)
         site.operator.twist, silent = None, time.monotonic()
         stands(site)
         assert commanded_after(site, silent) < COMMANDED_S

@@ -39,8 +39,8 @@ link = "lan"
 seconds = {seconds}
 [freeze]
 questions = "quick"
-not_before_s = 3
-not_after_s = 3
+not_before_s = 5
+not_after_s = 5
 """
 QUICK = """
 name = "quick"
@@ -92,7 +92,7 @@ def test_a_real_robot_is_stopped_in_a_freeze_and_at_the_end_and_never_paused(
     folder: Path, robot: HubProcess
 ) -> None:
     watch = Observer(robot.endpoint)
-    session = begun(folder, 6.0, "--hub", robot.endpoint)
+    session = begun(folder, 8.0, "--hub", robot.endpoint)
     try:
         shows(session, "The robot has to stand at its start.")
         begin(session, folder)
