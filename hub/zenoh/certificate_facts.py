@@ -16,6 +16,8 @@ from hub.values import dataclass
 from hub.zenoh.settings import CertificateFiles
 
 _DAY_S = 86400.0
+SOON_DAYS = 30.0
+"""A certificate that counts for less time ends soon [days]."""
 _ROUNDS = 10
 """Most turns of a handshake; three are enough."""
 _MAKE = "make it with `rune-hub fleet keys make`, and copy its three files here"
@@ -34,6 +36,22 @@ class CertificateFacts:
     name: str
     begins: float
     ends: float
+
+    @classmethod
+    def dated(cls, name: str, begins: str, ends: str) -> CertificateFacts:
+        """Those with times as OpenSSL writes them, such as "May 31 12:00:00 2027 GMT"."""
+        first, last = (float(ssl.cert_time_to_seconds(each)) for each in (begins, ends))
+        return cls(name=name, begins=first, ends=last)
+
+    @property
+    def ended(self) -> bool:
+        """Whether it counts no more."""
+        return self.days_left <= 0.0
+
+    @property
+    def ends_soon(self) -> bool:
+        """Whether it counts, for less than `SOON_DAYS`."""
+        return 0.0 < self.days_left < SOON_DAYS
 
     @property
     def days_left(self) -> float:
@@ -69,11 +87,7 @@ def read_certificate(files: CertificateFiles) -> CertificateFacts:
     with _explained(files, "no link accepts it"):
         said = _shown(own, other)
     fields = {key: value for part in said["subject"] for key, value in part}
-    return CertificateFacts(
-        name=fields.get("commonName", ""),
-        begins=float(ssl.cert_time_to_seconds(said["notBefore"])),
-        ends=float(ssl.cert_time_to_seconds(said["notAfter"])),
-    )
+    return CertificateFacts.dated(fields.get("commonName", ""), said["notBefore"], said["notAfter"])
 
 
 @contextlib.contextmanager

@@ -24,6 +24,7 @@ from pathlib import Path
 
 from hub.errors import FleetKeyError, KeyFileError, KeyNameError
 from hub.ipc.security import key_files
+from hub.zenoh.certificate_facts import CertificateFacts
 from hub.zenoh.fleet_keys import HOLDERS, ROUTER
 from hub.zenoh.settings import CertificateFiles
 
@@ -72,6 +73,26 @@ class Certificates:
             reason = "it is not there; make it: rune-hub fleet keys make HOST --role router"
             raise KeyFileError(files.key, reason)
         return files
+
+    def routers(self) -> tuple[str, ...]:
+        """The names of the certificates of routers: "router", or "router-HOST" for another host."""
+        return tuple(sorted(path.stem for path in self.folder.glob(f"{ROUTER}*.pem")))
+
+    def facts(self, name: str) -> CertificateFacts:
+        """What a certificate says, also one that has ended, or whose key is elsewhere.
+
+        Args:
+            name: One of `holders` or of `routers`.
+
+        Raises:
+            KeyFileError: It is not there or damaged, or there is no `openssl`.
+        """
+        path = self._of(name.replace(":", "-", 1)).certificate
+        if not key_files.is_there(path):
+            raise KeyFileError(path, f"it is not there; {_ADVICE}")
+        said = self._openssl("x509", "-in", str(path), "-noout", "-dates", path=path)
+        times = dict(line.split("=", 1) for line in said.splitlines())
+        return CertificateFacts.dated(name, times["notBefore"], times["notAfter"])
 
     def make(self, name: str, role: str, *, days: int) -> CertificateFiles:
         """Make a certificate and put it on the list; the authority is made first if there is none.
@@ -159,7 +180,8 @@ class Certificates:
                 "-extfile", str(extension),
             )  # fmt: skip
 
-    def _openssl(self, *words: str) -> str:
+    def _openssl(self, *words: str, path: Path | None = None) -> str:
+        """What it prints; `path` is the file to name in an error, else the folder."""
         program = shutil.which("openssl")
         if program is None:
             raise KeyFileError(self.folder, "openssl makes certificates and is missing; install it")
@@ -167,7 +189,7 @@ class Certificates:
         if done.returncode:
             why = done.stderr.strip().splitlines()
             reason = f"openssl refused: {why[-1] if why else done.returncode}"
-            raise KeyFileError(self.folder, reason)
+            raise KeyFileError(path or self.folder, reason)
         return done.stdout
 
 

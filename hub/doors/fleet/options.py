@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -158,8 +157,9 @@ def _run_keys(options: argparse.Namespace) -> int:
     elif options.action == "remove":
         certificates.remove(options.name)
     else:
-        for name in certificates.holders():
-            put(json.dumps({"name": name}) if options.json else name)
+        from hub.doors.fleet.certificate_list import list_certificates
+
+        list_certificates(certificates, as_json=options.json)
     return 0
 
 
@@ -213,7 +213,7 @@ def _add_keys(keys: CommandParser) -> None:
     make.add_argument(
         "--days", type=_days, default=730, help="how long it counts, in days (%(default)s)"
     )
-    listing = actions.add_parser("list", parents=[where], help="show those that count")
+    listing = actions.add_parser("list", parents=[where], help="show all with their last days")
     listing.add_argument("--json", action="store_true", help="JSON, one line each")
     remove = actions.add_parser("remove", parents=[where], help="let one count no more")
     remove.add_argument("name", help="such as operate:alice")

@@ -18,7 +18,6 @@ from hub.zenoh.fleet_session import open_fleet_session
 from hub.zenoh.session import EXTRA
 from hub.zenoh.settings import CertificateFiles
 
-_SOON_DAYS = 30.0
 _TOKENS_S = 2.0
 GATEWAY = "fleet"
 """Name of the robot's own gateway among the clients of its hub."""
@@ -70,7 +69,7 @@ def _certificate(table: FleetTable, name: str) -> Finding:
     if facts.name != f"robot:{name}":
         text = f"{files.certificate} is for {facts.name}, and this robot is robot:{name}"
         return problem(text, "copy the robot's own certificate, or correct [fleet], key 'name'")
-    if facts.days_left < _SOON_DAYS:
+    if facts.ends_soon:
         text = f"the certificate of {facts.name} ends on {facts.last_day}"
         return warning(text, f"where the fleet's authority is: {remedy}")
     return ok(f"the certificate is for {facts.name}, until {facts.last_day}")
