@@ -28,6 +28,8 @@ _WARM_S = 2.0
 _IMAGE, _ODOMETRY, _COMMAND = "/camera/image_raw", "/odom", "/cmd_vel"
 _SIZES = {_IMAGE: 57_680, _ODOMETRY: 720, _COMMAND: 68}
 _COMMAND_S = 0.02
+_STEP_S = 0.05
+"""A driver makes a step at least as often; messages wake it besides [s]."""
 _STAMP = struct.Struct("<4sq")
 """Encapsulation, and the monotonic time [ns], which all processes of a machine share."""
 
@@ -113,7 +115,7 @@ def ours(port: int) -> Record:
         line.subscribe(topic, lambda message, topic=topic: record.take(topic, message.payload))
     line.advertise(_COMMAND, "geometry_msgs/msg/TwistStamped")
     line.watch(loop, advance)
-    loop.every(0.01, advance)
+    loop.every(_STEP_S, advance)
     loop.every(_COMMAND_S, lambda: line.publish(_COMMAND, stamped(_COMMAND)))
     while record.left() > 0.0:
         loop.listen(1.0)
@@ -199,7 +201,7 @@ def wake_up_us() -> float:
 def line() -> None:
     """Measure our line and the other client."""
     note = (
-        f"a wake-up that does nothing takes {wake_up_us():.0f} us; the line needs some 180 a second"
+        f"a wake-up that does nothing takes {wake_up_us():.0f} us; the line needs some 150 a second"
     )
     clients = {"websockets, asyncio": asynchronous}
     found = measured(ours)

@@ -236,10 +236,18 @@ class FileLoop(Protocol):
 
 @runtime_checkable
 class BodyWakes(Protocol):
-    """A `Body` that reads its port between two calls of `advance` too, when it awaits an answer."""
+    """A `Body` that reads its port between two calls of `advance` too.
 
-    def wake_by(self, loop: FileLoop) -> None:
-        """Watch the port by this loop."""
+    The driver calls `advance` at 20 Hz, and as often as such a body asks for it.
+    """
+
+    def wake_by(self, loop: FileLoop, report: Callable[[], bool]) -> None:
+        """Watch the port by this loop.
+
+        Args:
+            loop: The loop of the driver.
+            report: Asks the driver to call `advance` and to publish soon; whether it will.
+        """
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -44,7 +44,9 @@ from hub.runtime import run_module
 _PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
 """Time between two reports of the hardware [s]."""
 _RESTING_PERIOD = 0.05
-"""The same while the robot stands, only drifts, or measures no more often [s]."""
+"""The same while the robot stands or only drifts, measures no more often, or its body wakes [s]."""
+_SOONEST = 0.01
+"""Shortest time between two reports of a body that wakes [s]."""
 _LONGEST_STEP = 0.25
 """Longest time that the hardware advances in one step; the rest of a pause is left out [s]."""
 
@@ -66,8 +68,10 @@ class Driver:
     def __init__(self, client: Client, robot: RobotDescription) -> None:
         self._client = client
         self._body = kind_of(robot).open_body(robot)
+        self._wakes = isinstance(self._body, BodyWakes)
+        self._rests = True
         if isinstance(self._body, BodyWakes):
-            self._body.wake_by(client.loop)
+            self._body.wake_by(client.loop, self._report_soon)
         self._loss = OperatorLoss(self._body, robot)
         self._watchdog = CommandWatchdog()
         self._navigator = Navigator()
@@ -106,6 +110,7 @@ class Driver:
             joints.JOINT_STATES,
         )
         self._next_report = client.alarm(self._report)
+        self._reported = self._stepped
         self._report_at = self._next_report.due = self._stepped + _PERIOD
 
     def _command(self, command: TwistStamped, reception: MessageInfo) -> None:
@@ -122,7 +127,8 @@ class Driver:
                 self._body.command(twist)
             if not twist.neutral:
                 self._loss.watch.moved(now)
-                self._report_by(now + _PERIOD)
+                if self._rests or not self._wakes:
+                    self._report_by(now + _PERIOD)
 
     def _allows_goal(self, reception: MessageInfo, now: float) -> bool:
         """Whether a goal is followed: as a velocity other than zero would be."""
@@ -166,13 +172,25 @@ class Driver:
 
     def _report(self) -> None:
         period = _RESTING_PERIOD
+        self._reported = time.monotonic()
         try:
             self._watch()
             self._loss.update(self._stepped)
-            if not self._publish():
+            self._rests = self._publish()
+            if not (self._rests or self._wakes):
                 period = _PERIOD
         finally:  # also after a fault; after a pause the reports that were missed are left out
             self._next_report.due = self._report_at = max(self._report_at + period, self._stepped)
+
+    def _report_soon(self) -> bool:
+        """Report what the body has to read, now or soon; returns whether: not at rest."""
+        if self._rests:
+            return False
+        now = time.monotonic()
+        self._report_by(max(now, self._reported + _SOONEST))
+        if self._report_at <= now:
+            self._report()
+        return True
 
     def _report_by(self, time: float) -> None:
         self._next_report.due = self._report_at = min(self._report_at, time)

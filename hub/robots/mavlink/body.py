@@ -117,8 +117,9 @@ class MavlinkBody:
         self._listen()
         self._reckon(seconds)
 
-    def wake_by(self, loop: FileLoop) -> None:
-        """Read the link also when an answer comes."""
+    def wake_by(self, loop: FileLoop, report: Callable[[], bool]) -> None:
+        """Read the link also when an answer comes; it has measured nothing by that."""
+        del report
         self._answers = AnswerWatch(loop, self._link, self._listen)
 
     def arm(self, *, armed: bool) -> None:

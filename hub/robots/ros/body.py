@@ -114,10 +114,15 @@ class RosBody:
         if self._watch is not None:
             self._watch.step()
 
-    def wake_by(self, loop: FileLoop) -> None:
-        """Read the line between two steps too, so that its ages are right."""
+    def wake_by(self, loop: FileLoop, report: Callable[[], bool]) -> None:
+        """Report new messages soon; at rest only read the line, so that its ages are right."""
+
+        def woken() -> None:
+            if not report():
+                self._look()
+
         self._watch = SparseWatch(loop)
-        self._line.watch(self._watch, self._look)
+        self._line.watch(self._watch, woken)
 
     def stop(self) -> None:
         """End all goals of the robot's own navigation, and call its stop, if it has these."""

@@ -1,7 +1,7 @@
 """Wakes a loop for a line at most once between two steps of the body.
 
-The wake lets the line measure how long answers take. More of them would only cost processor time:
-messages have an age of their own, so it does not matter when they are read.
+A wake asks for the next step while the robot moves, and lets the line measure how long answers
+take. More of them would only cost processor time: messages have an age of their own.
 """
 
 from __future__ import annotations

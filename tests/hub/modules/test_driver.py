@@ -15,7 +15,7 @@ from hub.gcm.own_navigation import DRIVE_GOAL, OWN_NAVIGATION, DriveGoal, OwnGoa
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.own_goals import BodyGoals
 from hub.modules.driver.watchdog import SILENCE_S
-from hub.robots.interfaces import Sensors
+from hub.robots.interfaces import FileLoop, Sensors
 from hub.robots.left_alone import LeftAlone
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.sim.arena import load_arena
@@ -108,6 +108,20 @@ class Pilot(Wheels):
         return self.state
 
 
+class Waking(Wheels):
+    """A base that measures by itself.
+
+    Attributes:
+        woken: Asks the driver for a report.
+    """
+
+    woken: Callable[[], bool]
+
+    def wake_by(self, loop: FileLoop, report: Callable[[], bool]) -> None:
+        del loop
+        self.woken = report
+
+
 class Scene:
     """A driver and its wheels."""
 
@@ -182,6 +196,40 @@ def test_a_simulated_robot_that_stands_reports_as_seldom_while_its_true_pose_is_
     scene.wheels.truth = SimulatedMagellan(load_arena("empty")).ground_truth()
     scene.bus.watched = True
     assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
+
+
+def test_what_a_body_measures_by_itself_is_reported_at_once_while_it_moves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = Scene(monkeypatch, Waking)
+    body = scene.wheels
+    assert isinstance(body, Waking)
+    assert not body.woken()
+    assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0), "at rest"
+    scene.command(NEUTRAL)
+
+    def moves(every: float) -> float:
+        """Reports per second of a body that wakes."""
+        reports, steps = 0, round(2.0 / every)
+        for number in range(steps):
+            if not number % round(0.05 / every):
+                scene.command(FORWARD)
+            scene.bus.published.clear()
+            assert body.woken() or not number
+            scene.bus.wait(every)
+            reports += sum(name == DRIVE_STATE.name for _, name, _ in scene.bus.published)
+        return reports / (steps * every)
+
+    assert moves(0.025) == pytest.approx(40.0, abs=2.0)
+    looked_at = scene.reports(0.06)
+    assert looked_at, "a body that is silent is still looked at"
+    scene.bus.wait(looked_at[-1] + 0.03 - scene.bus.now)
+    scene.bus.published.clear()
+    assert body.woken()
+    assert [at for at, name, _ in scene.bus.published if name == DRIVE_STATE.name] == [
+        scene.bus.now
+    ]
+    assert moves(0.001) == pytest.approx(100.0, abs=2.0), "a flood"
 
 
 def test_the_wheels_stop_although_the_hardware_cannot_be_read(scene: Scene) -> None:

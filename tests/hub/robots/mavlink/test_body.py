@@ -209,7 +209,7 @@ def test_the_bytes_of_the_link_are_kept_while_somebody_wants_them(scene: Scene) 
 def test_an_answer_is_read_when_it_comes(scene: Scene) -> None:
     """Not with the next call of `advance`, which would add its period to the round trip."""
     files = Files()
-    scene.body.wake_by(files)
+    scene.body.wake_by(files, lambda: False)
     scene.wait(2.0)
     scene.now += 1.0
     scene.body.advance(TICK_S)
@@ -223,7 +223,7 @@ def test_an_answer_is_read_when_it_comes(scene: Scene) -> None:
 
 def test_an_answer_that_does_not_come_is_awaited_for_a_short_time(scene: Scene) -> None:
     files = Files()
-    scene.body.wake_by(files)
+    scene.body.wake_by(files, lambda: False)
     scene.wait(5.0)
     scene.vehicle.deaf = True
     watched = []
