@@ -6,6 +6,7 @@
 | cancel one goal, or all | service NAME/_action/cancel_goal | topic NAME/cancel |
 | the states of all goals | topic NAME/_action/status, at each change | topic NAME/status, 5 Hz |
 | a goal goes on | topic NAME/_action/feedback | topic NAME/feedback |
+| why a goal failed | service NAME/_action/get_result | in its state |
 
 A goal has a name of 32 hexadecimal digits: the bytes of its UUID in ROS 2, its `id` in ROS 1.
 Times are 0: ROS 1 ends goals with older times at a cancel, and clocks differ.
@@ -34,6 +35,7 @@ from hub.values import dataclass
 
 SEND_GOAL: Final = "nav2_msgs/action/NavigateToPose_SendGoal"
 CANCEL_GOAL: Final = "action_msgs/srv/CancelGoal"
+GET_RESULT: Final = "nav2_msgs/action/NavigateToPose_GetResult"
 FEEDBACK: Final = "nav2_msgs/action/NavigateToPose_FeedbackMessage"
 STATUS: Final = "action_msgs/msg/GoalStatusArray"
 OLD_GOAL: Final = "move_base_msgs/msg/MoveBaseActionGoal"
@@ -52,6 +54,8 @@ TYPES: Final[Mapping[str, str]] = {
     f"{SEND_GOAL}_Response": "bool accepted\nbuiltin_interfaces/Time stamp\n",
     f"{CANCEL_GOAL}_Request": "action_msgs/GoalInfo goal_info\n",
     f"{CANCEL_GOAL}_Response": "int8 return_code\naction_msgs/GoalInfo[] goals_canceling\n",
+    f"{GET_RESULT}_Request": "unique_identifier_msgs/UUID goal_id\n",
+    f"{GET_RESULT}_Response": "int8 status\nuint16 error_code\nstring error_msg\n",
     FEEDBACK: "unique_identifier_msgs/UUID goal_id\ngeometry_msgs/PoseStamped current_pose\n"
     "builtin_interfaces/Duration navigation_time\n"
     "builtin_interfaces/Duration estimated_time_remaining\n"
@@ -176,6 +180,24 @@ def cancel_answer(payload: bytes | memoryview) -> CancelAnswer:
     return CancelAnswer(code)
 
 
+def result_request(name: str) -> bytes:
+    """The request of ROS 2 to say how a goal ended; the answer comes after its end."""
+    return _writer(f"{GET_RESULT}_Request", "cdr").encode({"goal_id": _uuid(name)})
+
+
+def failure_of(payload: bytes | memoryview) -> str:
+    """Why a goal failed, by the answer to `result_request`, in plain text; empty: it is not said.
+
+    Raises:
+        RosMessageError: The answer is none of Nav2 from Jazzy on; before, it says nothing.
+    """
+    value = _reader(f"{GET_RESULT}_Response", "cdr").decode(payload)
+    code, said = int(value.get("error_code")), plain(value.get("error_msg").strip())
+    if not code:
+        return said[:_LONGEST_TEXT]
+    return f"{(said or _FAILURES.get(code, 'it failed'))[:_LONGEST_TEXT]} (error {code})"
+
+
 def old_goal(name: str, place: GoalPlace) -> bytes:
     """The message of ROS 1 to drive to a place."""
     return _writer(OLD_GOAL, "ros1").encode(
@@ -197,7 +219,7 @@ def known_goals(payload: bytes | memoryview, encoding: str) -> tuple[KnownGoal, 
         status = numbers.get(int(each.get("status")))
         if status is not None:
             name = each.get("goal_id.id") if old else _name(each.get("goal_info.goal_id.uuid"))
-            text = plain(each.get("text"))[:200] if old else ""
+            text = plain(each.get("text"))[:_LONGEST_TEXT] if old else ""
             found.append(KnownGoal(name=name, status=status, text=text))
     return tuple(found)
 
@@ -238,6 +260,24 @@ _UUID_BYTES: Final = 16
 _LATER_BYTES: Final = 8
 """Of the two errors of tracking with which later versions of Nav2 end a feedback."""
 _FARTHEST_M: Final = 1e6
+_LONGEST_TEXT: Final = 200
+_FAILURES: Final = {
+    102: "its controller does not know where it is",
+    103: "its controller cannot follow the path",
+    104: "no velocity was possible for too long",
+    105: "it made no headway",
+    106: "no velocity was possible",
+    202: "its planner does not know where it is",
+    203: "it stands outside of its map",
+    204: "the place is outside of its map",
+    205: "an obstacle is where it stands",
+    206: "an obstacle is at the place",
+    207: "its planner needed too long",
+    208: "there is no path to the place",
+    9002: "it does not know where it is",
+    9003: "it needed too long",
+}
+"""Error codes of Nav2 from Jazzy on: FollowPath, ComputePathToPose, NavigateToPose."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,6 +72,9 @@ class TaskWatch:
             took = f" ({now.seconds:.0f} s)" if now.seconds >= 1.0 else ""
             text = f"{now.kind} {_VERBS[now.phase]}: {now.reason}{took}"
             yield state.notice(text, robot=robot.name, alarm=now.failed)
+        elif before is not None and before.why != now.why:
+            # A robot's own navigation says why it gave up a little later.
+            yield state.notice(f"{now.kind} {_VERBS[now.phase]}: {now.reason}", robot=robot.name)
 
     def _waiting(
         self, key: tuple[str, int], robot: RobotState, state: ConsoleState, now: RobotTask | None

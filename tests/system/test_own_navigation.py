@@ -193,6 +193,18 @@ def test_it_drives_there_by_itself_and_rune_is_silent_meanwhile(site: Navigating
     assert not sent, "Rune sent velocities while the robot drove itself"
 
 
+def test_a_place_without_a_path_is_given_up_for_the_reason_of_the_robot(
+    site: NavigatingSite,
+) -> None:
+    since = time.monotonic()
+    goal = GoalCommand(points=(Point(x=500.0, y=0.0),))
+    site.operator.client.publish(GOAL_COMMAND, goal)
+    why = "Failed to create a valid plan to the goal (error 208)"
+    site.wait(lambda: site.newest(NAVIGATION_STATUS).why.endswith(why), "it says no reason:")
+    assert site.task == (Task.BLOCKED, Cause.CLOSED)
+    assert not any(moves for _, moves in site.velocities(since))
+
+
 def test_a_stop_ends_the_goal_at_once_and_zeros_follow(site: NavigatingSite) -> None:
     site.go()
     sent = time.monotonic()

@@ -41,7 +41,8 @@ class BodyGoals:
         """Publish the state when it is due [s, monotonic]."""
         if self._body is not None:
             state = self._body.own_navigation()
-            key = (state.available, state.number, state.goal, state.others, state.unanswered)
+            goal = (state.number, state.goal, state.why)
+            key = (state.available, *goal, state.others, state.unanswered)
             if self._rate.due(key, now):
                 self._client.publish(OWN_NAVIGATION, state, measured=now)
 

@@ -277,7 +277,7 @@ class Navigation:
         said = (
             task.number,
             task.state,
-            task.cause,
+            (task.cause, task.why),
             self._governor.driver,
             len(task.points),
             task.route,

@@ -8,6 +8,7 @@
 | ABORTED, REFUSED | ends: blocked |
 | CANCELLED, which another node did | ends: cancelled, REPLACED |
 | LOST | ends: cancelled, DRIVER |
+| another reason for an end that it has reported | the ended task has this reason |
 
 The wheels are never held for such a task: what would hold it ends it. So no goal is sent again
 after a loss. Each point is a goal of its own, in `odom` as it lies when the goal is sent.
@@ -60,10 +61,14 @@ class OwnPilot:
         self._number = secrets.randbelow(_MOST)
         self._goal: DriveGoal | None = None
         self._began = 0.0
+        self._ended = (0, 0)  # the task and the goal that a report ended last
 
     def reported(self, report: OwnNavigation, reception: MessageInfo) -> None:
-        """Take what the driver reports."""
+        """Take what the driver reports; the robot may say why it gave up a little later."""
         self._report = report, reception.measured
+        task = self._pilot.task
+        if not task.active and report.why and self._ended == (task.number, report.number):
+            task.why = report.why
 
     def refusal(self, now: float) -> str:
         """Why no goal can begin, as it is not known who would drive; empty: one can."""
@@ -101,6 +106,7 @@ class OwnPilot:
         elif report.goal in _ENDS:
             how, cause = _ENDS[report.goal]
             task.end(how, report.why or "the robot's own navigation ended it", cause, now)
+            self._ended = task.number, report.number
             return None
         elif report.goal is OwnGoal.SENT and now - self._began > SENT_S:
             why = "the robot's own navigation does not take the goal"

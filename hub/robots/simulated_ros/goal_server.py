@@ -1,7 +1,7 @@
 """The action of the simulated robot's own navigation, behind the bridge: Nav2's or move_base's.
 
-This file needs the extra "tools". It leaves out the service `get_result` of ROS 2, whose answer
-comes only at the end of a goal: the server of foxglove-sdk would wait in it.
+This file needs the extra "tools". Nav2's own service `get_result` answers at the end of a goal.
+This one refuses to answer before, as the server of foxglove-sdk would wait in it.
 """
 
 from __future__ import annotations
@@ -82,7 +82,9 @@ class GoalServer:
         self._context = context
         kinds = self._kinds()
         self._channels = {topic: self._opened(topic, kind) for topic, kind in kinds.items()}
-        self.services = [] if self._old else [self._sending(), self._cancelling()]
+        self.services = (
+            [] if self._old else [self._sending(), self._cancelling(), self._explaining()]
+        )
 
     @property
     def topics(self) -> Mapping[str, str]:
@@ -171,7 +173,7 @@ class GoalServer:
 
     def _state(self, goal: wire.KnownGoal) -> dict[str, Any]:
         if self._old:
-            return {"goal_id": {"id": goal.name}, "status": _OLD[goal.status], "text": ""}
+            return {"goal_id": {"id": goal.name}, "status": _OLD[goal.status], "text": goal.text}
         return {"goal_info": {"goal_id": _uuid(goal.name)}, "status": _NEW[goal.status]}
 
     def _feedback_values(self) -> dict[str, Any]:
@@ -209,6 +211,24 @@ class GoalServer:
             return goal_writer(f"{wire.CANCEL_GOAL}_Response", "cdr").encode(answer)
 
         return self._service("cancel_goal", wire.CANCEL_GOAL, cancel)
+
+    def _explaining(self) -> foxglove.Service:
+        def explain(request: foxglove.ServiceRequest) -> bytes:
+            value = goal_reader(f"{wire.GET_RESULT}_Request", "cdr").decode(request.payload)
+            name = bytes(value.get("goal_id.uuid")).hex()
+            found = self._navigation.end_of(name)
+            if found is None:
+                text = f"goal {name} has not ended"
+                raise RosMessageError(text)
+            status, failure = found
+            answer = {
+                "status": _NEW[status],
+                "error_code": failure.code,
+                "error_msg": failure.text,
+            }
+            return goal_writer(f"{wire.GET_RESULT}_Response", "cdr").encode(answer)
+
+        return self._service("get_result", wire.GET_RESULT, explain)
 
     def _service(
         self, part: str, kind: str, handler: Callable[[foxglove.ServiceRequest], bytes]

@@ -24,6 +24,7 @@ from hub.grids.grid import Grid
 from hub.grids.planner import plan
 from hub.pose import Pose, wrapped
 from hub.ros.goal_messages import CancelAnswer, GoalPlace, GoalStatus, KnownGoal
+from hub.values import dataclass
 
 PERIOD: Final = 0.05
 """Time between two velocities [s]."""
@@ -43,6 +44,24 @@ _MOST_KEPT: Final = 10
 """Goals that have ended and are still listed."""
 
 Way = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GoalFailure:
+    """Why a goal was aborted, as Nav2 says it.
+
+    Attributes:
+        code: Number of the error; 0: there was none.
+        text: The same for people.
+    """
+
+    code: int = 0
+    text: str = ""
+
+
+_NONE: Final = GoalFailure()
+_NO_PATH: Final = GoalFailure(code=208, text="Failed to create a valid plan to the goal")
+_NO_HEADWAY: Final = GoalFailure(code=105, text="Failed to make progress")
 
 
 class SimulatedNavigation:
@@ -66,6 +85,7 @@ class SimulatedNavigation:
         self._frames, self._old = frames, old
         self._lock = threading.Lock()
         self._goals: OrderedDict[str, GoalStatus] = OrderedDict()
+        self._failures: dict[str, GoalFailure] = {}
         self._place: GoalPlace | None = None
         self._name = ""
         self._way: Way = ()
@@ -76,13 +96,23 @@ class SimulatedNavigation:
     def goals(self) -> tuple[KnownGoal, ...]:
         """The present goal, and those that ended last."""
         with self._lock:
-            found = tuple(self._goals.items())
-        return tuple(KnownGoal(name=name, status=status) for name, status in found)
+            return tuple(
+                KnownGoal(name=name, status=status, text=self._failures.get(name, _NONE).text)
+                for name, status in self._goals.items()
+            )
 
     @property
     def present(self) -> str:
         """The name of the goal that it drives to; empty: none."""
         return self._name
+
+    def end_of(self, name: str) -> tuple[GoalStatus, GoalFailure] | None:
+        """How a goal ended; None: it goes on, or is not known."""
+        with self._lock:
+            status = self._goals.get(name)
+            if status is None or not status.ended:
+                return None
+            return status, self._failures.get(name, _NONE)
 
     def begin(self, name: str, place: GoalPlace) -> bool:
         """Drive to a place; returns whether it takes the goal."""
@@ -95,7 +125,7 @@ class SimulatedNavigation:
             self._best, self._patience, self._arrived = math.inf, _PATIENCE_S, False
             self._goals[name] = GoalStatus.DRIVES
             while len(self._goals) > _MOST_KEPT:
-                self._goals.popitem(last=False)
+                self._failures.pop(self._goals.popitem(last=False)[0], None)
         return True
 
     def cancel(self, name: str) -> CancelAnswer:
@@ -135,7 +165,7 @@ class SimulatedNavigation:
             start = (pose.x, pose.y)
             self._way = self._planned(start, goal)
         if not self._way:
-            self._end(GoalStatus.ABORTED)
+            self._end(GoalStatus.ABORTED, _NO_PATH)
             return None
         away = math.dist(goal, (pose.x, pose.y))
         self._arrived = self._arrived or away <= _REACHED
@@ -175,11 +205,13 @@ class SimulatedNavigation:
             self._best, self._patience = left, _PATIENCE_S
         self._patience -= seconds
         if self._patience < 0.0:
-            self._end(GoalStatus.ABORTED)
+            self._end(GoalStatus.ABORTED, _NO_HEADWAY)
 
-    def _end(self, status: GoalStatus) -> None:
+    def _end(self, status: GoalStatus, failure: GoalFailure | None = None) -> None:
         if self._name:
             self._goals[self._name] = status
+        if self._name and failure is not None:
+            self._failures[self._name] = failure
         self._name, self._place, self.left = "", None, math.nan
 
 

@@ -142,3 +142,15 @@ def test_an_autonomy_that_began_anew_has_forgotten_and_that_is_an_alarm() -> Non
     story = Story()
     story.look({})
     assert story.look(IDLE) == [("exploring ended: the robot no longer reports it", True)]
+
+
+def test_a_reason_that_comes_after_the_end_is_said_once() -> None:
+    story = Story()
+    story.look(status={"task": Task.NONE})
+    story.look(status={"task": Task.GOING, "number": 1})
+    over = {"task": Task.BLOCKED, "cause": Cause.CLOSED, "number": 1, "why": "it gave up"}
+    over["seconds"] = 12.0
+    assert story.look(status=over) == [("going BLOCKED: it gave up (12 s)", True)]
+    over["why"] = "it gave up: no path"
+    assert story.look(status=over) == [("going BLOCKED: it gave up: no path", False)]
+    assert story.look(status=over) == []

@@ -29,6 +29,11 @@ NEW_PARTS = {
     "builtin_interfaces/Duration estimated_time_remaining\nint16 number_of_recoveries\n"
     "float32 distance_remaining",
     "FeedbackMessage": f"unique_identifier_msgs/UUID goal_id\n{NAV2}Feedback feedback",
+    "GetResult_Request": "unique_identifier_msgs/UUID goal_id",
+    "Result": "uint16 error_code\nstring error_msg",
+    "GetResult_Response": f"int8 status\n{NAV2}Result result",
+    "HumbleResult": "std_msgs/Empty result",
+    "HumbleGetResult_Response": f"int8 status\n{NAV2}HumbleResult result",
 }
 CANCEL = "action_msgs/msg/CancelGoal_"  # a store of rosbags has no services
 OLD_PARTS = {
@@ -101,6 +106,24 @@ def test_a_goal_of_ros_2_is_read_by_others(new):
     assert (pose.pose.position.x, pose.pose.position.y) == (1.5, -2.0)
     assert (pose.pose.orientation.z, pose.pose.orientation.w) == pytest.approx((0.5**0.5,) * 2)
     assert found.goal.behavior_tree == ""
+
+
+def test_a_result_of_nav2_says_why_a_goal_failed(new):
+    asked = new.deserialize_cdr(wire.result_request(NAME), f"{NAV2}GetResult_Request")
+    assert bytes(asked.goal_id.uuid).hex() == NAME
+    kind = f"{NAV2}GetResult_Response"
+    for code, text, why in (
+        (208, "no path to the goal", "no path to the goal (error 208)"),
+        (206, "", "an obstacle is at the place (error 206)"),
+        (0, "", ""),
+    ):
+        result = the(new, f"{NAV2}Result", error_code=code, error_msg=text)
+        answer = the(new, kind, status=6, result=result)
+        assert wire.failure_of(bytes(new.serialize_cdr(answer, kind))) == why
+    older = f"{NAV2}HumbleGetResult_Response"
+    nothing = the(new, f"{NAV2}HumbleResult", result=the(new, "std_msgs/msg/Empty"))
+    with pytest.raises(RosMessageError):
+        wire.failure_of(bytes(new.serialize_cdr(the(new, older, status=6, result=nothing), older)))
 
 
 def test_a_cancel_of_ros_2_names_one_goal_or_all(new):

@@ -7,7 +7,7 @@ from typing import Final
 
 from hub.plain_text import plain
 from hub.robots.ros.line import RosGraph
-from hub.ros.goal_messages import OLD_FEEDBACK, OLD_STATUS, SEND_GOAL
+from hub.ros.goal_messages import GET_RESULT, OLD_FEEDBACK, OLD_STATUS, SEND_GOAL
 from hub.ros.schema import full_name
 from hub.values import dataclass
 
@@ -23,6 +23,7 @@ class GoalEnds:
         cancel: Takes cancels: a service of ROS 2, a topic of ROS 1.
         status: Topic with the states of all goals.
         feedback: Topic of a goal that goes on.
+        result: Service that says how a goal ended; ROS 1 has none.
         old: Whether they are of ROS 1.
     """
 
@@ -30,6 +31,7 @@ class GoalEnds:
     cancel: str
     status: str
     feedback: str
+    result: str
     old: bool
 
     @classmethod
@@ -39,7 +41,12 @@ class GoalEnds:
         base = f"{name}/" if old else f"{name}{_HIDDEN}"
         goal, cancel = (base + part for part in parts)
         return cls(
-            goal=goal, cancel=cancel, status=f"{base}status", feedback=f"{base}feedback", old=old
+            goal=goal,
+            cancel=cancel,
+            status=f"{base}status",
+            feedback=f"{base}feedback",
+            result="" if old else f"{base}get_result",
+            old=old,
         )
 
 
@@ -50,10 +57,12 @@ class GoalAction:
     Attributes:
         name: Its name.
         ends: Its topics and services.
+        explains: Whether it has the service that says why a goal failed.
     """
 
     name: str
     ends: GoalEnds
+    explains: bool = False
 
 
 def action_of(graph: RosGraph, name: str) -> GoalAction | None:
@@ -62,7 +71,9 @@ def action_of(graph: RosGraph, name: str) -> GoalAction | None:
     services = {key: graph.services[key].type for key in graph.services.keys() & {ends.goal}}
     heard = ends.status in graph.topics and ends.feedback in graph.topics
     if services == {ends.goal: SEND_GOAL} and ends.cancel in graph.services and heard:
-        return GoalAction(name=name, ends=ends)
+        result = graph.services.get(ends.result)
+        explains = result is not None and result.type == GET_RESULT
+        return GoalAction(name=name, ends=ends, explains=explains)
     ends = GoalEnds.of(name, old=True)
     kinds = {ends.status: OLD_STATUS, ends.feedback: OLD_FEEDBACK}
     if all(_type(graph, topic) == kind for topic, kind in kinds.items()):

@@ -26,7 +26,8 @@ again every second, until the robot says that it has ended.
 | was not listed | the robot does not list it, 1 s after the cancel | it has ended |
 | any | 1 s without its end | cancelled again, and `unanswered` |
 
-No goal is sent a second time.
+No goal is sent a second time. Of a goal that was aborted without a reason, the reason is asked
+for once, after all that was due; it changes words only.
 """
 
 from __future__ import annotations
@@ -63,6 +64,9 @@ class GoalPort(Protocol):
 
     def cancel(self, name: str) -> bool:
         """Cancel a goal, or `EVERY_GOAL`; returns whether that left."""
+
+    def explain(self, name: str) -> bool:
+        """Ask why a goal was aborted; returns whether that left, or cannot be asked."""
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -113,6 +117,7 @@ class GoalKeeper:
         self._waiting: GoalPlace | None = None
         self._unwanted: dict[str, _Unwanted] = {}
         self._known: dict[str, KnownGoal] = {}
+        self._aborted = self._unexplained = ""
 
     @property
     def drives(self) -> bool:
@@ -175,6 +180,7 @@ class GoalKeeper:
         if self._ready and not ready:
             self._withdraw(OwnGoal.LOST, "the robot's own navigation cannot be reached", now)
             self._known.clear()
+            self._unexplained = ""
             for each in self._unwanted.values():
                 each.asked_at, each.listed = -math.inf, False
         self._ready = ready
@@ -202,6 +208,11 @@ class GoalKeeper:
         """The robot answers a cancel; that it begins is no end yet."""
         if answer in (CancelAnswer.UNKNOWN, CancelAnswer.ENDED):
             self._unwanted.pop(name, None)
+
+    def explained(self, name: str, why: str) -> None:
+        """The robot says why it aborted a goal."""
+        if why and name == self._aborted and self.state is OwnGoal.ABORTED:
+            self.why = f"{_ENDS[GoalStatus.ABORTED][1]}: {why}"
 
     def moved(self, name: str, left: float, now: float) -> None:
         """A goal goes on, with the way that is left [m]."""
@@ -245,6 +256,8 @@ class GoalKeeper:
                 each.asked_at = now
         if self._waiting is not None and not self._unwanted:
             self._send(self._waiting, now)
+        if self._unexplained and self._port.explain(self._unexplained):
+            self._unexplained = ""
 
     def _send(self, place: GoalPlace, now: float) -> None:
         name = self._tag + secrets.token_hex(_NAME_BYTES - len(self._tag) // 2)
@@ -265,6 +278,8 @@ class GoalKeeper:
                 sent.listed = False  # it is cancelled too: this list may be wrong
                 self._withdraw(OwnGoal.LOST, "the robot's own navigation began again", now)
         elif found.status.ended:
+            if found.status is GoalStatus.ABORTED and not found.text:
+                self._aborted = self._unexplained = sent.name
             self._finish(found.status, found.text)
         else:
             sent.listed = sent.taken = True

@@ -168,6 +168,7 @@ class _LinePort:
     action: GoalAction | None = None
     now: float = -math.inf
     _advertised: bool = False
+    _asks: bool = False
 
     @property
     def ready(self) -> bool:
@@ -214,6 +215,24 @@ class _LinePort:
                     self.keeper.cancelled(name, wire.cancel_answer(payload))
 
         self.line.call(ends.cancel, wire.cancel_request(name), answered, CANCEL_AGAIN_S)
+        return True
+
+    def explain(self, name: str) -> bool:
+        """Ask why a goal was aborted; returns whether that left, or cannot be asked."""
+        if self.action is None or not self.action.explains:
+            return True
+        if self._asks:
+            return False  # one question at a time, so that no other call lacks room
+
+        def answered(payload: Payload | None, _why: str) -> None:
+            self._asks = False
+            # Nav2 of Humble gives no reason: its answer is too short.
+            with contextlib.suppress(*UNFIT):
+                if payload is not None and self.keeper is not None:
+                    self.keeper.explained(name, wire.failure_of(payload))
+
+        self._asks = True
+        self.line.call(self.action.ends.result, wire.result_request(name), answered, ANSWER_S)
         return True
 
     def _sent(self, name: str, payload: Payload | None, why: str) -> None:

@@ -14,6 +14,7 @@ from hub.gcm.navigation import (
     DRIVE_COMMAND,
     DRIVE_STATE,
     GOAL_COMMAND,
+    NAVIGATION_STATUS,
     STOP,
     TURN_COMMAND,
     VELOCITY_COMMAND,
@@ -259,3 +260,23 @@ def test_the_end_of_navigation_ends_it(drive: Drive) -> None:
     assert drive.go() is not None
     drive.navigation.finish()
     assert drive.goal is None
+
+
+def test_a_reason_that_the_robot_gives_after_its_end_is_passed_on(drive: Drive) -> None:
+    drive.go()
+    drive.says(OwnGoal.ABORTED, why="it gave up")
+    assert drive.ended(Task.BLOCKED, Cause.CLOSED)
+    number, ended = drive.task.number, drive.task.ended
+    before = len(drive.sent(NAVIGATION_STATUS))
+    assert drive.report is not None
+    drive.report = dataclasses.replace(drive.report, why="it gave up: no path")
+    drive.run(2 * TICK)
+    assert (drive.task.number, drive.task.ended) == (number, ended)
+    assert drive.sent(NAVIGATION_STATUS)[before].why == "it gave up: no path"
+    assert drive.goal is None
+    late = drive.report
+    drive.go((1.0, 1.0))
+    drive.report = late
+    drive.run(2 * TICK)
+    assert drive.task.active
+    assert not drive.task.why

@@ -21,6 +21,7 @@ class Site:
     def __init__(self):
         self.now = 100.0
         self.sent, self.cancels = [], []
+        self.asked, self.asks = [], True
         self.open = True
         self.keeper = GoalKeeper(self, TAG)
         self.keeper.reach(self.now, ready=True)
@@ -34,6 +35,11 @@ class Site:
         if self.open:
             self.cancels.append(name)
         return self.open
+
+    def explain(self, name):
+        if self.asks:
+            self.asked.append(name)
+        return self.asks
 
     @property
     def name(self):
@@ -315,3 +321,58 @@ def test_in_any_order_a_goal_that_nobody_wants_does_not_drive(events):
         assert wanted or not keeper.drives, "a goal drives that nobody wants"
         assert wanted or len(site.sent) == sent, "a goal is sent that nobody wants"
     assert len({each for each, _ in site.sent}) == len(site.sent)
+
+
+def test_the_reason_of_an_aborted_goal_is_asked_for_once_after_all_that_is_due(site):
+    site.drive()
+    site.lists(GoalStatus.ABORTED)
+    assert site.state is OwnGoal.ABORTED
+    site.asks = False  # no room now
+    site.wait(0.1)
+    site.asks = True
+    site.wait(1.0)
+    assert site.asked == [site.name]
+    assert site.keeper.why == "the robot's own navigation gave up"
+    site.keeper.explained(site.name, "there is no path")
+    assert site.keeper.why == "the robot's own navigation gave up: there is no path"
+    assert not site.cancels
+
+
+@pytest.mark.parametrize("status", [GoalStatus.REACHED, GoalStatus.CANCELLED, GoalStatus.REFUSED])
+def test_no_reason_is_asked_for_after_another_end(site, status):
+    site.drive()
+    site.lists(status)
+    site.wait(0.1)
+    assert not site.asked
+
+
+def test_a_reason_that_the_robot_lists_is_not_asked_for(site):
+    site.drive()
+    site.lists(GoalStatus.ABORTED, text="no way")
+    site.wait(0.1)
+    assert not site.asked
+
+
+def test_a_late_reason_changes_nothing_but_words_of_its_own_goal(site):
+    site.drive()
+    first = site.name
+    site.lists(GoalStatus.ABORTED)
+    site.wait(0.1)
+    site.go(2)
+    site.keeper.explained(first, "there is no path")
+    assert (site.state, site.keeper.why) == (OwnGoal.SENT, "")
+    site.keeper.taken(site.name, site.now)
+    site.lists(GoalStatus.ABORTED)
+    site.keeper.explained(first, "there is no path")
+    site.keeper.explained(site.name, "")
+    assert site.keeper.why == "the robot's own navigation gave up"
+
+
+def test_after_a_lost_line_no_reason_is_asked_for(site):
+    site.drive()
+    site.lists(GoalStatus.ABORTED)
+    site.keeper.reach(site.now, ready=False)
+    site.keeper.reach(site.now, ready=True)
+    site.wait(0.1)
+    assert not site.asked
+    assert site.state is OwnGoal.ABORTED

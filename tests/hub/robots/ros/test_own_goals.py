@@ -31,7 +31,7 @@ ZERO, AHEAD = Twist(), Twist.planar(0.4, 0.0)
 GOAL = DriveGoal(number=7, x=2.0, y=1.0, theta=0.5)
 NAV2, MOVE_BASE = "/navigate_to_pose", "/move_base"
 ACTION = f"{NAV2}/_action/"
-DRIVES, CANCELLED = 2, 5
+DRIVES, CANCELLED, ABORTED = 2, 5, 6
 OTHER = "ff" * 16
 
 
@@ -55,6 +55,17 @@ class NavigatingRobot:
             self.line.services[f"{ACTION}{part}"] = RosService(name=f"{ACTION}{part}", type=kind)
         self.run(0.05)
 
+    def has_result(self, kind=wire.GET_RESULT):
+        service = f"{ACTION}get_result"
+        self.line.services[service] = RosService(name=service, type=kind)
+        self.run(0.05)
+
+    def explains(self, payload):
+        """Answer why a goal failed."""
+        asked = (each for each in self.line.called[::-1] if each[0].endswith("get_result"))
+        _, _, answered = next(asked)
+        answered(payload, "" if payload is not None else "no answer")
+
     def run(self, seconds, tick=0.01):
         for _ in range(round(seconds / tick)):
             self.now += tick
@@ -76,7 +87,7 @@ class NavigatingRobot:
     @property
     def name(self):
         sent = [payload for part, payload in self.calls if part == "send_goal"]
-        return self._goal_of(sent[-1], "SendGoal_Request", "goal_id.uuid")
+        return self.goal_of(sent[-1], "SendGoal_Request", "goal_id.uuid")
 
     def cancels(self):
         """The names of the goals that were cancelled; empty: of all."""
@@ -86,7 +97,7 @@ class NavigatingRobot:
         names = [bytes(each.get("goal_info.goal_id.uuid")).hex() for each in found]
         return ["" if each == "00" * 16 else each for each in names]
 
-    def _goal_of(self, payload, kind, field):
+    def goal_of(self, payload, kind, field):
         kind = wire.SEND_GOAL.replace("SendGoal", kind)
         return bytes(goal_reader(kind, "cdr").decode(payload).get(field)).hex()
 
@@ -254,7 +265,7 @@ def test_after_a_lost_line_the_goal_is_cancelled_by_its_name_and_not_sent_again(
     assert robot.report.goal is OwnGoal.LOST
 
 
-def test_a_goal_of_the_process_before_is_cancelled_by_the_next_one(robot, tmp_path):
+def test_agoal_of_the_process_before_is_cancelled_by_the_next_one(robot, tmp_path):
     robot.drive()
     following = NavigatingRobot(tmp_path)
     following.has_nav2()
@@ -271,6 +282,88 @@ def test_messages_that_make_no_sense_are_said_and_end_nothing(robot):
     _, _, answered = robot.line.called[-1]
     answered(b"\0", "")
     assert robot.report.goal is OwnGoal.DRIVES
+
+
+def result(code=208, text="no path"):
+    values = {"status": ABORTED, "error_code": code, "error_msg": text}
+    return goal_writer(f"{wire.GET_RESULT}_Response", "cdr").encode(values)
+
+
+GAVE_UP = "the robot's own navigation gave up"
+
+
+def test_nav2_says_why_it_gave_up(robot):
+    robot.has_result()
+    robot.drive()
+    name = robot.name
+    robot.lists((name, ABORTED))
+    assert (robot.report.goal, robot.report.why) == (OwnGoal.ABORTED, GAVE_UP)
+    (asked,) = [payload for part, payload in robot.calls if part == "get_result"]
+    assert robot.goal_of(asked, "GetResult_Request", "goal_id.uuid") == name
+    robot.explains(result())
+    assert robot.report.why == f"{GAVE_UP}: no path (error 208)"
+    robot.body.command(ZERO)
+    robot.run(3.0)
+    assert robot.report.why == f"{GAVE_UP}: no path (error 208)"
+    assert not robot.cancels()
+
+
+HUMBLE = b"\0\1\0\0\x06\0"
+UNKNOWN = b"\0\1\0\0\0\0\0\0\0\0\0\0"
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [None, HUMBLE, UNKNOWN, b"", b"\0", result(code=0, text=""), result(text="x") + bytes(99)],
+)
+def test_a_robot_that_gives_no_reason_is_as_one_without_that_service(robot, answer):
+    robot.has_result()
+    robot.drive()
+    robot.lists((robot.name, ABORTED))
+    robot.explains(answer)
+    robot.run(0.1)
+    assert (robot.report.goal, robot.report.why) == (OwnGoal.ABORTED, GAVE_UP)
+    assert not robot.problems
+
+
+@pytest.mark.parametrize("kind", ["", "other_msgs/action/Go_GetResult"])
+def test_a_robot_without_that_service_is_not_asked(robot, kind):
+    if kind:
+        robot.has_result(kind)
+    robot.drive()
+    robot.lists((robot.name, ABORTED))
+    robot.run(0.1)
+    assert [part for part, _ in robot.calls] == ["send_goal"]
+
+
+def test_a_stop_and_the_next_goal_do_not_wait_for_a_reason(robot):
+    robot.has_result()
+    robot.drive()
+    robot.lists((robot.name, ABORTED))
+    robot.body.go(DriveGoal(number=8, x=1.0, y=1.0, theta=0.0))
+    assert [part for part, _ in robot.calls] == ["send_goal", "get_result", "send_goal"]
+    robot.body.stop()
+    assert robot.cancels() == [robot.name, ""]
+    robot.answer("send_goal", {"accepted": True})
+    robot.lists((robot.name, ABORTED))
+    assert [part for part, _ in robot.calls].count("get_result") == 1
+
+
+def test_the_reason_of_a_robot_is_plain_and_short(robot):
+    robot.has_result()
+    robot.drive()
+    robot.lists((robot.name, ABORTED))
+    robot.explains(result(code=7, text="\x1b[2J\n" + "x" * 1000))
+    why = robot.report.why
+    assert why.isprintable()
+    assert len(why) < 260
+    assert "xx (error 7)" in why
+
+
+def test_a_code_without_a_text_has_words():
+    assert wire.failure_of(result(206, "")) == "an obstacle is at the place (error 206)"
+    assert wire.failure_of(result(4711, "")) == "it failed (error 4711)"
+    assert wire.failure_of(result(0, "some text")) == "some text"
 
 
 def test_a_goal_is_in_the_frame_of_the_robots_map_once_its_place_is_known(tmp_path):
@@ -337,12 +430,19 @@ def test_move_base_gets_the_same_by_its_topics(tmp_path):
 @settings(
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-@given(payload=st.binary(max_size=120), what=st.sampled_from(["status", "feedback", "answer"]))
+@given(
+    payload=st.binary(max_size=120),
+    what=st.sampled_from(["status", "feedback", "answer", "result"]),
+)
 def test_no_bytes_of_the_robot_end_the_driver(tmp_path, payload, what):
     robot = NavigatingRobot(tmp_path)
     robot.has_nav2()
+    robot.has_result()
     robot.drive()
-    if what == "answer":
+    if what == "result":
+        robot.lists((robot.name, ABORTED))
+        robot.explains(payload)
+    elif what == "answer":
         robot.body.stop()
         for _, _, answered in robot.line.called:
             answered(payload, "")

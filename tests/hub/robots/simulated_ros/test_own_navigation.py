@@ -43,6 +43,10 @@ class Wheels:
     def state(self, name: str = FIRST) -> GoalStatus:
         return next(each.status for each in self.navigation.goals if each.name == name)
 
+    def failure(self) -> tuple[int, str] | None:
+        found = self.navigation.end_of(FIRST)
+        return (found[1].code, found[1].text) if found is not None else None
+
 
 @pytest.mark.parametrize("frame", ["map", "odom"])
 def test_it_drives_there_turns_and_stands(frame: str) -> None:
@@ -84,6 +88,7 @@ def test_a_place_without_a_way_is_aborted_and_one_in_no_frame_refused() -> None:
     wheels.go(500.0)
     wheels.run(0.1)
     assert wheels.state() is GoalStatus.ABORTED
+    assert wheels.failure() == (208, "Failed to create a valid plan to the goal")
     assert not wheels.go(1.0, name=SECOND, frame="base_link")
     assert not wheels.go(math.nan, name=SECOND)
     assert len(wheels.navigation.goals) == 1
@@ -95,9 +100,11 @@ def test_without_headway_it_gives_up() -> None:
     for _ in range(round(7.0 / PERIOD)):
         wheels.navigation.velocity(wheels.start, wheels.robot.odom, PERIOD)
     assert wheels.state() is GoalStatus.DRIVES
+    assert wheels.failure() is None
     for _ in range(round(2.0 / PERIOD)):
         wheels.navigation.velocity(wheels.start, wheels.robot.odom, PERIOD)
     assert wheels.state() is GoalStatus.ABORTED
+    assert wheels.failure() == (105, "Failed to make progress")
 
 
 @pytest.mark.parametrize(

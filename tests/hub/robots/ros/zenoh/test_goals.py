@@ -20,7 +20,7 @@ from tests.support.waiting import until
 from tests.support.zenoh_router import ZenohRouter, zenoh_router
 
 ACTION = "/rover/navigate_to_pose"
-DRIVES, CANCELLED = 2, 5
+DRIVES, CANCELLED, ABORTED = 2, 5, 6
 
 
 class Nav2:
@@ -37,6 +37,7 @@ class Nav2:
         self._feedback = self.node.publisher(f"{hidden}/feedback", wire.FEEDBACK, hashed=made_up)
         self.node.serve(f"{hidden}/send_goal", wire.SEND_GOAL, self._send)
         self.node.serve(f"{hidden}/cancel_goal", wire.CANCEL_GOAL, self._cancel)
+        self.node.serve(f"{hidden}/get_result", wire.GET_RESULT, self._explain)
 
     def _send(self, request: bytes) -> bytes:
         value = goal_reader(f"{wire.SEND_GOAL}_Request", "cdr").decode(request)
@@ -49,6 +50,12 @@ class Nav2:
         self.cancels.append(bytes(value.get("goal_info.goal_id.uuid")).hex())
         self.says(CANCELLED)
         return goal_writer(f"{wire.CANCEL_GOAL}_Response", "cdr").encode({"return_code": 0})
+
+    def _explain(self, request: bytes) -> bytes:
+        value = goal_reader(f"{wire.GET_RESULT}_Request", "cdr").decode(request)
+        name = bytes(value.get("goal_id.uuid")).hex()
+        said = {"status": ABORTED, "error_code": 208, "error_msg": f"no path for {name}"}
+        return goal_writer(f"{wire.GET_RESULT}_Response", "cdr").encode(said)
 
     def says(self, status: int) -> None:
         """Publish the state of the newest goal."""
@@ -89,9 +96,9 @@ class Hub:
     def available(self) -> None:
         until(lambda: self.goals.report(0.0).available, 10.0, meanwhile=self.turn)
 
-    def go(self) -> None:
+    def go(self, number: int = 1) -> None:
         place = GoalPlace(frame="map", x=1.0, y=2.0, theta=0.0)
-        self.goals.go(1, place, time.monotonic())
+        self.goals.go(number, place, time.monotonic())
 
 
 @pytest.fixture
@@ -100,7 +107,9 @@ def router() -> Iterator[ZenohRouter]:
         yield running
 
 
-def test_a_goal_goes_to_nav2_and_its_end_cancels_it(router: ZenohRouter) -> None:
+def test_a_goal_goes_to_nav2_its_end_cancels_it_and_nav2_says_why_it_gives_up(
+    router: ZenohRouter,
+) -> None:
     nav2 = Nav2(router.endpoint)
     with closing(Hub(router.endpoint)) as hub:
         hub.available()
@@ -115,6 +124,11 @@ def test_a_goal_goes_to_nav2_and_its_end_cancels_it(router: ZenohRouter) -> None
         hub.goals.end(time.monotonic())
         until(lambda: nav2.cancels == nav2.goals, 10.0, meanwhile=hub.turn)
         until(lambda: not hub.goals.report(time.monotonic()).ending, 10.0, meanwhile=hub.turn)
+        hub.go(2)
+        hub.until(OwnGoal.DRIVES)
+        nav2.says(ABORTED)
+        why = f"gave up: no path for {nav2.goals[1]} (error 208)"
+        until(lambda: hub.goals.report(0.0).why.endswith(why), 10.0, meanwhile=hub.turn)
     nav2.node.leave()
 
 
