@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from typing import Final
 
 from hub.errors import HubError
 from hub.ipc.client import Client
@@ -11,6 +12,8 @@ from hub.ipc.wire.control import Define
 
 _logger = logging.getLogger(__name__)
 
+MOST_OTHERS: Final = 200
+"""Most messages of a hub that are not of GCM and that a door offers."""
 _ANSWER_S = 2.0
 
 

@@ -14,10 +14,15 @@ from hub.ipc.wire.definition_listing import from_listing
 _LONGEST = 1 << 20
 _MOST = 4096
 _TEXTS = ("name", "format", "fields", "keep", "plane")
+_MOST_DIGITS = 10
+"""Those of the largest session."""
 
 
-def read_definitions(payload: bytes) -> tuple[MessageDefinition[Any], ...]:
-    """The messages of a robot's hub; those that cannot be read are left out.
+def read_definitions(payload: bytes) -> tuple[MessageDefinition[Any] | control.Define, ...]:
+    """The messages of a robot's hub: those of GCM, and others as they are listed.
+
+    Those that are no listing are left out. To make a definition of a listing takes some
+    milliseconds: `definition_of` does it for one.
 
     Raises:
         FrameError: It is no list of messages.
@@ -26,7 +31,15 @@ def read_definitions(payload: bytes) -> tuple[MessageDefinition[Any], ...]:
     if not isinstance(said, list) or len(said) > _MOST:
         text = "the definitions of a robot are no list of messages"
         raise FrameError(text)
-    return tuple(found for each in said if (found := _definition(each)) is not None)
+    return tuple(found for each in said if (found := _listed(each)) is not None)
+
+
+def definition_of(listing: control.Define) -> MessageDefinition[Any] | None:
+    """The definition that a robot lists; None: it cannot be read."""
+    try:
+        return from_listing(listing)
+    except (HubError, TypeError, ValueError):
+        return None
 
 
 def read_operators(payload: bytes) -> dict[int, int]:
@@ -42,25 +55,24 @@ def read_operators(payload: bytes) -> dict[int, int]:
     return {
         int(session): number
         for session, number in said.items()
-        if session.isdecimal() and isinstance(number, int) and 0 < number < 1 << 32
+        if session.isdecimal() and len(session) <= _MOST_DIGITS
+        if isinstance(number, int) and 0 < number < 1 << 32
     }
 
 
-def _definition(said: object) -> MessageDefinition[Any] | None:
+def _listed(said: object) -> MessageDefinition[Any] | control.Define | None:
     if not isinstance(said, dict) or not all(isinstance(said.get(key), str) for key in _TEXTS):
         return None
     known = BY_NAME.get(said["name"])
     if known is not None and known.wire_format == said["format"]:
         return known
     try:
-        return from_listing(
-            control.Define(
-                **{key: said[key] for key in _TEXTS},
-                rate_hz=float(said.get("rate_hz", 0.0)),
-                lifespan_s=float(said.get("lifespan_s", "inf")),
-            )
+        return control.Define(
+            **{key: said[key] for key in _TEXTS},
+            rate_hz=float(said.get("rate_hz", 0.0)),
+            lifespan_s=float(said.get("lifespan_s", "inf")),
         )
-    except (HubError, TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return None
 
 

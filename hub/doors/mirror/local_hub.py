@@ -136,9 +136,9 @@ class LocalHub:
         self._central.close()
 
     def _session(self, publisher: int) -> int:
-        """The session of a client of this hub."""
-        session = self._sessions.get(publisher)
-        if session is None:
+        """The session of a client of this hub; 0: no client has this number."""
+        session = self._sessions.get(publisher, 0)
+        if not session and self._central.peer_of(publisher) is not None:
             session = self._sessions[publisher] = self._line.open_session()
         return session
 
@@ -150,7 +150,8 @@ class LocalHub:
         self, definition: MessageDefinition[Any], payload: Buffer, info: MessageInfo
     ) -> None:
         session = self._session(info.publisher)
-        self._line.command(definition, session, bytes(payload), info.measured)
+        if session:
+            self._line.command(definition, session, bytes(payload), info.measured)
 
     def _ask(
         self, definition: MessageDefinition[Any], frame: frames.Frame, reply: FrameReply

@@ -69,6 +69,7 @@ class Mirror:
         if robot is None:
             if not there:
                 return
+            self._make_room()
             if len(self._robots) >= MOST_ROBOTS:
                 text = f"{name} is one more than {MOST_ROBOTS}; name those you want with --robot"
                 self._faults.count("too many robots", text)
@@ -76,6 +77,12 @@ class Mirror:
             line = RobotLine(
                 self._line, self._fleet, name, self._operator, self._loop.clock, self._faults
             )
-            robot = MirroredRobot(line, self._folder, self._loop, self._report)
+            robot = MirroredRobot(line, self._folder, self._loop, self._faults, self._report)
             self._robots[name] = robot
         robot.changed(there=there)
+
+    def _make_room(self) -> None:
+        """Forget the robot that was first seen of those that are gone, if there is no room."""
+        gone = next((name for name, each in self._robots.items() if not each.is_there), None)
+        if gone is not None and len(self._robots) >= MOST_ROBOTS:
+            self._robots.pop(gone).close()

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import collections
+import functools
 import math
 import secrets
 from collections.abc import Callable
 from typing import Any
 
 from hub.bucket import Bucket
+from hub.doors.mirror.document_turns import DocumentTurns
+from hub.doors.mirror.fleet_frames import SentHeaders, frame_of
 from hub.doors.mirror.fleet_line import Declared, FleetLine
 from hub.doors.mirror.thin_choice import LeftOutNumbers, ThinChoice
 from hub.errors import FrameError
@@ -26,10 +28,8 @@ LOST_S = 1.5
 CLOCK_S = 0.5
 _FOLLOW_S = 5.0
 """Longest time for the definitions of a robot: 20 kB on a thin line [s]."""
-_FARTHEST_NS = 1 << 62
 _MOST_WORDS = 500
 _REFUSALS, _REFUSALS_PER_S = 5.0, 1.0
-_LONGEST = frames.MAX_FRAME - frames.MAX_TOPIC - 8 - frames.HEADER_SIZE
 _ROOM = {
     Plane.COMMAND: KeyKind.STATE,
     Plane.STATE: KeyKind.STATE,
@@ -65,12 +65,13 @@ class RobotLine:
         self._faults = faults
         self._time = ClockSync(clock)
         self._heard = -math.inf
-        self._sequences: collections.Counter[tuple[str, int]] = collections.Counter()
+        self._headers = SentHeaders()
         self._declared: dict[str, Declared] = {}
         self._followed: dict[str, tuple[MessageDefinition[Any], CameFrame]] = {}
         self._choice, self._numbers = ThinChoice(), LeftOutNumbers()
         self._usual_trip = math.inf
         self._refusals = Bucket(_REFUSALS_PER_S, _REFUSALS)
+        self._documents = DocumentTurns(clock)
         self._asked: set[str] = set()
         self._run = 0
 
@@ -103,8 +104,9 @@ class RobotLine:
         for declared in self._declared.values():
             declared.withdraw()
         self._declared.clear()
+        self._documents.clear()
         self._followed.clear()
-        self._sequences.clear()
+        self._headers.clear()
 
     def read_clock(self) -> None:
         """Ask for the time at the robot."""
@@ -128,6 +130,7 @@ class RobotLine:
     def follow(self, kind: KeyKind, came: Callable[[bytes], None]) -> None:
         """Call `came` with what stands at one of its keys, and at each change of it.
 
+        Of many changes, it gets the newest, as often as `read_documents` allows.
         A call while the answer to the last is on its way does nothing: on a thin line the answers
         to several would delay each other.
         """
@@ -135,7 +138,7 @@ class RobotLine:
 
         def take(payload: bytes) -> None:
             if run == self._run:
-                came(payload)
+                self._documents.add(key, functools.partial(came, payload))
 
         def answered(payload: bytes, _: bytes | None) -> None:
             self._asked.discard(key)
@@ -154,6 +157,10 @@ class RobotLine:
                 answered=answered,
                 failed=lambda *_: self._asked.discard(key),
             )
+
+    def read_documents(self) -> None:
+        """Read those whose turn it is; call it often."""
+        self._documents.work()
 
     def hear_refusals(self, came: Callable[[str], None]) -> None:
         """Call `came` with each sentence why the robot refused a command of this operator."""
@@ -239,6 +246,7 @@ class RobotLine:
     def close_session(self, session: int) -> None:
         """A client is there no longer."""
         self._withdraw(self._key(KeyKind.OPERATOR, operator=self.operator, session=session))
+        self._headers.forget(session)
 
     def command(
         self, definition: MessageDefinition[Any], session: int, payload: bytes, measured: float
@@ -254,8 +262,12 @@ class RobotLine:
         if self._clock() - measured > lifespan(definition):
             return
         key = self._key(KeyKind.COMMAND, operator=self.operator, message=definition.name)
-        header = self._header(definition.name, session, definition.fingerprint, measured)
-        self._line.put(key, payload, header, Plane.COMMAND)
+        try:
+            header = self._header(definition.name, session, definition.fingerprint, measured)
+        except FrameError as error:
+            self._faults.count("command with a wrong stamp", f"{self.robot}: {error}")
+        else:
+            self._line.put(key, payload, header, Plane.COMMAND)
 
     def query(
         self,
@@ -269,9 +281,14 @@ class RobotLine:
     ) -> None:
         """Ask the robot; exactly one of `answered` and `failed` is called later."""
         key = self._key(KeyKind.ASK, operator=self.operator, message=frame.name)
-        header = self._header(frame.name, session, frame.fingerprint, frame.stamp_ns * 1e-9)
-        query = (key, bytes(frame.payload), header)
-        self._ask(query, definition.plane, timeout, answered, failed)
+        measured = frame.stamp_ns * 1e-9
+        try:
+            header = self._header(frame.name, session, frame.fingerprint, measured)
+        except FrameError as error:
+            failed("HandlerFailedError", str(error))
+        else:
+            query = (key, bytes(frame.payload), header)
+            self._ask(query, definition.plane, timeout, answered, failed)
 
     def last(
         self,
@@ -309,33 +326,10 @@ class RobotLine:
         self._line.ask(*query, timeout=timeout, answered=came, failed=failed, plane=plane)
 
     def _frame(self, name: str, payload: bytes, header: Attachment) -> frames.Frame:
-        """A message of the robot, its stamp on this process's clock.
-
-        Raises:
-            FrameError: It is too long for the bus, or from another age.
-        """
-        stamp_ns = header.stamp_ns - round(self._time.offset * 1e9)
-        if not -_FARTHEST_NS < stamp_ns < _FARTHEST_NS or len(payload) > _LONGEST:
-            text = f"{name} of {len(payload)} bytes with the stamp {header.stamp_ns} is no message"
-            raise FrameError(text)
-        return frames.Frame(
-            name=name,
-            kind=frames.INLINE,
-            publisher=header.publisher,
-            fingerprint=header.fingerprint,
-            sequence=header.sequence,
-            stamp_ns=stamp_ns,
-            payload=memoryview(payload),
-        )
+        return frame_of(name, payload, header, self._time.offset)
 
     def _header(self, name: str, session: int, fingerprint: int, measured: float) -> bytes:
-        self._sequences[name, session] += 1
-        return Attachment(
-            publisher=session,
-            fingerprint=fingerprint,
-            sequence=self._sequences[name, session],
-            stamp_ns=round((measured + self._time.offset) * 1e9),
-        ).pack()
+        return self._headers.pack(name, session, fingerprint, measured + self._time.offset)
 
     def _key(self, kind: KeyKind, **parts: Any) -> str:  # noqa: ANN401 - the parts differ in type
         return FleetKey(kind=kind, robot=self.robot, **parts).under(self._fleet)

@@ -17,7 +17,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-from hub.doors.definitions import definitions_of
+from hub.doors.definitions import MOST_OTHERS, definitions_of
 from hub.doors.panels.events import EVENTS, LOG, LOG_TOPIC, EventLog
 from hub.doors.panels.wishes import CMD_VEL, TopicServer, Wishes
 from hub.errors import CodecError, HubError, MessageFormatError
@@ -47,8 +47,6 @@ _SLOW_HZ: Final = 2.0
 _PASS_ON_S: Final = 0.02
 """Longest wait of a message in the door [s]."""
 _MAP_S: Final = 2.0
-_MOST_OTHERS: Final = 200
-"""Most messages that are not of GCM and are offered."""
 _QUESTIONS: Final = frozenset({IMAGE.name, MAP.name})
 """Messages that are answers to questions."""
 _PICTURE_FAULT: Final = "the robot makes no JPEG pictures: install Pillow on it"
@@ -161,7 +159,7 @@ class HubTopics:
         """Offer the messages that modules have defined besides those of GCM."""
         self._asked = False
         for entry in definitions_of(self._client):
-            full = len(self._own) >= len(MESSAGES) + _MOST_OTHERS
+            full = len(self._own) >= len(MESSAGES) + MOST_OTHERS
             if entry.name in BY_NAME or entry.name in self._own or full:
                 continue
             try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import logging
@@ -12,7 +13,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hub.doors.mirror.mirror import Mirror
+from hub.doors.mirror import documents
+from hub.doors.mirror.mirror import MOST_ROBOTS, Mirror
+from hub.doors.mirror.robot_line import RobotLine
 from hub.errors import NoHandlerError
 from hub.gcm.catalog import MESSAGES
 from hub.gcm.control import CONTROL_STATE, ControlState
@@ -25,6 +28,8 @@ from hub.ipc.definition import MessageDefinition
 from hub.ipc.roles import Principal, Role
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
+from hub.ipc.wire import frames
+from hub.ipc.wire.control import Define
 from hub.ipc.wire.definition_listing import to_listing
 from hub.plain_text import plain
 from hub.zenoh.attachment import CLOCK, Attachment, unpack
@@ -304,3 +309,105 @@ def test_hostile_bytes_harm_nobody(bench: Bench) -> None:
     bench.robot.says(CONTROL_STATE, ControlState(operator="last"))
     bench.until(lambda: heard)
     assert heard == ["last"]
+
+
+def test_a_flood_of_wrong_documents_fills_no_log(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    bench.open()
+    for number in range(1000):
+        for name in ("definitions", "operators"):
+            bench.fleet.give(f"rune/v1/rover/{name}", b"[%d" % number)
+    bench.until(lambda: caplog.records)
+    assert len(caplog.records) == 1
+
+
+def test_of_many_documents_the_newest_is_read(bench: Bench) -> None:
+    client = bench.client(bench.open())
+    bench.until(lambda: "rune/v1/rover/operators" in bench.fleet.patterns)
+    session = bench.fleet.tokens[0].rpartition("/")[2]
+    bench.robot.numbers = {session: 1000}
+    for number in range(1, 1001):
+        bench.fleet.give("rune/v1/rover/operators", json.dumps({session: number}).encode())
+    owners: list[int] = []
+    client.subscribe(CONTROL_STATE, lambda value, _: owners.append(value.owner))
+
+    def own() -> bool:
+        bench.robot.says(CONTROL_STATE, ControlState(owner=1000))
+        return client.number in owners
+
+    bench.until(own)
+
+
+def test_messages_that_are_not_of_gcm_are_defined_one_by_one_and_are_limited(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hub.doors.mirror.mirrored_robot.MOST_OTHERS", 3)
+    made: list[str] = []
+
+    def definition_of(listing: Define) -> MessageDefinition | None:
+        made.append(listing.name)
+        return documents.definition_of(listing)
+
+    monkeypatch.setattr("hub.doors.mirror.mirrored_robot.definition_of", definition_of)
+    client = bench.client(bench.open())
+    known = json.loads(definitions())
+    state = next(each for each in known if each["name"] == CONTROL_STATE.name)
+    others = [{**state, "name": f"T_Other{number}"} for number in range(9)]
+    bench.fleet.give("rune/v1/rover/definitions", json.dumps(others + known).encode())
+    assert not made
+    last = dataclasses.replace(CONTROL_STATE, name="T_Other2")
+    client.subscribe(last, lambda *_: None)
+    bench.until(lambda: any(key.endswith("/T_Other2") for key in bench.fleet.patterns))
+    bench.fleet.give("rune/v1/rover/definitions", json.dumps(others).encode())
+    bench.fleet.come("rune/v1/rover/alive", there=False)
+    assert made == ["T_Other0", "T_Other1", "T_Other2"]
+
+
+def test_robots_that_went_leave_room_for_others(bench: Bench) -> None:
+    for number in range(2 * MOST_ROBOTS):
+        for there in (True, False):
+            bench.fleet.come(f"rune/v1/ghost{number}/alive", there=there)
+    bench.open()
+
+
+def test_commands_under_the_number_of_nobody_go_nowhere(bench: Bench) -> None:
+    client = bench.client(bench.open())
+    client.define(VELOCITY_COMMAND)
+    bench.until(lambda: client.publish(VELOCITY_COMMAND, TwistStamped()) or bench.fleet.puts)
+    before = list(bench.fleet.tokens)
+    bench.fleet.puts.clear()
+    payload = memoryview(b"".join(map(bytes, VELOCITY_COMMAND.encode(TwistStamped()))))
+    frame = frames.Frame(
+        name=VELOCITY_COMMAND.name, kind=frames.INLINE, publisher=4242, sequence=1,
+        fingerprint=VELOCITY_COMMAND.fingerprint, stamp_ns=time.monotonic_ns(), payload=payload,
+    )  # fmt: skip
+    client.forward(VELOCITY_COMMAND, frame)
+    client.publish(VELOCITY_COMMAND, TwistStamped.planar(0.1, 0.0))
+    moved = b"".join(map(bytes, VELOCITY_COMMAND.encode(TwistStamped.planar(0.1, 0.0))))
+    bench.until(lambda: moved in [each for _, each, _ in bench.fleet.puts])
+    assert bench.fleet.tokens == before
+    sessions = {str(unpack(header).publisher) for _, _, header in bench.fleet.puts}
+    assert sessions == {before[0].rpartition("/")[2]}
+
+
+@pytest.mark.parametrize("stamp_ns", [(1 << 63) - 1, -(1 << 63)])
+def test_what_was_measured_in_another_age_is_refused_here(stamp_ns: int) -> None:
+    with contextlib.closing(Loop()) as loop:
+        fleet = MemoryFleet(loop)
+        faults = FaultCounter(logging.getLogger(), time.monotonic)
+        who = Principal(name="ann", role=Role.OPERATE)
+        line = RobotLine(fleet, "rune", "rover", who, time.monotonic, faults)
+        frame = frames.Frame(
+            name=IMAGE_REQUEST.name, kind=frames.INLINE, publisher=1, sequence=1,
+            fingerprint=IMAGE_REQUEST.fingerprint, stamp_ns=stamp_ns, payload=memoryview(b""),
+        )  # fmt: skip
+        failures: list[tuple[str, str]] = []
+        line.query(
+            IMAGE_REQUEST, frame, 7, timeout=1.0,
+            answered=lambda _: None, failed=lambda *failure: failures.append(failure),
+        )  # fmt: skip
+        assert failures
+        assert "no time" in failures[0][1]
+        line.command(VELOCITY_COMMAND, 7, b"", stamp_ns * 1e-9)
+        assert not fleet.puts
