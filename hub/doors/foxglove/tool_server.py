@@ -17,6 +17,7 @@ from foxglove.websocket import Capability, ChannelView, ServerListener
 from foxglove.websocket import Client as Viewer
 from foxglove.websocket import ClientChannel as ViewerChannel
 
+from hub.doors.panels.sentence_log import SentenceLog
 from hub.doors.panels.wishes import (
     CMD_VEL,
     LARGEST_COMMAND,
@@ -36,6 +37,8 @@ _WAITING = 8
 """Commands of a panel that wait for the door; the oldest is dropped."""
 _BACKLOG = 64
 """Messages that wait for a slow program; the oldest is dropped."""
+_MOST_OF_PROGRAM = 4
+"""Most panels of one program that may send commands at a time."""
 _ENCODINGS = ("json", "cdr")
 """How panels may write commands; Foxglove takes the first, and knows no ROS types for the other."""
 
@@ -123,8 +126,13 @@ class _PanelListener(ServerListener):
             return
         with self._lock:
             panels = self._asked.panels
-            if len(panels) < MOST_PANELS:
+            of_program = sum(program == client.id for program, _ in panels)
+            room = len(panels) < MOST_PANELS and of_program < _MOST_OF_PROGRAM
+            if room:
                 panels[client.id, channel.id] = channel.encoding[:64], channel.schema_name[:64]
+        if not room:
+            most = f"at most {_MOST_OF_PROGRAM} of a program and {MOST_PANELS} in all may drive"
+            self._faults.count("refused channel", most)
         self._note()
 
     def on_client_unadvertise(self, client: Viewer, client_channel_id: int) -> None:
@@ -186,6 +194,7 @@ class ToolServer:
         self._context = Context()
         self._channels: dict[int, Channel] = {}
         self._listener = _PanelListener(changed, drive=settings.drive)
+        self._sentences = SentenceLog(_logger, time.monotonic)
         self._secure = settings.certificate is not None
         # A program cannot open the address that means all of this machine's.
         self.host = socket.gethostname() if settings.host in ("0.0.0.0", "::") else settings.host
@@ -257,8 +266,8 @@ class ToolServer:
 
     def say(self, text: str) -> None:
         """Show a sentence in all programs, in place of the one before; empty: take it away."""
+        self._sentences.note(text)
         if text:
-            _logger.warning("%s", text)
             self._server.publish_status(text, foxglove.StatusLevel.Warning, "rune")
         else:
             self._server.remove_status(["rune"])

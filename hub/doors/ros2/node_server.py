@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable
 from typing import Final
 
+from hub.doors.panels.sentence_log import SentenceLog
 from hub.doors.panels.wishes import (
     CMD_VEL,
     LARGEST_COMMAND,
@@ -103,6 +104,7 @@ class RosNodeServer:
             changed: Called by any thread when there are new wishes.
         """
         self._faults = FaultCounter(_logger, time.monotonic)
+        self._sentences = SentenceLog(_logger, time.monotonic)
         self._session, self._settings, self._changed = session, settings, changed
         self._lock = threading.Lock()
         self._noted = False
@@ -195,8 +197,7 @@ class RosNodeServer:
 
     def say(self, text: str) -> None:
         """Log a sentence for people."""
-        if text:
-            _logger.warning("%s", text)
+        self._sentences.note(text)
 
     def close(self) -> None:
         """Leave."""

@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 import math
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import pytest
+from websockets import Subprotocol
+from websockets.sync.client import connect
 
 from hub.command_line import ExitCode
 from hub.doors.foxglove.layout import LAYOUT, layout_of
@@ -18,6 +21,8 @@ from hub.doors.panels.wishes import CMD_VEL
 from hub.errors import DoorError
 from hub.gcm.body import CameraBody, Freedom, Motion, RangeGroup, RangeKind, RobotBody
 from tests.support.command_line import rune_hub
+from tests.support.foxglove_panel import SUBPROTOCOL
+from tests.support.waiting import until
 
 BODY = RobotBody(
     name="rover", kind="ros", radius=0.3,
@@ -64,6 +69,22 @@ def test_a_busy_port_and_a_wrong_certificate_are_said() -> None:
         first.close()
     with pytest.raises(DoorError):
         ToolServer(ServerSettings(name="x", certificate=b"none", key=b"none"), lambda: None)
+
+
+def test_a_program_with_many_panels_leaves_room_for_others() -> None:
+    with (
+        closing(ToolServer(ServerSettings(name="one", drive=True), lambda: None)) as server,
+        connect(server.address, subprotocols=[Subprotocol(SUBPROTOCOL)]) as greedy,
+        connect(server.address, subprotocols=[Subprotocol(SUBPROTOCOL)]) as other,
+    ):
+        for program, count in ((greedy, 100), (other, 1)):
+            channels = [
+                {"id": number, "topic": CMD_VEL, "encoding": "json", "schemaName": "Twist"}
+                for number in range(count)
+            ]
+            program.send(json.dumps({"op": "advertise", "channels": channels}))
+            until(lambda: server.refused > 90, 10.0)
+        until(lambda: len({program for program, _ in server.take_wishes().panels}) == 2, 10.0)
 
 
 def test_a_layout_has_the_topics_and_speeds_of_the_robot() -> None:
