@@ -136,7 +136,8 @@ class ZenohFleetLine:
                     return
                 payload = b""  # what is kept counts even when it cannot be read
             call = functools.partial(came, key, payload, sample.attachment)
-            self._handover.add(call, name=key if kept else None, keep=kept)
+            name = key if kept else None
+            self._handover.add(call, name=name, keep=kept, size=len(payload))
 
         return self._declare(lambda session: session.subscribe(pattern, take))
 
@@ -237,8 +238,16 @@ class ZenohFleetLine:
                 done = True
                 call()
 
-        def pass_on(call: Work) -> None:
-            self._handover.add(functools.partial(end, call))
+        def pass_on(call: Work, size: int = 0) -> None:
+            self._handover.add(functools.partial(end, call), size=size)
+
+        def came(each: ZenohSample) -> None:
+            size = len(each.payload)
+            if size > LONGEST:
+                why = f"the answer at {key} has {size} bytes, which is more than {LONGEST}"
+                pass_on(lambda: failed("QueryError", why))
+            else:
+                pass_on(lambda: answered(each.payload, each.attachment), size)
 
         if session is None:
             pass_on(lambda: failed("NoHandlerError", f"no router answers at {self._place}"))
@@ -250,7 +259,7 @@ class ZenohFleetLine:
             attachment,
             way=FleetWay.of_query(plane),
             timeout=timeout,
-            answered=lambda each: pass_on(lambda: answered(each.payload, each.attachment)),
+            answered=came,
             failed=lambda error, why: pass_on(lambda: failed(error, why)),
             ended=lambda: pass_on(lambda: failed("QueryTimeoutError", silent)),
         )

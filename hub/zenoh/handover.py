@@ -14,6 +14,8 @@ from collections.abc import Callable, Hashable
 _logger = logging.getLogger(__name__)
 
 Work = Callable[[], None]
+MOST_BYTES = 1 << 26
+"""Most bytes of the messages that wait for the loop."""
 _AT_ONCE = 100
 """Most calls in one turn of the loop, so that a flood does not keep others waiting."""
 
@@ -23,30 +25,46 @@ class _Waiting:
 
     def __init__(self, most: int) -> None:
         self._most = most
-        self._calls: dict[Hashable, tuple[Work, bool]] = {}
-        self._number = 0
+        self._calls: dict[Hashable, tuple[Work, bool, int]] = {}
+        self._number = self._bytes = 0
         self.dropped = 0
 
     def __len__(self) -> int:
         return len(self._calls)
 
-    def add(self, work: Work, name: Hashable | None, *, keep: bool) -> None:
-        """Add a call; one of the same name is replaced, in its place."""
+    def add(self, work: Work, name: Hashable | None, *, keep: bool, size: int = 0) -> None:
+        """Add a call of `size` [bytes]; one of the same name is replaced, in its place."""
         self._number += 1
         key = ("", self._number) if name is None else name
-        if key not in self._calls and len(self._calls) >= self._most:
-            oldest = next((each for each, (_, kept) in self._calls.items() if not kept), None)
-            self.dropped += 1
-            if oldest is None:
+        before = self._calls.get(key)
+        more = size - (before[2] if before else 0)
+        while not before and len(self._calls) >= self._most:
+            if not self._drop_oldest(key):
                 return
-            del self._calls[oldest]
-        self._calls[key] = work, keep
+        # What is kept, such as a stop, comes in even beyond the bytes.
+        while not keep and self._bytes + more > MOST_BYTES:
+            if size > MOST_BYTES or not self._drop_oldest(key):
+                self.dropped += size > MOST_BYTES
+                return
+        self._bytes += more
+        self._calls[key] = work, keep, size
 
     def take(self) -> Work | None:
         """The oldest call."""
         if not self._calls:
             return None
-        return self._calls.pop(next(iter(self._calls)))[0]
+        work, _, size = self._calls.pop(next(iter(self._calls)))
+        self._bytes -= size
+        return work
+
+    def _drop_oldest(self, but: Hashable) -> bool:
+        """Drop the oldest call that need not be kept; without one, the new call is dropped."""
+        others = (each for each, (_, kept, _) in self._calls.items() if not kept and each != but)
+        oldest = next(others, None)
+        self.dropped += 1
+        if oldest is not None:
+            self._bytes -= self._calls.pop(oldest)[2]
+        return oldest is not None
 
 
 class Handover:
@@ -73,16 +91,19 @@ class Handover:
         """Number of calls that were dropped, because too many waited."""
         return self._waiting.dropped
 
-    def add(self, work: Work, *, name: Hashable | None = None, keep: bool = False) -> None:
+    def add(
+        self, work: Work, *, name: Hashable | None = None, keep: bool = False, size: int = 0
+    ) -> None:
         """Have the loop call `work`.
 
         Args:
             work: The call.
             name: A waiting call of the same name is replaced.
             keep: Whether others are dropped first when too many wait.
+            size: Of its message [bytes].
         """
         with self._lock:
-            self._waiting.add(work, name, keep=keep)
+            self._waiting.add(work, name, keep=keep, size=size)
             wake, self._posted = not self._posted, True
         if wake:
             self._post(self._run)

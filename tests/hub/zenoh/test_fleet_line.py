@@ -14,7 +14,7 @@ from hub.errors import EndpointError
 from hub.ipc.definition import Plane
 from hub.zenoh.fleet_line import LONGEST
 from hub.zenoh.fleet_session import FleetSession, FleetWay
-from hub.zenoh.handover import Handover, Sender
+from hub.zenoh.handover import MOST_BYTES, Handover, Sender
 from hub.zenoh.settings import (
     CertificateFiles,
     RouterPlace,
@@ -77,6 +77,27 @@ def test_query_ends_once_with_an_answer_a_reason_or_the_end_of_its_time(sides: S
         "('f/last/x', b'5', b'a')",
         "('f/other', 'QueryTimeoutError', 'nothing in the fleet answers at f/other within 1 s')",
     ]
+
+
+@pytest.mark.usefixtures("router")
+def test_answer_that_is_too_long_is_a_failure(
+    sides: Sides, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hub.zenoh.fleet_line.LONGEST", 100)  # Zenoh drops many that are longer
+    robot, operator = sides
+    robot.line.respond_at_once("f/long", lambda: bytes(101))
+    operator.wait(lambda: robot.line.connected and operator.line.connected)
+    ends: list[object] = []
+    operator.line.ask(
+        "f/long",
+        b"",
+        b"",
+        timeout=5.0,
+        answered=lambda payload, _: ends.append(len(payload)),
+        failed=lambda error, why: ends.append((error, why)),
+    )
+    operator.wait(lambda: ends)
+    assert ends == [("QueryError", "the answer at f/long has 101 bytes, which is more than 100")]
 
 
 @pytest.mark.usefixtures("router")
@@ -177,6 +198,27 @@ def test_handover_is_bounded_keeps_the_newest_of_a_name_and_goes_on_after_a_faul
     handover.add(lambda: 1 / 0)
     posted[1]()
     assert "a call from a fleet failed" in caplog.text
+
+
+def test_handover_keeps_few_bytes_waiting() -> None:
+    posted: list[object] = []
+    done: list[object] = []
+    handover = Handover(posted.append)
+    handover.add(lambda: done.append("stop"), keep=True, name="stop")
+    for number in range(100):
+        handover.add(lambda number=number: done.append(number), size=MOST_BYTES // 4)
+    handover.add(lambda: done.append("same"), name="v", size=MOST_BYTES // 4)
+    handover.add(lambda: done.append("new"), name="v", size=MOST_BYTES // 4)
+    handover.add(lambda: done.append("too large"), size=MOST_BYTES + 1)
+    handover.add(lambda: done.append("halt"), keep=True, size=MOST_BYTES)
+    posted[0]()
+    assert done == ["stop", 97, 98, 99, "new", "halt"]
+    assert handover.dropped == 98
+    done.clear()
+    for number in range(5):
+        handover.add(lambda number=number: done.append(number), size=MOST_BYTES // 4)
+    posted[1]()
+    assert done == [1, 2, 3, 4]
 
 
 def test_sender_makes_no_call_that_is_too_late() -> None:
