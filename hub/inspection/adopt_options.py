@@ -58,7 +58,7 @@ def add_adopt(commands: Commands) -> None:
         type=_seconds,
         default=5.0,
         metavar="S",
-        help="how long to listen at most (%(default)g)",
+        help="how long to listen at most (%(default)g); 1.5 at a port that refuses",
     )
     ros.add_argument(
         "--namespace",

@@ -29,7 +29,7 @@ def vehicle_options() -> CommandParser:
         type=_seconds,
         default=5.0,
         metavar="S",
-        help="how long to listen (%(default)g)",
+        help="how long to listen (%(default)g); 1.5 at a port that refuses",
     )
     link.add_argument(
         "--station",

@@ -114,6 +114,7 @@ class RosLineState:
     Attributes:
         up: Whether messages can pass.
         why: The last fault in words; empty: there was none.
+        refused_since: Since when its host refuses connections [s, monotonic]; inf: it does not.
         connections: How often it was made.
         heard: When anything was last received [s, monotonic]; -inf: never.
         dropped: Messages that could not leave at once.
@@ -123,6 +124,7 @@ class RosLineState:
 
     up: bool
     why: str = ""
+    refused_since: float = math.inf
     connections: int = 0
     heard: float
     dropped: int = 0

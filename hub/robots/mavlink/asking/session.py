@@ -18,6 +18,7 @@ from hub.robots.mavlink.vehicle.other_stations import STATION_COMPONENT
 from hub.robots.mavlink.wire.definitions import BY_NAME
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser, MavlinkFrame
 from hub.robots.mavlink.wire.signing import Signer
+from hub.robots.refusals import REFUSED_S
 
 _BETWEEN_S: Final = 0.002
 """Time between two looks at a link where nothing came [s]."""
@@ -73,6 +74,8 @@ class VehicleSession:
     def ask(self, question: VehicleQuestion, seconds: float) -> bool:
         """Carry out a question; returns whether it has ended.
 
+        A host that was never heard, and refuses connections, is asked for `REFUSED_S` only.
+
         Args:
             question: The question.
             seconds: Longest time for it [s].
@@ -81,7 +84,7 @@ class VehicleSession:
         find = self._parser.datagram if self._link.datagrams else self._parser.feed
         while not question.done:
             now = time.monotonic()
-            if now > until:
+            if now > until or self._refuses(now):
                 return False
             pieces = self._link.read(now)
             for piece in pieces:
@@ -93,6 +96,10 @@ class VehicleSession:
             if not pieces:
                 time.sleep(_BETWEEN_S)
         return True
+
+    def _refuses(self, now: float) -> bool:
+        link = self._link.state
+        return not link.received and now - link.refused_since >= REFUSED_S
 
     def silence(self) -> str:
         """Why no vehicle was found, and what to try, in one sentence."""

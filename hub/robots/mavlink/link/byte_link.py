@@ -13,10 +13,12 @@ A late velocity is worse than none. Only the rest of a frame is kept whose first
 from __future__ import annotations
 
 import abc
+import errno
 import math
 from collections.abc import Callable
 from typing import Final
 
+from hub.robots.refusals import Refusals
 from hub.values import dataclass
 
 RETRY_S: Final = 1.0
@@ -36,6 +38,7 @@ class ByteLinkState:
     Attributes:
         up: Whether it is open.
         why: The last fault in words; empty: there was none.
+        refused_since: Since when its host refuses connections [s, monotonic]; inf: it does not.
         openings: How often it was opened.
         dropped: Frames that could not leave at once.
         received: Bytes that came.
@@ -45,6 +48,7 @@ class ByteLinkState:
 
     up: bool
     why: str
+    refused_since: float
     openings: int
     dropped: int
     received: int
@@ -70,6 +74,7 @@ class ByteLink(abc.ABC):
         self._why = ""
         self._openings = self._dropped = self._received = self._sent = 0
         self._rest = b""
+        self._refusals = Refusals()
         self._unheard, self._unheard_at = "", -math.inf
         self.peers = 0
         self.closing: Callable[[], None] = lambda: None
@@ -85,6 +90,7 @@ class ByteLink(abc.ABC):
         return ByteLinkState(
             up=self._up,
             why=self._why,
+            refused_since=math.inf if self._up else self._refusals.since,
             openings=self._openings,
             dropped=self._dropped,
             received=self._received,
@@ -158,6 +164,7 @@ class ByteLink(abc.ABC):
 
     def _lose(self, fault: OSError) -> None:
         self._why = fault.strerror or str(fault) or type(fault).__name__
+        self._refusals.attempt(self._now, refused=fault.errno == errno.ECONNREFUSED)
         self.close()
 
     @abc.abstractmethod

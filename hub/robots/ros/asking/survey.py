@@ -3,6 +3,7 @@
 | state | event | next |
 | --- | --- | --- |
 | waiting | the line is up | look |
+| waiting | the host refuses connections for 1.5 s, or the time is over | the end |
 | looking | after 0.7 s, since lines learn of nodes one by one | parameters are asked for |
 | looking | the graph changes | topics of possible parts are subscribed to |
 | looking | a message of a slow or large topic | that topic is left |
@@ -20,6 +21,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from hub.errors import RosSilentError
+from hub.robots.refusals import REFUSED_S
 from hub.robots.ros.address import RosAddress
 from hub.robots.ros.asking.findings import HeardTopic, RosFindings
 from hub.robots.ros.asking.parts import TRANSFORMS, parts_of
@@ -193,7 +195,7 @@ def look_at(
     while not survey.advance(now := time.monotonic()):
         if survey.begun < math.inf:
             end = survey.begun + seconds
-        if now > end:
+        if now > end or now - line.state.refused_since >= REFUSED_S:
             break
         loop.wait(_PAUSE_S)
     if survey.begun == math.inf:

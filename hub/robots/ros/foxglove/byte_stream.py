@@ -57,6 +57,11 @@ class ByteStream:
         return self._socket is not None
 
     @property
+    def addresses(self) -> int:
+        """How many addresses the host has; each `open` takes the next one."""
+        return self._lookup.number
+
+    @property
     def unsent(self) -> int:
         """Bytes that the system could not send yet; 0 where it does not say that."""
         if self._socket is None or sys.platform != "linux":

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from hub.plain_text import plain
 from hub.robots.interfaces import FileLoop
+from hub.robots.refusals import Refusals
 from hub.robots.ros.address import RosAddress
 from hub.robots.ros.foxglove.byte_stream import ByteStream
 from hub.robots.ros.foxglove.wire import SUBPROTOCOLS
@@ -84,6 +85,7 @@ class FoxgloveConnection:
         self._now = self._begun = self._retry_at = self._pinged = -math.inf
         self._ping = b""
         self._failures = 0
+        self._refusals = Refusals()
         self._messages: collections.deque[tuple[bool, bytes | bytearray]] = collections.deque()
         self._parts: bytearray | None = None
         self._is_text = False
@@ -93,6 +95,11 @@ class FoxgloveConnection:
     def up(self) -> bool:
         """Whether the bridge has greeted."""
         return self._greeted
+
+    @property
+    def refused_since(self) -> float:
+        """Since when the host refuses connections [s, monotonic]; infinite: it does not."""
+        return math.inf if self._stream.is_open else self._refusals.since
 
     @property
     def prompt(self) -> bool:
@@ -127,7 +134,7 @@ class FoxgloveConnection:
                 self._flush()
             self._judge()
         except OSError as fault:
-            self.lose(_words(fault))
+            self.lose(_words(fault), refused=fault.errno == errno.ECONNREFUSED)
 
     def receive(self) -> tuple[bool, bytes | bytearray] | None:
         """The next message, and before it whether it is a text; None: there is none yet."""
@@ -149,17 +156,19 @@ class FoxgloveConnection:
         """Have a loop call `work` whenever there is something to read."""
         self._stream.watch(loop, work)
 
-    def lose(self, why: str, *, at_once: bool = False) -> None:
+    def lose(self, why: str, *, at_once: bool = False, refused: bool = False) -> None:
         """Drop the connection with all that waits in it.
 
         Args:
             why: The reason.
             at_once: Make a new one at the next `advance`; a second after the last attempt at least.
+            refused: Whether the system of the host refused it.
         """
         was_open = self._stream.is_open
         self._shut(reset=True)
         self.why = why
         self._failures += 1
+        self._refusals.attempt(self._now, refused=refused, addresses=self._stream.addresses)
         delay = min(max(RETRY_S, self._failures - _QUICK_RETRIES + 1), _SLOWEST_RETRY_S)
         self._retry_at = self._begun + RETRY_S if at_once else self._now + delay
         if was_open:

@@ -74,6 +74,7 @@ class FoxgloveLine:
         return RosLineState(
             up=self._connection.up,
             why=self._connection.why,
+            refused_since=self._connection.refused_since,
             connections=self._connection.made,
             heard=self._connection.heard,
             dropped=self._dropped,

@@ -68,7 +68,7 @@ class ZenohLine:
         self._near.setblocking(False)  # noqa: FBT003 - a method of the library
         self._far.setblocking(False)  # noqa: FBT003 - a method of the library
         self._awake = self._closed = False
-        self._link = RouterLink(address.url, clock, self._wake)
+        self._link = RouterLink(address, clock, self._wake)
         self._calls = ServiceCalls(self._wake)
         self._subscriptions: dict[str, TopicSubscription] = {}
         self._publications: dict[str, TopicPublication] = {}
@@ -86,6 +86,7 @@ class ZenohLine:
         return RosLineState(
             up=self._link.up,
             why=self._link.why,
+            refused_since=self._link.refused_since,
             connections=self._link.connections,
             heard=max(self._link.heard, self._heard),
             dropped=self._dropped,

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+import socket
 import threading
 from collections import deque
 from collections.abc import Callable
 from typing import Final
 
 from hub.errors import HubError
+from hub.robots.host_lookup import HostLookup
+from hub.robots.refusals import Refusals
+from hub.robots.ros.address import RosAddress
 from hub.zenoh.session import ZenohSession, open_session
 
 RETRY_S: Final = 1.0
@@ -20,6 +25,8 @@ GIVEN_UP_S: Final = 3.0
 """Silence after which the session is left, with all that waits in it [s]."""
 _SETTINGS: Final = {"transport/link/tx/queue/size/real_time": 1}
 _SEND_BUFFER: Final = "#so_sndbuf=16384"
+_TRIED_S: Final = 0.5
+"""Longest time to learn whether an address refuses connections, which Zenoh does not say [s]."""
 
 
 class RouterLink:
@@ -32,19 +39,29 @@ class RouterLink:
         heard: When the router last answered [s, monotonic].
     """
 
-    def __init__(self, endpoint: str, clock: Callable[[], float], wake: Callable[[], None]) -> None:
+    def __init__(
+        self, address: RosAddress, clock: Callable[[], float], wake: Callable[[], None]
+    ) -> None:
         self.session: ZenohSession | None = None
         self.why = ""
         self.connections = 0
         self.heard = -float("inf")
-        self._endpoint, self._clock, self._wake = endpoint, clock, wake
-        self._opened: deque[tuple[int, ZenohSession | str]] = deque()
+        self._endpoint, self._clock, self._wake = address.url, clock, wake
+        self._opened: deque[tuple[int, ZenohSession | str, bool]] = deque()
+        self._lookup = HostLookup(address.host, address.port, socket.SOCK_STREAM)
+        self._refusals = Refusals()
         self._links: deque[tuple[int, bool]] = deque()
         self._answers: deque[tuple[int, float]] = deque()
         self._turn = 0
         self._opening = self._linked = self._closed = False
         self._next_try = self._next_probe = self._since = -float("inf")
         self._probe_ends = -float("inf")
+
+    @property
+    def refused_since(self) -> float:
+        """Since when the host refuses connections [s, monotonic]; infinite: it does not."""
+        busy = self._opening or self.session is not None
+        return math.inf if busy else self._refusals.since
 
     @property
     def up(self) -> bool:
@@ -88,24 +105,27 @@ class RouterLink:
         turn = self._turn
 
         def work() -> None:
+            refused = False
             try:
                 opened: ZenohSession | str = open_session(
                     self._endpoint + _SEND_BUFFER, settings=_SETTINGS
                 )
             except HubError as error:
                 opened = str(error).replace(_SEND_BUFFER, "")
+                refused = self._lookup.refuses(_TRIED_S)
             if self._closed and isinstance(opened, ZenohSession):
                 opened.close()
                 return
-            self._opened.append((turn, opened))
+            self._opened.append((turn, opened, refused))
             self._wake()
 
         threading.Thread(target=work, name="opens Zenoh", daemon=True).start()
 
     def _read(self) -> None:
         while self._opened:
-            turn, opened = self._opened.popleft()
+            turn, opened, refused = self._opened.popleft()
             self._opening = False
+            self._refusals.attempt(self._clock(), refused=refused)
             if isinstance(opened, str):
                 self.why = opened
             elif turn != self._turn:
