@@ -33,6 +33,8 @@ _FAR = (0, 1, (1 << 62) - 1, 1 << 62, (1 << 63) - 1, -1, -(1 << 63))
 _LISTED = ("name", "format", "fields", "keep", "plane")
 _LARGE = 500
 """One input of this number is a large one."""
+_AWAY = 4000
+"""After this number of inputs, the robot goes, or comes back."""
 
 
 class RogueRobot:
@@ -51,7 +53,8 @@ class RogueRobot:
             *[self._state] * 6, self._document, self._document, self._refusal, self._token,
         ]  # fmt: skip
         self.sent: collections.Counter[str] = collections.Counter()
-        self._kept = [self._session.declare_token(self._key + "alive")]  # else Zenoh ends them
+        self._alive: ZenohDeclared | None = self._session.declare_token(self._key + "alive")
+        self._kept = []  # else Zenoh ends them
         for kind, answer in (
             ("clock", self._clock),
             ("definitions", lambda query: query.answer(self._definitions)),
@@ -63,7 +66,9 @@ class RogueRobot:
 
     def one(self, number: int) -> None:
         """Do one wrong thing."""
-        if number % _LARGE == _LARGE - 1:
+        if number % _AWAY == _AWAY - 1:
+            self._come_or_go()
+        elif number % _LARGE == _LARGE - 1:
             self._large()
         else:
             self._chance.choice(self._puts)()
@@ -156,6 +161,14 @@ class RogueRobot:
             name = f"ghost{number}" if number % 3 else "a b" + "x" * number
             self._ghosts[number] = self._session.declare_token(f"{self._fleet}{name}/alive")
         self.sent["token"] += 1
+
+    def _come_or_go(self) -> None:
+        self.sent["came or went"] += 1
+        if self._alive is not None:
+            self._alive.undeclare()
+            self._alive = None
+        else:
+            self._alive = self._session.declare_token(self._key + "alive")
 
     def _large(self) -> None:
         chance = self._chance
