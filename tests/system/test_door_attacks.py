@@ -7,7 +7,7 @@ import os
 import sys
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
@@ -33,16 +33,10 @@ from tests.system.door_attack import (
 from tests.system.fleet_site import Site
 from tests.system.harness import HubProcess, Observer, expect_stop
 
-HUB = {"modules": ("driver", "navigation")}
 INPUTS = int(os.environ.get("RUNE_SOAK_INPUTS", "100000"))
 RATE = 2500.0
 """Inputs a second."""
 AT_MOST_S = 300.0
-
-
-@pytest.fixture(scope="module")
-def hub(lasting_hub: HubProcess) -> HubProcess:
-    return lasting_hub
 
 
 def rune_hub(log: Path, *words: str) -> Started:
@@ -61,8 +55,9 @@ def attacker(name: str, folder: Path, *words: object) -> Started:
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("held", [True, False], ids=["held", "free"])
 def test_hundred_thousand_bad_frames_of_panels(
-    hub: HubProcess, stack: ExitStack, tmp_path: Path, *, held: bool
+    start_hub: Callable[..., HubProcess], stack: ExitStack, tmp_path: Path, *, held: bool
 ) -> None:
+    hub = start_hub(modules=("driver", "navigation"))
     log = tmp_path / "door.log"
     door = rune_hub(log, "serve", "foxglove", "--hub", hub.endpoint, "--port", "0", "--drive")
     stack.callback(door.end)
@@ -201,18 +196,13 @@ class Victim:
         self.ends[how] += 1
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
-    with closing(Site(tmp_path_factory.mktemp("fleet"))) as made:
-        yield made
-
-
 @pytest.mark.soak
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("side", ["fleet", "console"])
 def test_hundred_thousand_wrong_inputs_to_a_mirror(
-    site: Site, stack: ExitStack, tmp_path: Path, side: str
+    stack: ExitStack, tmp_path: Path, side: str
 ) -> None:
+    site = stack.enter_context(closing(Site(tmp_path)))
     log = tmp_path / "mirror.log"
     words = (site.place, "rune/lab", "rogue", INPUTS if side == "fleet" else 0, RATE, 1)
     bad = rogue = attacker("rogue_robot", tmp_path, *words)
