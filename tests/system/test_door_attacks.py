@@ -167,10 +167,8 @@ class MirrorProcess:
                 self.endpoints[said["robot"]] = said["endpoint"]
 
     def close(self) -> None:
-        self.started.process.terminate()
-        self.started.process.wait(20.0)
-        self._reader.join(5.0)
         self.started.end()
+        self._reader.join(5.0)
 
 
 class Victim:
