@@ -179,6 +179,12 @@ def test_another_station_that_changes_the_mode_is_not_fought(rover: AutopilotSit
     rover.move(AHEAD)
 
 
+def follows(site: AutopilotSite) -> None:
+    """Have it follow velocities."""
+    site.drive()
+    site.wait(lambda: not site.autopilot.why, why="it waits for a neutral velocity:")
+
+
 def go_ahead(site: AutopilotSite, metres: float) -> None:
     """Give a goal ahead of the vehicle."""
     at = site.robot
@@ -187,11 +193,11 @@ def go_ahead(site: AutopilotSite, metres: float) -> None:
 
 
 @pytest.mark.soak
-def test_a_goal_drives_it_and_a_vehicle_that_does_not_follow_waits_for_the_next_one(
+def test_a_goal_arrives_and_ends_with_a_stop_another_mode_and_disarming(
     lasting: AutopilotSite,
 ) -> None:
     site = lasting
-    site.drive()
+    follows(site)
     go_ahead(site, 1.5)
     site.wait(lambda: site.task.task is Task.REACHED, why="the goal was not reached:")
     go_ahead(site, 20.0)
@@ -201,18 +207,23 @@ def test_a_goal_drives_it_and_a_vehicle_that_does_not_follow_waits_for_the_next_
     stands(site)
     assert commanded_after(site, stopped) < COMMANDED_S
     assert site.task.cause is Cause.STOP
-    go_ahead(site, 20.0)
-    site.wait(lambda: site.speed > 0.3)
-    left = time.monotonic()
-    site.operator.order(VehicleOrder.MODE, "hold")
-    site.wait(lambda: "the driver does not follow" in site.task.why)
-    assert commanded_after(site, left) < COMMANDED_S
-    site.operator.order(VehicleOrder.DRIVE)
-    site.wait(lambda: site.phase is AutopilotPhase.DRIVING)
-    site.go_on(1.0)
-    assert commanded_after(site, left) < COMMANDED_S, "the old goal waits for another one"
-    site.operator.client.publish(GOAL_COMMAND, GoalCommand())
-    site.wait(lambda: site.robot.motion is MotionState.STANDING, why="it was not ended:")
+    for order, name, whys in (
+        (VehicleOrder.MODE, "hold", ("it is asked for the mode hold", "it is in hold")),
+        (VehicleOrder.DISARM, "", ("it was asked to disarm", "it is disarmed")),
+    ):
+        go_ahead(site, 20.0)
+        site.wait(lambda: site.speed > 0.3, why=f"it does not go: {site.task}")
+        left = time.monotonic()
+        site.operator.order(order, name)
+        site.wait(lambda: site.task.task is Task.CANCELLED, why="the goal goes on:")
+        assert site.task.cause is Cause.DRIVER
+        assert site.task.why.startswith(whys), "the reason, before or after the vehicle obeyed"
+        go_ahead(site, 20.0)
+        site.wait(lambda: site.task.why.startswith("not begun: "))
+        stands(site)
+        follows(site)
+        site.go_on(1.0)
+        assert commanded_after(site, left) < COMMANDED_S, "only a new goal begins to move it"
     go_ahead(site, 1.5)
     site.wait(lambda: site.task.task is Task.REACHED, why=f"it does not go again: {site.task}")
 

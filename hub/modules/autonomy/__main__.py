@@ -7,9 +7,13 @@ import logging
 import sys
 import time
 
+import numpy as np
+
 from hub.control_gate import ControlGate
 from hub.errors import CodecError, QueryError
 from hub.gcm import autonomy, mapping, navigation
+from hub.gcm.beam_scans import LARGEST_TILT
+from hub.gcm.beams import beams_of
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import TwistStamped
@@ -20,13 +24,16 @@ from hub.modules.autonomy.autonomy_driver import AutonomyDriver
 from hub.modules.autonomy.novelty import Limits
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
+from hub.vehicle_watch import VehicleWatch
 
 _logger = logging.getLogger(__name__)
 
 _ACT_PERIOD = 0.1
 _STATE_PERIOD = 1.0 / autonomy.AUTONOMY_STATE.rate_hz
 _MAP_TIMEOUT = 2.0
-_LEAVE_S = 0.5
+_NO_RANGES = (
+    "it has no range sensors that look along the ground, so it cannot make a map to explore"
+)
 
 
 class Autonomy:
@@ -45,7 +52,9 @@ class Autonomy:
         )
         self._said = ""
         self._why = ""
+        self._cannot_explore = "" if _maps(robot) else _NO_RANGES
         self._gate = ControlGate(client, self._on_owner_change)
+        self._vehicle = VehicleWatch(client, self._not_followed)
         client.subscribe(autonomy.AUTONOMY_COMMAND, self._command)
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._stick)
@@ -64,7 +73,7 @@ class Autonomy:
     def _command(self, command: autonomy.AutonomyCommand, reception: MessageInfo) -> None:
         if not self._gate.admits(autonomy.AUTONOMY_COMMAND, reception):
             return
-        self._pilot.command(command, self._clock())
+        self._pilot.command(command, self._clock(), self._refusal(command.behaviour))
         _logger.info("asked for %s", command.behaviour.name)
         self._act()
 
@@ -77,6 +86,18 @@ class Autonomy:
         if state.owner and before:
             self._pilot.see_other(f"{state.operator} has control now", self._clock())
             self._act()
+
+    def _not_followed(self, why: str) -> None:
+        """End the task: when the vehicle follows again, it begins to move only on an order."""
+        self._pilot.see_other(why, self._clock(), autonomy.Phase.LOST)
+        self._act()
+
+    def _refusal(self, behaviour: autonomy.Behaviour) -> str:
+        """Why the robot cannot do this now, for people; empty: it can."""
+        if behaviour is autonomy.Behaviour.HOLD:
+            return ""
+        explores = behaviour is autonomy.Behaviour.EXPLORE
+        return (self._cannot_explore if explores else "") or self._vehicle.why
 
     def _stick(self, command: TwistStamped, reception: MessageInfo) -> None:
         sender = reception.publisher
@@ -136,6 +157,12 @@ def _shown(state: autonomy.AutonomyState) -> str:
     """The visible part of a state; equal ones are not published again."""
     goal = f"{state.x:.2f} {state.y:.2f} {state.frontier_m:.1f}"
     return f"{state.behaviour} {state.pilot} {state.phase} {goal} {state.why}"
+
+
+def _maps(robot: RobotDescription) -> bool:
+    """Whether the robot makes a map: from its range sensors, or with its own navigation."""
+    level = np.abs(beams_of(robot.body).elevation) <= LARGEST_TILT
+    return bool(robot.ros.map) or bool(level.any())
 
 
 def abilities(_robot: RobotDescription) -> Abilities:

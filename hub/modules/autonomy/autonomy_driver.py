@@ -2,11 +2,12 @@
 
 | state | event | action |
 | --- | --- | --- |
-| any | a command with a behaviour | begin its task |
+| any | a command with a behaviour | begin its task, or refuse it |
 | any | a command HOLD | end the task |
 | task | an operator drives, after `RELEASE_S` | end the task: taken over |
 | task | another client sends a goal, or gets control | end the task: taken over |
 | task | a stop | end the task: stopped |
+| task | the vehicle does not follow any more | end the task: lost |
 | task | robot, map or navigation is silent or old | stand and wait |
 | waiting | all is fresh again | go on, if the robot was neither stopped nor moved |
 | waiting | `DATA_TIMEOUT_S` is over | end the task: lost |
@@ -96,8 +97,8 @@ class AutonomyDriver:
 
     # Input.
 
-    def command(self, command: AutonomyCommand, now: float) -> None:
-        """Take a command."""
+    def command(self, command: AutonomyCommand, now: float, refusal: str = "") -> None:
+        """Take a command; `refusal`: why the robot cannot carry it out, for people."""
         self._stop_due = self._watch.target is not None
         self._watch.forget()
         self._commanded, self._waits_since = now, None
@@ -105,7 +106,7 @@ class AutonomyDriver:
         self._number = self._senses.status.number if self._senses.status else -1
         self._sent_elsewhere = self._interrupted = False
         self._asked_map = -math.inf
-        wrong = _mistake(command)
+        wrong = _mistake(command) or refusal
         if command.behaviour is Behaviour.HOLD and not wrong:
             self._end(Phase.IDLE if self._task is None else Phase.STOPPED, "asked to hold", now)
             return
@@ -164,10 +165,10 @@ class AutonomyDriver:
             self._end(Phase.STOPPED, f"stopped: {reason or 'no reason given'}", now)
             self._watch.forget()
 
-    def see_other(self, why: str, now: float) -> None:
-        """Note a new owner of control: the robot stops for it."""
+    def see_other(self, why: str, now: float, phase: Phase = Phase.TAKEN_OVER) -> None:
+        """End the task: the robot has a new owner of control, or cannot go on."""
         if self._task is not None:
-            self._yield(why, now)
+            self._yield(why, now, phase)
 
     # Output.
 

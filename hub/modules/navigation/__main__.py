@@ -9,19 +9,18 @@ import sys
 import time
 
 from hub.control_gate import ControlGate
-from hub.errors import CodecError, HubError
-from hub.gcm import battery, diagnostics, edges, imu, mapping, navigation, ranges
+from hub.gcm import battery, diagnostics, edges, imu, navigation, ranges
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.control import ControlState
 from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.navigation import Assistance, Cause, DriveState, MotionState, Task
 from hub.gcm.own_navigation import DRIVE_GOAL, OWN_NAVIGATION
 from hub.gcm.transforms import TRANSFORMS
-from hub.grids.grid import grid_of
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.modules.navigation.dynamic_window import body_of
 from hub.modules.navigation.frame import FrameMemory
+from hub.modules.navigation.map_requests import MapRequests
 from hub.modules.navigation.own_pilot import OwnPilot
 from hub.modules.navigation.path_follower import PathFollower
 from hub.modules.navigation.problems import known_edges, problems
@@ -31,6 +30,7 @@ from hub.paths import for_pose
 from hub.pose import wrapped
 from hub.robots.description import RobotDescription
 from hub.runtime import publish_on_request, run_module
+from hub.vehicle_watch import VehicleWatch
 
 _NOT_BEGUN = {MotionState.NO_DRIVER: Cause.DRIVER, MotionState.MOVING: Cause.STICK}
 """The cause that a refused task reports, by the state of motion."""
@@ -46,8 +46,6 @@ _logger = logging.getLogger(__name__)
 _COMMAND_PERIOD = 1.0 / navigation.DRIVE_COMMAND.rate_hz
 _STATE_PERIOD = 1.0 / navigation.ROBOT_STATE.rate_hz
 _STATUS_PERIOD = 1.0 / navigation.NAVIGATION_STATUS.rate_hz
-_MAP_PERIOD = 1.5
-_MAP_TIMEOUT = 1.0
 _SILENCE_PERIOD = 0.2
 """Time between two looks for problems that no message shows [s]."""
 _PROBLEMS_PERIOD = 1.0 / diagnostics.DIAGNOSTICS.rate_hz
@@ -74,9 +72,9 @@ class Navigation:
         self._newest: tuple[navigation.DriveState, float] | None = None
         self._published: tuple[object, ...] = ()
         self._driver: int | None = None
-        self._asking = False
         self._assistance = Assistance.ON
         self._gate = ControlGate(client, self._on_owner_change)
+        self._vehicle = VehicleWatch(client, self._not_followed)
         client.subscribe(navigation.STOP, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command)
         client.subscribe(navigation.DRIVE_STATE, self.reported)
@@ -99,6 +97,7 @@ class Navigation:
         )
         publish_on_request(client, navigation.ROBOT_STATE, self._publish_state)
         publish_on_request(client, navigation.NAVIGATION_STATUS, self._publish_status)
+        self._maps = MapRequests(client, self.pilot, self._clock)
         self._deadline = client.alarm(self._update)
         client.every(_COMMAND_PERIOD, self._cycle)
         client.every(_STATE_PERIOD, self._publish_state)
@@ -107,7 +106,6 @@ class Navigation:
         client.every(_SILENCE_PERIOD, self._look_for_problems)
         client.every(1.0 / TRANSFORMS.rate_hz, self._publish_transforms)
         client.every(_EDGES_PERIOD, self._publish_edges)
-        client.every(_MAP_PERIOD, self._ask_for_map)
 
     def finish(self) -> None:
         """Stop the robot."""
@@ -147,14 +145,14 @@ class Navigation:
         if self._driver not in (None, reception.publisher):
             _logger.warning("the driver restarted: the robot waits for a neutral command")
             if self._newest is not None and _has_jumped(self._newest[0], state):
-                self._lose_place("the driver restarted and reports another place", now)
+                self._end_task("the driver restarted and reports another place", now)
             self._governor.driver_restarted()
         self._driver = reception.publisher
         before = self._frames.frame.number
         frame = self._frames.reported(state)
         if frame is not None:
             if frame.number != before:
-                self._lose_place("the robot has lost its place", now)
+                self._end_task("the robot has lost its place", now)
             _logger.info("the robot's pose is in frame %d", frame.number)
             self.pilot.restart(frame.odom)
         self._newest = (state, reception.measured)
@@ -185,8 +183,14 @@ class Navigation:
     def _tilted(self, value: imu.Imu, reception: MessageInfo) -> None:
         self.pilot.tilted(value, reception.measured)
 
-    def _lose_place(self, why: str, now: float) -> None:
-        """End the task: coordinates from before the loss are wrong now."""
+    def _not_followed(self, why: str) -> None:
+        """End the task: when the vehicle follows again, it begins to move only on an order."""
+        self._end_task(why, self._clock())
+        self._drive()
+        self._update()
+
+    def _end_task(self, why: str, now: float) -> None:
+        """End the task: the driver cannot go on with it."""
         self.pilot.task.end(Task.CANCELLED, why, Cause.DRIVER, now)
         self._governor.end_task()
 
@@ -199,22 +203,24 @@ class Navigation:
             self.pilot.go(goal, reception.publisher, now)
             self._update()
             return
-        why = self._own.refusal(now) or self._governor.begin_task(now)
+        why = self._own.refusal(now) or self._vehicle.why or self._governor.begin_task(now)
         if why:
-            cause = _NOT_BEGUN.get(self._governor.state(now), Cause.BUSY)
+            usual = Cause.DRIVER if self._vehicle.why else Cause.BUSY
+            cause = _NOT_BEGUN.get(self._governor.state(now), usual)
             self.pilot.task.refuse(goal, reception.publisher, why, cause, now)
         else:
             why = self.pilot.go(goal, reception.publisher, now)
         if not why:
             self._own.begin(now)
         self._begun("a goal", why)
-        self._ask_for_map()
+        self._maps.ask()
 
     def _turn(self, command: navigation.TurnCommand, reception: MessageInfo) -> None:
         if not self._gate.admits(navigation.TURN_COMMAND, reception):
             return
         now = self._clock()
-        why = self._governor.begin_task(now) or self.pilot.turn(command, reception.publisher, now)
+        why = self._vehicle.why or self._governor.begin_task(now)
+        why = why or self.pilot.turn(command, reception.publisher, now)
         self._begun("a turn", why)
 
     def _begun(self, what: str, why: str) -> None:
@@ -294,33 +300,6 @@ class Navigation:
             _logger.warning(
                 "assistance is %s", "off: the robot drives into things" if off else "on"
             )
-
-    def _ask_for_map(self) -> None:
-        window = self.pilot.window
-        if self._asking or window is None:
-            return
-        self._asking = True
-        self._client.query_notify(
-            mapping.MAP_REQUEST,
-            window,
-            mapping.MAP,
-            timeout=_MAP_TIMEOUT,
-            answered=self._mapped,
-            failed=self._no_map,
-        )
-
-    def _mapped(self, message: mapping.Map, _reception: MessageInfo) -> None:
-        self._asking = False
-        try:
-            grid = grid_of(message)
-        except CodecError as error:
-            _logger.warning("cannot read the map: %s", error)
-            return
-        self.pilot.mapped(grid, self._clock())
-
-    def _no_map(self, error: HubError) -> None:
-        self._asking = False
-        _logger.debug("goes on without a map: %s", error)
 
     def _publish_state(self) -> None:
         if self._newest is None:

@@ -97,6 +97,10 @@ class ModeOrders:
         """Whether the vehicle was asked to arm, and may still do so."""
         return now < self._arming_until
 
+    def disarming(self, now: float) -> bool:
+        """Whether the vehicle was asked to disarm, and may still do so."""
+        return now < self._disarming_until
+
     def chosen_here(self, mode: int, now: float) -> bool:
         """Whether a mode of the vehicle was asked for here, or another is about to be."""
         return self.changing(now) or mode == self._own

@@ -88,7 +88,9 @@ def _elsewhere(vehicle: MavlinkVehicle, now: float) -> str:
         return _WATCHED
     if vehicle.grounded:
         return _GROUND
-    if orders.follows:
+    if orders.disarming(now) and not orders.refusal():
+        return "it was asked to disarm"
+    if orders.follows or (orders.changing(now) and orders.number != vehicle.mode):
         return f"it is asked for the mode {profile.mode_name(orders.number)}"
     by = "asked for here" if orders.chosen_here(vehicle.mode, now) else "not asked for here"
     failsafe = "; one of its failsafes acts" if vehicle.failsafe else ""

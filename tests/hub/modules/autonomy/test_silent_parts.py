@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from hub.gcm.autonomy import Behaviour, Phase
-from hub.gcm.navigation import Cause, MotionState, Task
+from hub.gcm.autonomy import AutonomyCommand, Behaviour, Phase
+from hub.gcm.navigation import Cause, MotionState, Point, Task
 from hub.modules.autonomy.autonomy_driver import (
     DATA_TIMEOUT_S,
     JUMP,
@@ -190,3 +190,24 @@ def test_a_map_is_asked_for_only_while_it_is_needed() -> None:
     scene.ask(Behaviour.WANDER)
     asked = sum(scene.pilot.wants_map(scene.now + k * STEP) for k in range(100))
     assert 4 <= asked <= 6
+
+
+@pytest.mark.parametrize("behaviour", ASKED)
+def test_a_vehicle_that_does_not_follow_ends_it_for_good(behaviour: Behaviour) -> None:
+    scene = busy(behaviour)
+    scene.pilot.see_other("it is in hold", scene.now, Phase.LOST)
+    scene.act()
+    assert scene.task is Task.CANCELLED
+    assert (scene.state.phase, scene.why) == (Phase.LOST, "it is in hold")
+    assert stands_for_good(scene)
+
+
+@pytest.mark.parametrize("behaviour", ASKED)
+def test_what_the_robot_cannot_do_is_refused(behaviour: Behaviour) -> None:
+    scene = Scene()
+    points = (Point(x=1.0, y=0.0),) if behaviour is Behaviour.GO else ()
+    command = AutonomyCommand(behaviour=behaviour, points=points)
+    scene.pilot.command(command, scene.now, "it is disarmed: arm it")
+    scene.act()
+    assert (scene.state.phase, scene.why) == (Phase.REFUSED, "it is disarmed: arm it")
+    assert stands_for_good(scene)

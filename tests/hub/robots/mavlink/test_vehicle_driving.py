@@ -108,6 +108,7 @@ def test_neutral_sticks_come_before_the_driving_mode():
 def test_a_mode_asked_for_here_gets_neutral_sticks_and_is_not_driven():
     bench = ScriptedAutopilot().driving()
     bench.vehicle.set_mode("hold", bench.now)
+    assert reason(bench) == "it is asked for the mode hold"
     in_phase(bench, AutopilotPhase.ELSEWHERE)
     bench.until(lambda: bench.mode == HOLD)
     since = bench.now
