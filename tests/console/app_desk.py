@@ -22,6 +22,7 @@ from hub.gcm.navigation import STOP, VELOCITY_COMMAND, Stop
 from hub.ipc.client import Client
 from hub.missions.points import PointBook
 from rune_tui.app import Console
+from rune_tui.controls.release_guard import FIRST_QUIET_S
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.layout.spec import VisualizerSpec
 from rune_tui.link.robot_link import RobotLink
@@ -149,14 +150,14 @@ class Desk:
     async def drive(self) -> None:
         """Press the key for forward until the robot gets a command to drive.
 
-        Pressed too soon after all was let go it counts as still down, and a machine that is too
-        busy loses it.
+        Pressed too soon after all was let go it counts as still down until no key came for a while,
+        and a machine that is too busy loses it.
         """
         end = time.monotonic() + TIMEOUT
         while not self.robot.speeds or self.robot.speeds[-1] <= 0.0:
             assert time.monotonic() < end, self.notices
             await self.press("w")
-            again = time.monotonic() + 1.0
+            again = time.monotonic() + FIRST_QUIET_S + 0.4
             while self.robot.speeds[-1:] <= [0.0] and time.monotonic() < again:
                 self.robot.client.listen(0.0)
                 await self.pilot.pause(0.02)

@@ -97,8 +97,7 @@ def test_the_emergency_key_ends_it_even_under_the_list_of_actions(console: Conso
 def test_a_terminal_that_has_stopped_reading_does_not_keep_the_console(
     console: ConsoleProcess, how: str
 ) -> None:
-    console.hold("a", 0.3)
-    until(lambda: _is_stuck(console), 10.0, meanwhile=lambda: console.type("a"))
+    stop_reading(console)
     if how == "q":
         console.type("q")
     else:
@@ -111,8 +110,7 @@ def test_a_terminal_that_has_stopped_reading_is_left_and_entered_all_the_same(
     console: ConsoleProcess,
 ) -> None:
     process = psutil.Process(console.process.pid)
-    console.hold("a", 0.3)
-    until(lambda: _is_stuck(console), 10.0, meanwhile=lambda: console.type("a"))
+    stop_reading(console)
     process.send_signal(signal.SIGTSTP)
     until(lambda: process.status() == psutil.STATUS_STOPPED, 5.0, "it does not stop")
     written = bytearray()
@@ -133,6 +131,26 @@ def _unread(console: ConsoleProcess) -> bytes:
     with contextlib.suppress(BlockingIOError):
         return os.read(console.terminal, 1 << 16)
     return b""
+
+
+def stop_reading(console: ConsoleProcess) -> None:
+    """Hold a key that changes the picture, and read nothing, until the console can write no more.
+
+    What was held while the machine held up the console drives only once it is pressed anew, and
+    the terminal has answered.
+    """
+
+    def stuck() -> bool:
+        end = time.monotonic() + 3.0
+        with console.holding("a"):
+            while time.monotonic() < end:
+                if _is_stuck(console):
+                    return True
+        return False
+
+    until(
+        stuck, 30.0, "the console does not fill the terminal", meanwhile=partial(console.pump, 1.0)
+    )
 
 
 def _is_stuck(console: ConsoleProcess) -> bool:
