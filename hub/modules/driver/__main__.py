@@ -45,6 +45,10 @@ _PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
 """Time between two reports of the hardware [s]."""
 _RESTING_PERIOD = 0.05
 """The same while the robot stands or only drifts, measures no more often, or its body wakes [s]."""
+_WITH_COMMAND = 0.02
+"""A report that is due within this time goes with a command: one wake-up in place of two [s]."""
+_COMMAND_JITTER = 0.01
+"""The report after that waits longer by this time, to go with the next command [s]."""
 _SOONEST = 0.01
 """Shortest time between two reports of a body that wakes [s]."""
 _LONGEST_STEP = 0.25
@@ -127,8 +131,11 @@ class Driver:
                 self._body.command(twist)
             if not twist.neutral:
                 self._loss.watch.moved(now)
-                if self._rests or not self._wakes:
-                    self._report_by(now + _PERIOD)
+            if self._rests and self._report_at - now < _WITH_COMMAND:
+                self._report_by(now)
+                self._report(_COMMAND_JITTER)
+            elif not twist.neutral and (self._rests or not self._wakes):
+                self._report_by(now + _PERIOD)
 
     def _allows_goal(self, reception: MessageInfo, now: float) -> bool:
         """Whether a goal is followed: as a velocity other than zero would be."""
@@ -170,8 +177,9 @@ class Driver:
         self._watchdog.expire()
         self._stop()
 
-    def _report(self) -> None:
-        period = _RESTING_PERIOD
+    def _report(self, later: float = 0.0) -> None:
+        """Report; the next report of a body at rest comes `later` than usual [s]."""
+        period = _RESTING_PERIOD + later
         self._reported = time.monotonic()
         try:
             self._watch()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable
 from types import SimpleNamespace
@@ -122,6 +123,13 @@ class Waking(Wheels):
         self.woken = report
 
 
+class Seldom(Wheels):
+    """A base that measures 20 times a second."""
+
+    def sensors(self, stamp: float) -> Sensors:
+        return dataclasses.replace(super().sensors(stamp), slow=True)
+
+
 class Scene:
     """A driver and its wheels."""
 
@@ -188,6 +196,26 @@ def test_a_robot_that_moves_reports_fifty_times_a_second_and_one_that_stands_les
     assert reports[0] <= commanded_at + 0.02 + 1e-9, "the first report shows the motion soon"
     scene.bus.wait(0.5)
     assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
+
+
+def test_reports_of_a_body_that_measures_seldom_go_with_the_commands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One wake-up of the processor is enough for both."""
+    scene = Scene(monkeypatch, Seldom)
+    scene.bus.wait(1.0)
+    scene.command(NEUTRAL)
+    scene.command(FORWARD)
+    scene.bus.wait(0.05)
+    scene.bus.published.clear()
+    commanded = []
+    for jitter in (0.0, 0.004, -0.003, 0.005, -0.005, 0.002) * 5:
+        commanded.append(scene.bus.now)
+        scene.command(FORWARD)
+        scene.bus.wait(0.05 + jitter)
+    assert [at for at, name, _ in scene.bus.published if name == DRIVE_STATE.name] == commanded
+    scene.bus.wait(0.5)
+    assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0), "without commands"
 
 
 def test_a_simulated_robot_that_stands_reports_as_seldom_while_its_true_pose_is_seen(
