@@ -32,7 +32,7 @@ from tests.system.harness import HubProcess
 _SECONDS = 20.0
 _LEAST_HZ = 5.0
 _COMMANDS = 200
-_EVERY_S = 0.05
+_EVERY_S = 1.0 / DRIVE_COMMAND.rate_hz
 _PARAMETERS = ("SIM_RC_FAIL=1", "FS_TIMEOUT=0.1")
 
 
@@ -63,11 +63,14 @@ class Drive:
         self.client.publish(DRIVE_COMMAND, TwistStamped.of(Twist.planar(ahead, 0.0)))
 
     def go_on(self, seconds: float, ahead: float) -> None:
-        """Repeat a velocity."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        """Repeat a velocity at the rate of navigation."""
+        due = time.monotonic()
+        end = due + seconds
+        while due < end:
             self.velocity(ahead)
-            self.client.listen(_EVERY_S)
+            due += _EVERY_S
+            while (left := min(due, end) - time.monotonic()) > 0.0:
+                self.client.listen(left)
 
     def share(self, ahead: float) -> tuple[float, float]:
         """The driver's share of a core [%], and the frames that came [Hz]."""
