@@ -34,7 +34,7 @@ _FASTEST: Final = 1.0
 _STICK_US: Final = 400.0
 _MOST_ADDRESS: Final = 200
 EXTRA: Final = ("ATC_STR_RAT_MAX",)
-"""Parameters that only the robot file needs."""
+"""Parameters that only the robot file needs, and that some vehicles do not have."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,7 +159,8 @@ def _rules(finder: VehicleFinder) -> Iterator[str]:
 
 
 def _parameters(finder: VehicleFinder, station: int) -> Iterator[str]:
-    missing = [name for name in finder.wanted if name not in finder.parameters]
+    asked = [name for name in finder.wanted if name not in EXTRA]
+    missing = [name for name in asked if name not in finder.parameters]
     if missing and finder.answers:
         yield f"it has no parameters of these names: {', '.join(missing)}"
     for each in unsafe(finder, station):
