@@ -64,15 +64,15 @@ def imu(value: RosValue, mount: FramePlace = HERE) -> Imu:
     spin = mount.turn @ _vector(value.get("angular_velocity"), 100.0)
     push = mount.turn @ _vector(value.get("linear_acceleration"), 1e5)
     turn = turn_of(value.get("orientation"))  # drivers without a filter leave it 0
-    known = turn is not None and float(value.get("orientation_covariance")[0]) >= 0.0
+    attitude = _covariance(value, "orientation_covariance")
+    known = turn is not None and attitude[0] >= 0.0
     orientation = Quaternion()
     if turn is not None and known:
         orientation = Quaternion.of(*angles(turn @ mount.turn.T))
     covariances = {
-        name: np.array(value.get(name), np.float64)
+        name: _covariance(value, name)
         for name in ("angular_velocity_covariance", "linear_acceleration_covariance")
     }
-    attitude = np.array(value.get("orientation_covariance"), np.float64)
     if not known:
         attitude[0] = -1.0
     return Imu(
@@ -141,10 +141,11 @@ def laser_scan(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
     with np.errstate(over="ignore"):  # beyond all numbers is beyond all ranges
         ranges = np.array(value.get("ranges"), np.float32)
     near, far = float(value.get("range_min")), float(value.get("range_max"))
-    if not ranges.size or not all(map(math.isfinite, (step, first, near, far))):
-        text = "a scan has no beams, or its angles are not finite"
+    known = all(map(math.isfinite, (step, first, near, far)))
+    if not (ranges.size and known and abs(step) <= math.tau):
+        text = "a scan has no beams, or its angles make no sense"
         raise RosMessageError(text)
-    near, far = max(0.0, near), min(1000.0, max(0.0, far))
+    near, far = (min(1000.0, max(0.0, each)) for each in (near, far))
     ranges[~(ranges >= near)] = np.nan
     ranges[ranges > far] = np.inf
     many = -(-len(ranges) // MOST_BEAMS)
@@ -284,6 +285,19 @@ def _vector(value: RosValue, most: float) -> npt.NDArray[np.float64]:
     numbers = np.array([float(value.get(part)) for part in "xyz"])
     cut: npt.NDArray[np.float64] = np.clip(np.nan_to_num(numbers), -most, most)
     return cut
+
+
+def _covariance(value: RosValue, name: str) -> npt.NDArray[np.float64]:
+    """A covariance of three axes (9), in a copy.
+
+    Raises:
+        RosMessageError: The robot's definition of the message has another length.
+    """
+    made = np.array(value.get(name), np.float64)
+    if made.shape != (9,):
+        text = f"{name} has {made.size} numbers, not 9"
+        raise RosMessageError(text)
+    return made
 
 
 def _number(value: RosValue, name: str, least: float, most: float) -> float:
