@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from hub.ros.recent_least import RecentLeast
+from hub.ros.clock_delay import ClockDelay
 from hub.ros.rmw_zenoh import MessageOrigin
 
 MOST_CLOCKS: Final = 256
@@ -15,7 +15,7 @@ class PublisherClocks:
     """The least difference between arrival and stamp, by publisher."""
 
     def __init__(self) -> None:
-        self._clocks: dict[bytes, RecentLeast] = {}
+        self._clocks: dict[bytes, ClockDelay] = {}
 
     def age(self, origin: MessageOrigin, arrived: float) -> float:
         """How much longer than the fastest a message was on its way [s].
@@ -28,6 +28,5 @@ class PublisherClocks:
         if found is None:
             if len(self._clocks) >= MOST_CLOCKS:
                 self._clocks.pop(next(iter(self._clocks)))
-            found = self._clocks[origin.gid] = RecentLeast()
-        difference = int(arrived * 1e9) - origin.stamp_ns
-        return (difference - found.add(difference, arrived)) / 1e9
+            found = self._clocks[origin.gid] = ClockDelay()
+        return found.of(origin.stamp_ns, int(arrived * 1e9), arrived)

@@ -28,6 +28,8 @@ GID_BYTES: Final = 16
 MOST_TEXT: Final = 1024
 """Longest token that is read [characters]."""
 _MOST_NUMBER: Final = 1 << 31
+_USUAL_DEPTH: Final = 42
+"""Depth of an endpoint whose token leaves it out: the default of rmw_zenoh."""
 _NEW = struct.Struct("<qqB16s")
 _OLD = struct.Struct("<16sq17sq11sB16s")
 _OLD_NAMES: Final = (b"\x0fsequence_number", b"\x10source_timestamp", b"\x0asource_gid")
@@ -227,7 +229,7 @@ def _quality(spelt: str, text: str) -> QualityOfService:
     return QualityOfService(
         reliable=parts[0] != "2",
         latched=parts[1] == "1",
-        depth=_number(depth, text) if depth else 0,
+        depth=_number(depth, text) if depth else _USUAL_DEPTH,
     )
 
 

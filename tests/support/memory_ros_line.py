@@ -61,12 +61,14 @@ class MemoryLine:
         self.topics[name] = made
         return made
 
-    def give(self, name: str, payload: Any, now: float, age: float = 0.0) -> None:
+    def give(self, name: str, payload: Any, now: float, age: float = 0.0, time_ns: int = 0) -> None:
         """Let a message arrive."""
         if name in self.takers:
-            self.takers[name](
-                RosMessage(payload=payload, topic=self.topics[name], arrived=now, age=age)
+            topic = self.topics[name]
+            message = RosMessage(
+                payload=payload, topic=topic, arrived=now, age=age, time_ns=time_ns
             )
+            self.takers[name](message)
 
     def lose(self, why: str = "it closed") -> None:
         self.state = RosLineState(up=False, connections=self.state.connections, heard=0.0, why=why)

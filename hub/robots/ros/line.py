@@ -94,12 +94,14 @@ class RosMessage:
         arrived: When it was received [s, monotonic].
         age: For how long it was on its way from the robot's middleware to here [s], at least 0;
             NaN: not known.
+        time_ns: When it was in the robot's middleware, by a clock of the robot [ns]; 0: not known.
     """
 
     payload: Payload
     topic: RosTopic
     arrived: float
     age: float
+    time_ns: int = 0
 
     @property
     def measured(self) -> float:

@@ -43,7 +43,7 @@ def line_problems(
         text = _unknown(line, places, now)
         yield DiagnosticStatus(level=Severity.ERROR, name="odometry", message=text)
     elif odometry.late > _LATE_S:
-        text = f"the line is too slow: places come {odometry.late:.1f} s late"
+        text = f"places come {odometry.late:.1f} s late: the line, or a node before it, is too slow"
         yield DiagnosticStatus(level=Severity.WARN, name="odometry", message=text)
     if state.up and places.lacks_map(now):
         text = "the robot's own map is not used: its frames do not say where it is on it"

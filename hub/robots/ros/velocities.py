@@ -11,7 +11,7 @@ from hub.plain_text import plain
 from hub.robots.ros.command_stream import CommandStream
 from hub.robots.ros.commands import TYPES, velocity_payload
 from hub.robots.ros.line import RosLine
-from hub.robots.ros.own_nodes import foreign
+from hub.robots.ros.own_nodes import rivals
 from hub.robots.ros.whereabouts import PATIENCE_S
 from hub.robots.ros_table import CommandType, RosTable
 
@@ -88,7 +88,7 @@ class RosVelocities:
         if self._line.graph.whole:
             if not topic.subscribers:
                 yield f"no node of the robot subscribes to {name}: it does not follow"
-            if others := foreign(topic.publishers):
+            if others := rivals(topic.publishers):
                 named = plain(", ".join(others[:_MOST_NAMED]))[:200]
                 yield f"{named} may drive too, on {name}: the robot follows the newest"
 

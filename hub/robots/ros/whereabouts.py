@@ -24,6 +24,7 @@ from hub.robots.ros.line import RosLine, RosMessage
 from hub.robots.ros.odometry import RosOdometry, RosPlace, place_of_odometry
 from hub.robots.ros.reckoning_file import ReckoningFile
 from hub.robots.ros.topic_reader import TopicReader
+from hub.ros.clock_delay import ClockDelay
 from hub.ros.values import RosValue
 
 PATIENCE_S: Final = 2.0
@@ -48,6 +49,7 @@ class RosWhereabouts:
         self._frames: RosFrames | None = None
         self._by_odometry = False
         self._up_since = math.inf
+        self._delay = ClockDelay()
         reader.read(self._table.odom, self._placed)
         if self._table.map or not self._table.odom:
             self._use_frames()
@@ -121,5 +123,11 @@ class RosWhereabouts:
             self._take(frames.place, message)
 
     def _take(self, place: RosPlace, message: RosMessage) -> None:
-        late = message.arrived - message.measured
+        """Take a place; what it waited in the robot, before its middleware, is part of its age."""
+        waited = 0.0
+        if message.time_ns and place.stamp > 0.0:
+            stamp = round(place.stamp * 1e9)
+            waited = self._delay.of(stamp, message.time_ns, message.arrived)
+        late = message.arrived - message.measured + waited
+        place = dataclasses.replace(place, measured=place.measured - waited)
         self.odometry.take(place, self._line.state.connections, late)

@@ -33,6 +33,8 @@ from hub.ros.values import RosValue
 
 _LEAST_S: Final = 2.0
 """Time in which a robot shows what it has, and how often [s]."""
+_NODES_S: Final = 3.5
+"""The same where the line does not say yet which nodes publish and subscribe [s]."""
 _GRAPH_S: Final = 0.7
 """Time in which a line learns of most nodes; only those can be asked for parameters [s]."""
 _PARAMETERS_S: Final = 4.0
@@ -114,7 +116,8 @@ class RosSurvey:
     def _is_whole(self, now: float) -> bool:
         quiet = (name for name, arrived in self._read.items() if not arrived)
         waits = any(name not in self._reader.faults for name in quiet)
-        return now - self.begun >= _LEAST_S and self._parameters is not None and not waits
+        least = _LEAST_S if self._line.graph.whole else _NODES_S
+        return now - self.begun >= least and self._parameters is not None and not waits
 
     def _learn(self, parameters: Mapping[str, object]) -> None:
         self._parameters = parameters

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from hub.ros.clock_delay import ClockDelay
 from hub.ros.recent_least import RecentLeast
 
 
@@ -16,11 +17,11 @@ class LineAges:
     """The ages of the messages of a line."""
 
     def __init__(self) -> None:
-        self._differences, self._pings = RecentLeast(), RecentLeast()
+        self._delay, self._pings = ClockDelay(), RecentLeast()
 
     def clear(self) -> None:
         """Forget the robot's clock: it may be another one."""
-        self._differences.clear()
+        self._delay.clear()
         self._pings.clear()
 
     def answered(self, duration: float, now: float) -> None:
@@ -36,8 +37,6 @@ class LineAges:
         """
         if time_ns == 0:
             return math.nan
-        # As whole numbers, since the robot's time has more digits than a float.
-        difference = int(now * 1e9) - time_ns
-        least = self._differences.add(difference, now)
         way = self._pings.least / 2.0
-        return (difference - least) / 1e9 + (way if math.isfinite(way) else 0.0)
+        delay = self._delay.of(time_ns, int(now * 1e9), now)
+        return delay + (way if math.isfinite(way) else 0.0)

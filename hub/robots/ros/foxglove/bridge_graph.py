@@ -142,4 +142,6 @@ class BridgeTopics:
             for topic, names in changed.items():
                 if len(nodes) < MOST_TOPICS or topic in nodes:
                     nodes[topic] = names
-        self._whole, self._graph = True, None
+        # The bridge for ROS 2 sends an empty graph first, and the nodes with the next change.
+        self._whole = any(self._publishers.values()) or any(self._subscribers.values())
+        self._graph = None

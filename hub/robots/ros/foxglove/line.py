@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import collections
 import itertools
+import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
@@ -62,6 +63,7 @@ class FoxgloveLine:
             maxlen=_MOST_STATUSES
         )
         self._fault_note = ""
+        self._simulated = False  # whether the robot's times are those of a simulation
         self._dropped = self._faults = 0
         self._now = 0.0
 
@@ -198,7 +200,8 @@ class FoxgloveLine:
             payload=data.payload,
             topic=wanted.topic,
             arrived=self._now,
-            age=self._ages.age(data.time_ns, self._now),
+            age=math.nan if self._simulated else self._ages.age(data.time_ns, self._now),
+            time_ns=data.time_ns,
         )
         wanted.take(message)
 
@@ -246,6 +249,7 @@ class FoxgloveLine:
         if self._info is None or info.session != self._info.session:
             self._ages.clear()
         self._info = info
+        self._simulated = wire.SIMULATED_TIME in info.capabilities
         self._topics.clear()
         self._connection.greet()
         if self._can(wire.PUBLISHING):

@@ -45,6 +45,7 @@ SUBPROTOCOLS: Final = ("foxglove.sdk.v1", "foxglove.websocket.v1")
 """What a client offers: newer bridges take only the first, older ones only the second."""
 PUBLISHING: Final = "clientPublish"
 GRAPH: Final = "connectionGraph"
+SIMULATED_TIME: Final = "time"
 PARAMETERS: Final = "parameters"
 """Capabilities of bridges."""
 ENCODINGS: Final = ("cdr", "ros1")

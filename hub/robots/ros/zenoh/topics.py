@@ -126,7 +126,14 @@ class TopicSubscription:
             age = clocks.age(origin, arrived)
             if self._end is not None and self._end.quality.latched:
                 age = math.nan  # it may be one of before
-            self._take(RosMessage(payload=sample.payload, topic=topic, arrived=arrived, age=age))
+            message = RosMessage(
+                payload=sample.payload,
+                topic=topic,
+                arrived=arrived,
+                age=age,
+                time_ns=origin.stamp_ns,
+            )
+            self._take(message)
         return faults
 
     def leave(self) -> None:

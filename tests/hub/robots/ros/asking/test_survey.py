@@ -22,7 +22,7 @@ class SlowLine(MemoryLine):
 
 
 def test_parameters_are_asked_for_once_nodes_are_known() -> None:
-    line = SlowLine()
+    line = SlowLine(whole=True)
     survey = RosSurvey(line, ros_address(ADDRESS))
     assert not survey.advance(0.0)
     line.topic("/cmd_vel", "geometry_msgs/msg/Twist")
@@ -31,6 +31,18 @@ def test_parameters_are_asked_for_once_nodes_are_known() -> None:
     assert survey.advance(3.0)
     assert survey.findings.takes
     assert not line.published
+
+
+def test_a_line_that_does_not_say_yet_which_nodes_publish_gets_more_time() -> None:
+    """The bridge for ROS 2 says it with the next change of the graph."""
+    line = SlowLine()
+    line.topic("/cmd_vel", "geometry_msgs/msg/Twist")
+    survey = RosSurvey(line, ros_address(ADDRESS))
+    assert not survey.advance(0.0)
+    assert not survey.advance(1.0)
+    assert not survey.advance(3.0)
+    line.whole = True
+    assert survey.advance(3.1)
 
 
 def test_a_large_picture_is_read() -> None:

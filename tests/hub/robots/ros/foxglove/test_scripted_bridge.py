@@ -3,6 +3,7 @@
 import contextlib
 import itertools
 import json
+import math
 import os
 import random
 import signal
@@ -16,6 +17,7 @@ import pytest
 from hub.robots.host_lookup import HostLookup
 from hub.robots.ros.address import ros_address
 from hub.robots.ros.foxglove.connection import MOST_MESSAGE
+from hub.robots.ros.line import RosMessage
 from hub.robots.ros.opening import line_to
 from hub.ros.panel_door_name import panel_door_name
 from tests.hub.robots.ros.foxglove.scripted_bridge import GREETING, ScriptedBridge, channel
@@ -334,6 +336,24 @@ def test_a_topic_moves_to_another_channel(both):
     pair.wait(lambda: pair.line.graph.topics["/text"].schema_name == "std_msgs/msg/Int8")
     assert {"op": "unsubscribe", "subscriptionIds": [2]} in pair.bridge.texts
     assert pair.bridge.subscriptions()[1] == 3
+
+
+@pytest.mark.parametrize("simulated", [False, True])
+def test_messages_have_ages_unless_the_robots_time_is_that_of_a_simulation(both, simulated):
+    """A simulation that runs slower than real time would make each message look older."""
+    more = ["time"] if simulated else []
+    pair = both(greeting=GREETING | {"capabilities": ["clientPublish", *more]})
+    found: list[RosMessage] = []
+    pair.line.subscribe("/text", found.append)
+    (number,) = pair.meet("/text")
+    for count in range(3):
+        pair.advance(1.0)
+        time_ns = int((50.0 + 0.5 * count) * 1e9)
+        pair.bridge.send(pair.bridge.data(number, b"text", time_ns))
+        pair.wait(lambda count=count: len(found) > count)
+    ages = [each.age for each in found]
+    assert all(map(math.isnan, ages)) if simulated else ages[-1] > 0.9
+    assert [each.arrived - each.measured for each in found] == ([0.0] * 3 if simulated else ages)
 
 
 @pytest.mark.parametrize("count", [20_000, pytest.param(100_000, marks=pytest.mark.soak)])
