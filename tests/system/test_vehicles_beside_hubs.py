@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import signal
 import socket
@@ -18,8 +19,10 @@ from pymavlink import mavutil
 
 from hub.command_line import ExitCode
 from hub.gcm.autopilot import AUTOPILOT_STATE, AutopilotPhase
+from hub.inspection.doctor.autopilot_checks import autopilot
 from hub.robots.mavlink.wire.frames import FramePacker, MavlinkFrame
 from hub.robots.mavlink.wire.signing import SigningClock
+from hub.robots.robot_file import read_description
 from tests.hub.inspection.test_sim_autopilot_command import simulated_autopilot
 from tests.support import warm_start
 from tests.support.command_line import rune_hub
@@ -81,6 +84,18 @@ def send_all(heard: Any) -> None:
     heard.mav.manual_control_send(1, 500, 0, 500, 0, 0)
     heard.mav.param_request_read_send(1, 1, b"WP_SPEED", -1)
     heard.mav.command_long_send(1, 1, SET_MODE, 0, 1, LOITER, 0, 0, 0, 0, 0)
+
+
+def test_the_doctor_asks_the_hub_that_has_the_link(site: AutopilotSite) -> None:
+    site.wait(lambda: site.autopilot.unsafe)
+    robot, problems = read_description(site.hub.log.with_name("robot.toml"))
+    assert problems == []
+    port = int(site.hub.endpoint.rpartition(":")[2])
+    said = "\n".join(str(each) for each in autopilot(dataclasses.replace(robot, port=port)))
+    assert "has the link to a rover with ArduPilot 4.7.0: " in said
+    assert "FS_GCS_ENABLE is 0 in place of 1" in said
+    assert "--write FS_TIMEOUT=0.1" in said
+    assert "at the limits of the robot file it stops" in said
 
 
 def test_a_place_that_comes_no_more_is_not_kept(site: AutopilotSite) -> None:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from hub.errors import HubError, VehicleSilentError
+from hub.gcm.autopilot import UnsafeParameter
 from hub.inspection.doctor.finding import Finding, ok, problem, warning
-from hub.inspection.vehicle.vehicle_link import hub_with_autopilot, open_session, place_in
+from hub.inspection.vehicle.vehicle_link import (
+    autopilot_at,
+    hub_with_autopilot,
+    open_session,
+    place_in,
+)
 from hub.robots.description import RobotDescription
 from hub.robots.mavlink import adopting
-from hub.robots.mavlink.asking.findings import VehicleFinder
 from hub.robots.mavlink.asking.search import find_vehicle
 from hub.robots.mavlink.profiles.stop_times import stop_times
 
@@ -24,8 +29,7 @@ def autopilot(robot: RobotDescription) -> list[Finding]:
         return [ok("not needed: the robot has none")]
     place = place_in(robot)
     if hub := hub_with_autopilot(place):
-        text = f"its hub runs at {hub} and has the link, so the vehicle was not asked"
-        return [ok(f"{text}; `rune-hub echo GCM_Autopilot_State` shows unsafe parameters")]
+        return [*_reported(hub, robot)]
     try:
         session = open_session(place.address, place.key_file, place.station)
     except HubError as fault:
@@ -37,26 +41,48 @@ def autopilot(robot: RobotDescription) -> list[Finding]:
             return [problem(str(fault), "connect the vehicle, or correct [mavlink]")]
     system = finder.vehicle.system if finder.vehicle is not None else place.system
     findings = [ok(f"{place.address}: system {system}, a {adopting.title(finder)}")]
-    findings += [
-        warning(
+    findings += _unsafe(adopting.unsafe(finder, place.station), robot)
+    if finder.profile is not None:
+        receiver = bool(finder.receiver)
+        times = stop_times(finder.profile, finder.parameters, robot, receiver=receiver)
+        having = f", {'with' if receiver else 'without'} a radio receiver,"
+        findings += _stopping(*times, robot, having)
+    return findings
+
+
+def _reported(hub: str, robot: RobotDescription) -> Iterator[Finding]:
+    """What a running hub, which has the link, reports of the vehicle."""
+    state, text = autopilot_at(hub), f"its hub runs at {hub} and has the link"
+    if state is None or not state.vehicle:
+        yield warning(f"{text}, and knows no vehicle yet", "connect the vehicle, and try again")
+        return
+    yield ok(f"{text} to a {state.vehicle} with {state.firmware}: {state.phase.name}")
+    yield from _unsafe(state.unsafe, robot)
+    yield from _stopping(state.stops_after_zero_s, state.stops_after_cut_s, robot, "")
+
+
+def _unsafe(parameters: Iterable[UnsafeParameter], robot: RobotDescription) -> Iterator[Finding]:
+    for each in parameters:
+        yield warning(
             f"unsafe: {adopting.unsafe_words(each)}",
             f"rune-hub vehicle parameters {robot.path} --write {each.name}={each.wanted:g}",
         )
-        for each in adopting.unsafe(finder, place.station)
-    ]
-    return [*findings, *_stopping(finder, robot)]
 
 
-def _stopping(finder: VehicleFinder, robot: RobotDescription) -> Iterator[Finding]:
-    """How long the vehicle moves on with its parameters, at the limits of the robot file."""
-    if finder.profile is None:
-        return
-    receiver = bool(finder.receiver)
-    zero, cut = stop_times(finder.profile, finder.parameters, robot, receiver=receiver)
-    having = f"{'with' if receiver else 'without'} a radio receiver"
+def _stopping(zero: float, cut: float, robot: RobotDescription, having: str) -> Iterator[Finding]:
+    """How long the vehicle moves on with its parameters, at the limits of the robot file.
+
+    Args:
+        zero: Time until it stands after zero speed [s].
+        cut: The same after the link is cut [s].
+        robot: The robot file.
+        having: What it has, between commas; empty: it is not said.
+    """
     if cut == math.inf:
         remedy = f"rune-hub vehicle parameters {robot.path} --write-safe"
-        yield problem(f"{having} it never stops after the link is cut", remedy)
+        yield problem(
+            f"at the limits of the robot file{having} it never stops after the link is cut", remedy
+        )
     elif not math.isnan(zero + cut):
         text = f"stops {zero:.1f} s after zero, {cut:.1f} s after the link is cut"
-        yield ok(f"at the limits of the robot file, {having}, it {text}")
+        yield ok(f"at the limits of the robot file{having} it {text}")

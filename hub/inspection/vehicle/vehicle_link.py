@@ -8,10 +8,13 @@ import dataclasses
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TypeVar
 
 from hub.errors import HubError, RobotFileError, VehicleSilentError
+from hub.gcm.autopilot import AUTOPILOT_STATE, AutopilotState
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.inspection.message_commands import connect
+from hub.ipc.definition import MessageDefinition
 from hub.robots.description import RobotDescription
 from hub.robots.mavlink.asking.findings import VehicleFinder
 from hub.robots.mavlink.asking.search import find_vehicle
@@ -21,6 +24,8 @@ from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from hub.robots.mavlink.wire.signing_key import read_signing_key
 from hub.robots.robot_file import find_robot_file, read_description
 from hub.values import dataclass
+
+_Value = TypeVar("_Value")
 
 _ANSWER_S = 1.0
 _COMMAND_LINK = 1
@@ -95,18 +100,33 @@ def hub_with_autopilot(place: VehiclePlace) -> str:
         return ""
     endpoint = f"tcp://127.0.0.1:{place.port}"
     try:
-        client = connect(endpoint, "vehicle", None)
+        body = _newest(endpoint, ROBOT_DESCRIPTION)
     except HubError:
         return ""
-    kinds: list[str] = []
+    return "" if body is not None and body.kind != "mavlink" else endpoint
+
+
+def autopilot_at(endpoint: str) -> AutopilotState | None:
+    """What a hub reports of its autopilot; None: nothing soon enough."""
     try:
-        client.subscribe(ROBOT_DESCRIPTION, lambda body, _how: kinds.append(body.kind))
+        return _newest(endpoint, AUTOPILOT_STATE)
+    except HubError:
+        return None
+
+
+def _newest(endpoint: str, definition: MessageDefinition[_Value]) -> _Value | None:
+    """The newest message of a hub; None: none came.
+
+    Raises:
+        HubError: No hub is there.
+    """
+    values: list[_Value] = []
+    with contextlib.closing(connect(endpoint, "vehicle", None)) as client:
+        client.subscribe(definition, lambda value, _how: values.append(value))
         until = time.monotonic() + _ANSWER_S
-        while not kinds and time.monotonic() < until:
+        while not values and time.monotonic() < until:
             client.listen(0.05)
-    finally:
-        client.close()
-    return "" if kinds and kinds[-1] != "mavlink" else endpoint
+    return values[-1] if values else None
 
 
 @contextlib.contextmanager

@@ -18,6 +18,7 @@ from hub.robots.mavlink.asking.findings import (
     VehicleFinder,
 )
 from hub.robots.mavlink.kinds import AUTOPILOTS, KINDS, firmware_name, kind_name
+from hub.robots.mavlink.profiles.ardurover import STEERS
 from hub.robots.mavlink.profiles.profile import STATION, Setpoint
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
 from hub.robots.video_source import SourceKind, video_source
@@ -156,6 +157,9 @@ def _rules(finder: VehicleFinder) -> Iterator[str]:
         yield "Rune does not drive vehicles of this type: it only watches"
     elif not finder.profile.verified:
         yield "its rules follow documents: they were not compared with recordings of such a vehicle"
+    if finder.parameters.get("SERVO1_FUNCTION") == STEERS:
+        yield "it steers with wheels or a rudder (SERVO1_FUNCTION 26): it cannot turn on the spot"
+        yield "zero speed brakes it, and its mode hold lets it coast: stop it before you hold"
 
 
 def _parameters(finder: VehicleFinder, station: int) -> Iterator[str]:

@@ -16,8 +16,8 @@ from hub.gcm.geometry import Twist, Vector3
 from hub.robots.interfaces import Body, BodyArms
 from hub.robots.simulated_autopilot.motion import Demand, DemandKind, SimulatedState
 
-_OF_THRUST: Final = 2.08
-"""Speed of a Sub per share of its thrust, at the shares that sticks have [m/s]."""
+_FULL_THRUST: Final = 1.04
+"""Speed of a Sub with its full thrust, against quadratic drag [m/s]."""
 _SHARES: Final = frozenset({DemandKind.THRUST, DemandKind.OPEN, DemandKind.RISE})
 
 
@@ -45,10 +45,12 @@ class ArenaMotion:
             self._body.arm(armed=armed)
         self._armed = armed
         if armed:
-            scale = _OF_THRUST if demand.kind in _SHARES else 1.0
+            ahead, right = demand.ahead, demand.right
+            if demand.kind in _SHARES:
+                ahead, right = _speed(ahead), _speed(right)
             self._body.command(
                 Twist(
-                    linear=Vector3(x=demand.ahead * scale, y=-demand.right * scale, z=-demand.down),
+                    linear=Vector3(x=ahead, y=-right, z=-demand.down),
                     angular=Vector3(z=-demand.turn),
                 )
             )
@@ -67,3 +69,8 @@ class ArenaMotion:
         state.yaw = math.remainder(math.pi / 2.0 - truth.theta, math.tau)
         state.ahead, state.right = truth.linear, -truth.sway
         state.sinking, state.turn = -truth.heave, -truth.angular
+
+
+def _speed(share: float) -> float:
+    """The speed of a share of the thrust [m/s]."""
+    return math.copysign(_FULL_THRUST * math.sqrt(abs(share)), share)

@@ -16,6 +16,8 @@ _CONNECTING_S: Final = 5.0
 """Longest time of a connection attempt [s]."""
 _OTHER_SENDER_S: Final = 3.0
 """After this silence another sender takes the place of a vehicle that sent first [s]."""
+_OTHER_PORT_S: Final = 1.2
+"""The same for another port of its host: a vehicle that was started again has one [s]."""
 
 _BIND_FAULTS: Final = {
     errno.EADDRINUSE: "another program of this machine, such as a hub or a ground station, listens "
@@ -64,15 +66,20 @@ class UdpLink(ByteLink):
             raise BlockingIOError
         while True:
             data, sender = self._socket.recvfrom(AT_ONCE)
-            if self._listen and (
-                self._peer is None or self._now - self._heard_at > _OTHER_SENDER_S
-            ):
+            if self._listen and self._may_begin(sender[0]):
                 self._peer, self.peers = sender, self.peers + (sender != self._last)
                 self._last = sender
             if sender[0] == self._peer[0] and (not self._listen or sender == self._peer):
                 self._heard_at = self._now
                 return data
             self._unheard, self._unheard_at = f"{sender[0]}:{sender[1]}", self._now
+
+    def _may_begin(self, host: str) -> bool:
+        """Whether a sender at a host may take the place of the one before."""
+        if self._peer is None:
+            return True
+        silence = _OTHER_PORT_S if host == self._peer[0] else _OTHER_SENDER_S
+        return self._now - self._heard_at > silence
 
     def _send(self, data: bytes) -> int:
         if self._socket is None or self._peer is None:

@@ -25,6 +25,8 @@ _CHANNELS: Final = 8
 _LEAVE: Final = 65535
 """A channel with this value stays as it is."""
 _MIDDLE_US: Final = 1500
+_TRAVEL_US: Final = 500.0
+"""Travel of a channel to each side [us]."""
 _BRAKING: Final = Braking(delay=0.3, per_speed=8.0, least=1.5)
 """Measured on a simulated blimp in VELOCITY: 1.86 s from 0.15 m/s, 1.5 to 3.2 s from 0.2 m/s."""
 _RADIO_LOST_S: Final = 1.05
@@ -36,18 +38,25 @@ _MODES: Final = {0: "land", 1: "manual", 2: "velocity", 3: "loiter", 4: "rtl"}
 
 def _setpoint(wanted: Setpoint, parameters: Parameters, _gain: float) -> tuple[Message, ...]:
     channels = dict.fromkeys(range(1, _CHANNELS + 1), _LEAVE)
-    for name, default, speed, limit in (
-        ("RCMAP_ROLL", 1, -wanted.left, "MAX_VEL_XY"),
-        ("RCMAP_PITCH", 2, wanted.ahead, "MAX_VEL_XY"),
-        ("RCMAP_THROTTLE", 3, wanted.up, "MAX_VEL_Z"),
-        ("RCMAP_YAW", 4, -wanted.turn, "MAX_VEL_YAW"),
+    for name, default, speed, limit, usual_dead in (
+        ("RCMAP_ROLL", 1, -wanted.left, "MAX_VEL_XY", 20.0),
+        ("RCMAP_PITCH", 2, wanted.ahead, "MAX_VEL_XY", 20.0),
+        ("RCMAP_THROTTLE", 3, wanted.up, "MAX_VEL_Z", 30.0),
+        ("RCMAP_YAW", 4, -wanted.turn, "MAX_VEL_YAW", 20.0),
     ):
         number = int(parameters.get(name, default))
         most = max(0.01, parameters.get(limit, math.inf))
+        dead = parameters.get(f"RC{number}_DZ", usual_dead)
         if number in channels:
-            channels[number] = _MIDDLE_US + stick(speed / most, 500.0)
+            channels[number] = _MIDDLE_US + _travel(speed / most, dead)
     fields: dict[str, Any] = {f"chan{number}_raw": value for number, value in channels.items()}
     return (("RC_CHANNELS_OVERRIDE", fields),)
+
+
+def _travel(share: float, dead: float) -> int:
+    """The travel of a channel [us] for a share of the limit; its dead zone is undone."""
+    dead = dead if 0.0 <= dead < _TRAVEL_US else 0.0
+    return stick(share, _TRAVEL_US - dead) + round(math.copysign(dead, share)) * bool(share)
 
 
 def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[float, float]:
@@ -97,6 +106,7 @@ BLIMP: Final = VehicleProfile(
         "RCMAP_PITCH",
         "RCMAP_THROTTLE",
         "RCMAP_YAW",
+        *(f"RC{number}_DZ" for number in range(1, _CHANNELS + 1)),
     ),
     frees=("ahead", "left", "up", "turn"),
     setpoint=_setpoint,

@@ -44,7 +44,7 @@ _MODES: Final = {
     15: "guided",
     16: "initialising",
 }
-_STEERS: Final = 26.0
+STEERS: Final = 26.0
 """Function of an output that steers wheels: the rover is no skid-steered one."""
 _ZERO: Final = Braking(delay=0.2, per_speed=1.3)
 """Measured on a simulated skid-steered rover: 0.88 s from 0.53 m/s, 1.36 s from 1 m/s."""
@@ -84,7 +84,7 @@ def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[flo
         holds.append(parameters.get("FS_GCS_TIMEOUT", math.nan) + later)
     if parameters.get("FS_THR_ENABLE") and not receiver:
         holds.append(_RADIO_LOST_S + later)
-    steers = parameters.get("SERVO1_FUNCTION") == _STEERS
+    steers = parameters.get("SERVO1_FUNCTION") == STEERS
     zero, hold = (_STEERED_ZERO, _STEERED_HOLD) if steers else (_ZERO, _HOLDING)
     held = min(each for each in holds if not math.isnan(each))
     if held < _SETPOINT_TIMEOUT_S:
@@ -112,7 +112,7 @@ ROVER: Final = VehicleProfile(
         ),
         WantedParameter(
             name="FS_GCS_TIMEOUT",
-            allowed=(2.0, 1.0, 1.2, 1.5),
+            allowed=(2.0, 1.2, 1.5),
             why="it notices the loss of the ground station late",
         ),
         WantedParameter(

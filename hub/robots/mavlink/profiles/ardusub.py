@@ -25,6 +25,8 @@ LIGHT_STEPS: Final = "JS_LIGHTS_STEPS"
 _POSITION_HOLD: Final = 16
 _DEPTH_HOLD: Final = 2
 _SURFACE: Final = 9
+_FULL_THRUST: Final = 1.04
+"""Speed of the full stick in depth hold, against quadratic drag [m/s]: 0.52 at a quarter of it."""
 _STICK_US: Final = 400.0
 """Travel of a stick's channel to each side [us]."""
 _ACRO_TURN: Final = math.radians(45.0)
@@ -92,22 +94,39 @@ def _turn(rate: float, parameters: Parameters, gain: float) -> int:
     return stick(math.copysign(travel / _STICK_US / gain, -rate))
 
 
+def _thrust(speed: float, gain: float) -> int:
+    """The stick for a speed in depth hold, where it is a share of the thrust."""
+    return stick(math.copysign((speed / _FULL_THRUST) ** 2 / gain, speed))
+
+
 def _setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Message, ...]:
-    known = gain if math.isfinite(gain) else parameters.get("JS_GAIN_DEFAULT", 1.0)
-    gain = min(1.0, max(0.05, known))
+    gain = _known_gain(gain, parameters)
     most = parameters.get("PILOT_SPEED", math.nan) / 100.0
     dead = _dead(parameters, "THR_DZ", 100.0)
-    return (
-        (
-            "MANUAL_CONTROL",
-            {
-                "x": _axis(wanted.ahead, most, gain, dead),
-                "y": _axis(-wanted.left, most, gain, dead),
-                "z": _climb(wanted.up, parameters, gain),
-                "r": _turn(wanted.turn, parameters, gain),
-            },
-        ),
-    )
+    flat = {
+        "x": _axis(wanted.ahead, most, gain, dead),
+        "y": _axis(-wanted.left, most, gain, dead),
+    }
+    return _sticks(flat, wanted, parameters, gain)
+
+
+def _thrust_setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Message, ...]:
+    gain = _known_gain(gain, parameters)
+    flat = {"x": _thrust(wanted.ahead, gain), "y": _thrust(-wanted.left, gain)}
+    return _sticks(flat, wanted, parameters, gain)
+
+
+def _known_gain(gain: float, parameters: Parameters) -> float:
+    known = gain if math.isfinite(gain) else parameters.get("JS_GAIN_DEFAULT", 1.0)
+    return min(1.0, max(0.05, known))
+
+
+def _sticks(
+    flat: dict[str, int], wanted: Setpoint, parameters: Parameters, gain: float
+) -> tuple[Message, ...]:
+    """The message of sticks ahead and sideways, with those for climbing and turning."""
+    z, r = _climb(wanted.up, parameters, gain), _turn(wanted.turn, parameters, gain)
+    return (("MANUAL_CONTROL", {**flat, "z": z, "r": r}),)
 
 
 def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[float, float]:
@@ -164,7 +183,7 @@ SUB: Final = VehicleProfile(
         ),
         WantedParameter(
             name="FS_GCS_TIMEOUT",
-            allowed=(2.0, 1.0, 1.5),
+            allowed=(2.0, 1.5),
             why="it notices the loss of the ground station late",
         ),
         STATION_WANTED,
@@ -180,5 +199,6 @@ SUB: Final = VehicleProfile(
     later=(LIGHT_STEPS, *BUTTON_FUNCTIONS),
     frees=("ahead", "left", "up", "turn"),
     setpoint=_setpoint,
+    open_loop=(frozenset({_DEPTH_HOLD}), _thrust_setpoint),
     stops=_stops,
 )

@@ -90,6 +90,10 @@ class Braking:
         return self.delay + max(self.least, self.per_speed * speed)
 
 
+SetpointModel: TypeAlias = Callable[[Setpoint, Parameters, float], tuple[Message, ...]]
+"""From a velocity, the vehicle's parameters and the gain of its sticks to messages."""
+
+
 class StopModel(Protocol):
     """The times to stand of one kind of vehicle."""
 
@@ -132,6 +136,8 @@ class VehicleProfile:
         main_modes: Whether a mode's number is made of a main and a sub mode, as PX4 does.
         frees: The degrees of freedom: "ahead", "left", "up", "turn".
         setpoint: The messages of a velocity.
+        open_loop: The modes in which speeds ahead and sideways are not controlled, and the
+            messages of a velocity there; None: there are none.
         stops: Its times to stand.
     """
 
@@ -154,13 +160,29 @@ class VehicleProfile:
     bytewise: bool = False
     main_modes: bool = False
     frees: tuple[str, ...]
-    setpoint: Callable[[Setpoint, Parameters, float], tuple[Message, ...]]
+    setpoint: SetpointModel
+    open_loop: tuple[frozenset[int], SetpointModel] | None = None
     stops: StopModel
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """The names of all parameters that are read."""
         return (*(each.name for each in self.wanted), *self.scales, *self.reads)
+
+    def velocity(
+        self, mode: int, wanted: Setpoint, parameters: Parameters, gain: float
+    ) -> tuple[Message, ...]:
+        """The messages of a velocity in a mode.
+
+        Args:
+            mode: The vehicle's mode.
+            wanted: The velocity.
+            parameters: The vehicle's parameters.
+            gain: Share of its sticks' effect; NaN: not known.
+        """
+        if self.open_loop is not None and mode in self.open_loop[0]:
+            return self.open_loop[1](wanted, parameters, gain)
+        return self.setpoint(wanted, parameters, gain)
 
     def drives_with(self, *, place: bool) -> tuple[int, ...]:
         """The modes that follow velocities now.

@@ -69,6 +69,17 @@ class ModeOrder:
     drives: bool = False
     arms: bool = False
 
+    @staticmethod
+    def to(profile: VehicleProfile, number: int, *, drives: bool) -> ModeOrder:
+        """The order for one mode; `drives`: to drive in it, if it follows velocities."""
+        drives = drives and number in profile.drives
+        return ModeOrder(profile=profile, numbers=(number,), drives=drives)
+
+    @property
+    def needs_place(self) -> bool:
+        """Whether its first mode begins only where the vehicle knows its place."""
+        return self.numbers[0] in self.profile.need_place
+
 
 class ModeOrders:
     """The orders to one vehicle; times are monotonic [s].
@@ -135,6 +146,15 @@ class ModeOrders:
             self._disarming_until = -math.inf
             self._arming_until = now + ARMING_S
         self._ask_mode(order, now + after)
+
+    def refuse_without_place(self, order: ModeOrder, now: float) -> None:
+        """Ask for nothing, and say why.
+
+        Some modes that begin without a place leave a vehicle unable to arm until it is booted.
+        """
+        name = order.profile.mode_name(order.numbers[0])
+        self._refusal, self._refused_at = f"the mode {name}", now
+        self._result = "it does not know its place yet"
 
     def disarm(self, now: float) -> None:
         """Ask the vehicle to disarm, before all other requests."""

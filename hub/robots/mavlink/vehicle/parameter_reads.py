@@ -87,6 +87,12 @@ class ParameterReads:
         self._left = deque([*wanted, *aliases, *sorted(self._later)])
         self._tries = dict.fromkeys(self._left, _TRIES)
 
+    def forget(self) -> None:
+        """Read all of them again: the vehicle was booted, or is another one."""
+        self.values.clear()
+        self._left = deque(self._tries)
+        self._tries = dict.fromkeys(self._left, _TRIES)
+
     def due(self, now: float) -> str:
         """The name to ask for now; empty: none."""
         hurries = any(self._tries[name] > 0 for name in self._left)

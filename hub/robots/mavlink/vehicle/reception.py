@@ -82,7 +82,7 @@ class VehicleReception:
     def forget(self) -> None:
         """Another vehicle is there, or this one was booted."""
         self.telemetry = Telemetry()
-        self.parameters.values.clear()
+        self.parameters.forget()
 
     def _answer(self, frame: MavlinkFrame, now: float) -> Heard:
         """Take a frame of the vehicle's autopilot."""

@@ -27,6 +27,7 @@ class StickStream:
     def send(
         self,
         profile: VehicleProfile,
+        mode: int,
         velocity: Setpoint,
         parameters: Parameters,
         gain: float,
@@ -37,6 +38,7 @@ class StickStream:
 
         Args:
             profile: The vehicle's kind.
+            mode: Its mode.
             velocity: The velocity.
             parameters: The vehicle's parameters.
             gain: Share of its sticks' effect; NaN: not known.
@@ -44,6 +46,6 @@ class StickStream:
             now: Monotonic time [s].
         """
         self._sent_at = now
-        for name, fields in profile.setpoint(velocity, parameters, gain):
+        for name, fields in profile.velocity(mode, velocity, parameters, gain):
             pressed = {"buttons": buttons} if buttons and name == "MANUAL_CONTROL" else {}
             self._sender.message(name, **fields, **pressed)

@@ -98,12 +98,10 @@ class MavlinkVehicle:
         self.texts, self.liveness = self.heard.texts, self.heard.liveness
         self.stations, self._twins = self.heard.stations, self.heard.twins
         self._sender = VehicleSender(send, packer, self.stations)
-        self._sticks = StickStream(self._sender)
-        self._gate = VelocityGate(limits)
-        self.lights, self.tilt = ButtonLights(), CameraTilt(self._sender)
-        self.phase, self.learns_because = AutopilotPhase.LINKING, ""
+        self._sticks, self.tilt = StickStream(self._sender), CameraTilt(self._sender)
+        self._gate, self.lights = VelocityGate(limits), ButtonLights()
+        self.phase, self.mode, self.learns_because = AutopilotPhase.LINKING, -1, ""
         self.armed = self.failsafe = self._starts = False
-        self.mode = -1
         self._requests = RequestQueue()
         self.learning = Learning(self._requests, self.parameters)
         self.orders = ModeOrders(self._requests, self.texts)
@@ -330,9 +328,11 @@ class MavlinkVehicle:
     def _ask_mode(self, number: int | None, now: float, *, drives: bool = False) -> None:
         """Ask for a mode, if there is one; `drives`: to drive in it, where that is possible."""
         if self.profile is not None and number is not None and self._can_change:
-            drives = drives and number in self.profile.drives
-            order = ModeOrder(profile=self.profile, numbers=(number,), drives=drives)
-            self._change_mode(order, now)
+            order = ModeOrder.to(self.profile, number, drives=drives)
+            if self.armed or self.telemetry.position or not order.needs_place:
+                self._change_mode(order, now)
+            else:
+                self.orders.refuse_without_place(order, now)
 
     def _change_mode(self, order: ModeOrder, now: float) -> None:
         """Ask for a mode; the velocities begin with a neutral one."""
@@ -357,7 +357,7 @@ class MavlinkVehicle:
             return
         values, read = self.parameters.values, self.telemetry
         buttons = self.lights.buttons(values, read.brightness, now)
-        self._sticks.send(self.profile, self.velocity, values, read.gain, buttons, now)
+        self._sticks.send(self.profile, self.mode, self.velocity, values, read.gain, buttons, now)
 
     def _send_requests(self, now: float) -> None:
         request = self._requests.due(now) if self.system else None

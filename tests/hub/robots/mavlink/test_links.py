@@ -127,6 +127,29 @@ def test_a_second_sender_is_not_heard_beside_the_first():
     link.close()
 
 
+@pytest.mark.parametrize(("host", "silence"), [("127.0.0.1", 1.2), ("127.0.0.2", 3.0)])
+def test_a_vehicle_that_was_started_again_is_heard_from_its_new_port_soon(host, silence):
+    link = UdpLink("127.0.0.1", 0, listen=True)
+    now = 100.0
+    link.read(now)
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as before,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again,
+    ):
+        again.bind((host, 0))
+        again.settimeout(5)
+        to = "127.0.0.1", link.port
+        before.sendto(b"before", to)
+        until(lambda: link.read(now), 10)
+        again.sendto(b"early", to)
+        until(lambda: link.read(now + silence - 0.1) == [] and link.state.unheard, 10)
+        again.sendto(b"again", to)
+        until(lambda: link.read(now + silence + 0.1) == [b"again"], 10)
+        link.write(b"answer")
+        assert again.recv(100) == b"answer"
+    link.close()
+
+
 def test_a_vehicle_behind_tcp_that_goes_and_comes_back():
     server = socket.create_server(("127.0.0.1", 0))
     link = TcpLink(*server.getsockname())

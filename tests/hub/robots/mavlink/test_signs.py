@@ -30,9 +30,9 @@ CASES = [
     (SUB, SUB_PARAMETERS, 71.432, 30.0),
     (SUB, SUB_PARAMETERS, 80.433, 30.0),
     (SUB, SUB_PARAMETERS, 87.427, 30.0),
-    (BLIMP, BLIMP_PARAMETERS, 43.728, 80.0),
-    (BLIMP, BLIMP_PARAMETERS, 63.733, 80.0),
-    (BLIMP, BLIMP_PARAMETERS, 79.733, 80.0),
+    (BLIMP, BLIMP_PARAMETERS, 43.728, 40.0),
+    (BLIMP, BLIMP_PARAMETERS, 63.733, 40.0),
+    (BLIMP, BLIMP_PARAMETERS, 79.733, 40.0),
 ]
 FREEDOMS = ("x", "y", "z", "r", "vx", "yaw_rate", *(f"chan{place}_raw" for place in range(1, 5)))
 

@@ -12,6 +12,7 @@ from tests.support.mavlink_numbers import (
     GUIDED,
     HOLD,
     MANUAL,
+    POSITION_HOLD,
     ROVER,
     SET_MODE,
     SUB,
@@ -41,6 +42,35 @@ def test_a_velocity_needs_a_neutral_one_after_each_entry(kind):
     bench.run(0.2)
     assert any(bench.moving(entered + 0.1))
     assert reason(bench) == ""
+
+
+@pytest.mark.parametrize(("kind", "mode"), [(ROVER, "loiter"), (SUB, "position hold")])
+def test_a_disarmed_vehicle_without_a_place_is_not_asked_for_a_mode_that_needs_one(kind, mode):
+    bench = ScriptedAutopilot(kind)
+    bench.position = False
+    in_phase(bench, AutopilotPhase.DISARMED)
+    bench.vehicle.set_mode(mode, bench.now)
+    bench.run(1.0)
+    assert not bench.commands(SET_MODE)
+    why = "it does not know its place yet"
+    assert bench.vehicle.orders.refusal() == f"the mode {mode} was refused: {why}"
+    bench.position = True
+    bench.run(1.0)
+    bench.vehicle.set_mode(mode, bench.now)
+    bench.run(1.0)
+    assert bench.commands(SET_MODE)
+    assert not bench.vehicle.orders.refusal()
+
+
+@pytest.mark.parametrize(("mode", "x"), [(POSITION_HOLD, 550), (DEPTH_HOLD, 166)])
+def test_a_sub_gets_less_stick_in_depth_hold_where_it_is_thrust(mode, x):
+    bench = ScriptedAutopilot(SUB)
+    bench.parameters["PILOT_SPEED"] = 200.0
+    bench.position = mode == POSITION_HOLD
+    bench.driving()
+    assert bench.mode == mode
+    bench.velocity(ahead=0.3)
+    assert bench.sent[-1][1]["x"] == pytest.approx(x, abs=30)
 
 
 def test_a_new_velocity_leaves_at_once_and_an_old_one_at_20_hz():

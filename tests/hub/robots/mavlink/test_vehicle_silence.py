@@ -93,6 +93,22 @@ def test_a_fast_boot_is_noticed_by_the_time_since_the_start():
     assert reason(bench).endswith("ask it to drive")
 
 
+@pytest.mark.parametrize("gap", [0.02, 0.06, 0.1, 0.3])
+def test_parameters_are_read_again_whenever_the_first_attitude_of_a_boot_comes(gap):
+    """What was read between the heartbeat that shows the boot and that frame is forgotten."""
+    bench = ScriptedAutopilot()
+    in_phase(bench, AutopilotPhase.DISARMED)
+    before = set(bench.vehicle.parameters.values)
+    bench.status, bench.silent = 2, {"ATTITUDE"}
+    bench.boot()
+    bench.run(1.4)
+    bench.status = 3
+    bench.run(gap)
+    bench.silent = set()
+    in_phase(bench, AutopilotPhase.DISARMED)
+    assert set(bench.vehicle.parameters.values) == before != set()
+
+
 def test_telemetry_that_falls_silent_is_asked_for_again():
     bench = ScriptedAutopilot().driving()
     bench.bare = True
