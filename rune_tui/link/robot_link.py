@@ -262,9 +262,9 @@ class RobotLink:
             self._note_owner(value)
 
     def _too_soon(self, name: str, measured: float) -> bool:
-        """Whether a message of this kind arrived too recently for the layout's rate."""
+        """Whether it was measured too soon for the layout's rate; the same moment again is news."""
         newest = self._state.messages.get(name)
-        return newest is not None and 0.0 <= measured - newest.measured < self._least_s.get(name, 0)
+        return newest is not None and 0.0 < measured - newest.measured < self._least_s.get(name, 0)
 
     def received(self, value: T, reception: MessageInfo) -> Received[T]:
         """A message with its own number and its time of measurement."""

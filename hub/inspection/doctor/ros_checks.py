@@ -17,7 +17,12 @@ from hub.robots.ros.asking.findings import RosFindings
 from hub.robots.ros.asking.proposal import RosProposal, open_way_of
 from hub.robots.ros.asking.stopping import stopping
 from hub.robots.ros.asking.survey import look_at
-from hub.robots.ros.goals.goal_actions import action_of, actions_of, missing_action
+from hub.robots.ros.goals.goal_actions import (
+    action_of,
+    actions_of,
+    driving_nodes,
+    missing_action,
+)
 from hub.robots.ros.line import RosTopic
 from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.own_nodes import foreign
@@ -79,7 +84,8 @@ def _driving(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
     if found.graph.whole and not foreign(command.subscribers):
         advice = "start the node that drives, or correct [ros], key 'cmd_vel'"
         yield warning(f"no node subscribes to {name}: the robot will not move", advice)
-    if more := foreign(command.publishers):
+    own = driving_nodes(found.graph, robot.ros.navigation)
+    if more := [each for each in foreign(command.publishers) if each not in own]:
         text = f"{plain(', '.join(more[:4]))[:300]} also publishes {name}: the newest counts"
         yield warning(text, "end it, or put twist_mux between")
     stop = stopping(found, command)

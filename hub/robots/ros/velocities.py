@@ -10,6 +10,7 @@ from hub.gcm.geometry import Twist
 from hub.plain_text import plain
 from hub.robots.ros.command_stream import CommandStream
 from hub.robots.ros.commands import TYPES, velocity_payload
+from hub.robots.ros.goals.goal_actions import driving_nodes
 from hub.robots.ros.line import RosLine
 from hub.robots.ros.own_nodes import rivals
 from hub.robots.ros.whereabouts import PATIENCE_S
@@ -88,7 +89,8 @@ class RosVelocities:
         if self._line.graph.whole:
             if not topic.subscribers:
                 yield f"no node of the robot subscribes to {name}: it does not follow"
-            if others := rivals(topic.publishers):
+            own = driving_nodes(self._line.graph, self._table.navigation)
+            if others := [each for each in rivals(topic.publishers) if each not in own]:
                 named = plain(", ".join(others[:_MOST_NAMED]))[:200]
                 yield f"{named} may drive too, on {name}: the robot follows the newest"
 

@@ -112,8 +112,11 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
     old = staleness(age) is not Staleness.FRESH
     if old and robot.link.phase is LinkPhase.CONNECTED:
         yield Part(f"STATE {age_text(age)} OLD", 9, Severity.ALARM, cause="state")
-    known = (*_moving(robot, navigation, now), *_battery(navigation))
-    yield from map(_past, known) if staleness(age) is Staleness.STALE else known
+    stale = staleness(age) is Staleness.STALE
+    lost = robot.link.phase is LinkPhase.CONNECTED and navigation.motion is MotionState.NO_DRIVER
+    for part in (*_moving(robot, navigation, now), *_battery(navigation)):
+        lasts = lost and part.cause == "motion"  # a driver that is silent measures nothing newer
+        yield _past(part) if stale and not lasts else part
     yield from _obstacles(robot, now, silent=old)
 
 

@@ -105,7 +105,8 @@ class RosParts:
 def parts_of(found: RosFindings) -> RosParts:
     """The parts of a robot."""
     known = [each for each in found.topics_of(*COMMAND_TYPES) if _takes(each, found)]
-    assumed = [] if known else _assumed(found)
+    # A bridge that knows the nodes knows whether one listens to velocities without a type.
+    assumed = _assumed(found) if not known or found.graph.whole else []
     commands = sorted((*known, *assumed), key=_command_rank(found))
     command = commands[0] if commands else None
     home = command.name.rpartition("/")[0] if command is not None else ""
@@ -115,7 +116,7 @@ def parts_of(found: RosFindings) -> RosParts:
     )
     return RosParts(
         command=command,
-        assumed=_ASSUMED if assumed else "",
+        assumed=_ASSUMED if command in assumed else "",
         commands=tuple(each.name for each in commands[1:]),
         odometry=odometries[0] if odometries else "",
         odometries=tuple(odometries[1:]),

@@ -17,6 +17,7 @@ from hub.robots.ros.asking.limits import RosLimits
 from hub.robots.ros.asking.parts import READ, RosParts, parts_of
 from hub.robots.ros.asking.stopping import Stopping, stopping
 from hub.robots.ros.asking.tables import BodyTables
+from hub.robots.ros.goals.goal_actions import driving_nodes
 from hub.robots.ros.own_nodes import foreign
 from hub.robots.urdf import UrdfModel
 from hub.values import dataclass
@@ -133,7 +134,10 @@ class RosProposal:
         found, command = self.found, self.parts.command
         if command is not None and not self.stopping.safe:
             yield Danger(name="time-out", why=self._without_time_out())
-        if command is not None and (more := foreign(command.publishers)):
+        name = self.parts.navigation.name if self.parts.navigation is not None else ""
+        own = driving_nodes(found.graph, name)
+        others = foreign(command.publishers) if command is not None else ()
+        if command is not None and (more := tuple(each for each in others if each not in own)):
             text = f"{_listed(more)} also publishes {command.name}: the robot follows the newest"
             yield Danger(name="publisher", why=text)
         if open_way := open_way_of(found):

@@ -14,6 +14,17 @@ from hub.values import dataclass
 _HIDDEN: Final = "/_action/"
 
 
+_NODES_OF_NAV2: Final = (
+    "behavior_server",
+    "collision_monitor",
+    "controller_server",
+    "docking_server",
+    "recoveries_server",
+    "velocity_smoother",
+)
+"""Names of the nodes of Nav2 that publish velocities."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoalEnds:
     """The topics and services of an action.
@@ -89,6 +100,22 @@ def actions_of(graph: RosGraph) -> Iterator[GoalAction]:
             found = action_of(graph, each.removesuffix(ending)) if each.endswith(ending) else None
             if found is not None:
                 yield found
+
+
+def driving_nodes(graph: RosGraph, name: str) -> frozenset[str]:
+    """The nodes that drive to goals of the action of a name: no rivals of the hub that sends them.
+
+    Args:
+        graph: The robot's topics.
+        name: The action; empty: there is none.
+    """
+    if not name:
+        return frozenset()
+    ends = (GoalEnds.of(name, old=old) for old in (False, True))
+    topics = (graph.topics.get(each.status) for each in ends)
+    nodes = (node for topic in topics if topic is not None for node in topic.publishers)
+    base = name.rpartition("/")[0]
+    return frozenset((*nodes, *(f"{base}/{each}" for each in _NODES_OF_NAV2)))
 
 
 def missing_action(graph: RosGraph, name: str) -> str:

@@ -254,6 +254,25 @@ def test_a_type_that_the_bridge_says_is_not_assumed() -> None:
     assert "is assumed" not in robot_file(RosProposal(ros_1()))
 
 
+def test_velocities_of_the_usual_name_are_taken_before_a_measured_twist() -> None:
+    measured = {"type": TWIST, "by": ("/wheels",), "to": ("/logger",)}
+    robot = old({"/cmd_vel": UNTYPED, "/wheel/velocity_estimate": measured})
+    assert read(RosProposal(robot))["ros"]["cmd_vel"] == "/cmd_vel"
+    assert "publisher" not in dangers(robot)
+
+
+@pytest.mark.parametrize("driver", ["/move_base", "/teleop"])
+def test_the_robots_own_navigation_is_no_rival(driver: str) -> None:
+    topics = {
+        "/move_base/status": {"type": "actionlib_msgs/GoalStatusArray", "by": ("/move_base",)},
+        "/move_base/feedback": {"type": "move_base_msgs/MoveBaseActionFeedback"},
+        "/cmd_vel": {"type": TWIST, "by": (driver,), "to": ("/base",)},
+    }
+    robot = old(topics)
+    assert read(RosProposal(robot))["ros"]["navigation"] == "/move_base"
+    assert ("publisher" in dangers(robot)) is (driver == "/teleop")
+
+
 def test_velocities_that_nobody_takes_are_said() -> None:
     robot = found({"/cmd_vel": {"type": TWIST, "by": ("/teleop",)}, "/odom": ODOM})
     assert "no node subscribes to /cmd_vel: the robot will not move" in said(robot)
