@@ -6,6 +6,7 @@
 | there is none, or its address is none | the end, with the reason |
 | all of it is safe, or `--yes` | its hub starts, then the console |
 | something is unsafe, or it is armed | the same after Enter |
+| standard input ends in place of Enter | the end, with the reason |
 | the console ends | its hub ends |
 
 With `--ssh` the hub runs on the robot, where Rune is installed there; otherwise it runs here, and
@@ -27,6 +28,7 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 from urllib.parse import urlsplit
 
+from hub.command_line import ExitCode
 from hub.plain_text import plain
 from rune_tui.commands.auto import with_file
 from rune_tui.commands.demo import AUTO
@@ -74,8 +76,10 @@ def run(options: argparse.Namespace, log: Path, show: Callable[[str, str], int])
         if found is None:
             return code
         hub = endpoint()
-        if (found["unsafe"] or found["armed"]) and not options.yes:
-            _wait_for_operator()
+        asks = (found["unsafe"] or found["armed"]) and not options.yes
+        if asks and not _operator_agrees():
+            _say("nobody answered; --yes opens the console all the same")
+            return ExitCode.FAULT
         with with_file([AUTO], hub) as (layout,):
             return show(layout, hub)
 
@@ -204,10 +208,14 @@ def _say_found(address: str, found: Found) -> None:
     _say(f"{address}: a {found['title']}", *found["remarks"])
 
 
-def _wait_for_operator() -> None:
+def _operator_agrees() -> bool:
+    """Wait for a line; False: standard input has ended."""
     sys.stderr.write("rune: Enter opens the console all the same, Ctrl-C ends: ")
     sys.stderr.flush()
-    sys.stdin.readline()
+    answered = bool(sys.stdin.readline())
+    if not answered:
+        sys.stderr.write("\n")
+    return answered
 
 
 def _say(*lines: str) -> None:

@@ -44,6 +44,15 @@ def test_it_says_what_is_unsafe_opens_the_console_and_ends_its_hub(
     assert tomllib.loads(path.read_text())["mavlink"]["address"] == address
 
 
+def test_end_of_input_is_no_answer(stack: ExitStack) -> None:
+    address = stack.enter_context(served(rover()))
+    console = stack.enter_context(closing(ConsoleProcess(["drive", f"mavlink:{address}"])))
+    console.wait(lambda: "Enter opens the console" in console.text, 30.0)
+    console.type("\x04")  # Ctrl-D
+    assert console.wait_ended(20.0) == ExitCode.FAULT
+    assert "nobody answered; --yes opens the console all the same" in " ".join(console.text.split())
+
+
 @pytest.mark.parametrize("address", ["udp://:14550", "ws:robot", "mavlink", "mavlink:", "hub:a"])
 def test_an_address_without_a_kind_of_link_is_refused(address: str) -> None:
     with closing(ConsoleProcess(["drive", address])) as console:
