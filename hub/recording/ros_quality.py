@@ -13,6 +13,8 @@ from typing import Final
 
 QOS: Final = "offered_qos_profiles"
 """The key of a topic's metadata that rosbag2 reads."""
+TYPE_HASH: Final = "topic_type_hash"
+"""The key of the hash of a topic's type, which rosbag2 reads and writes since Iron."""
 VERSION: Final = 5
 """Version of the metadata, which all releases of rosbag2 since Galactic read."""
 ROSBAG2: Final = "rosbag2"

@@ -14,10 +14,11 @@ from hub.errors import CodecError
 from hub.gcm.vision import IMAGE
 from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.formats.codegen import Buffer
-from hub.recording.ros_quality import QOS
+from hub.recording.ros_quality import QOS, TYPE_HASH
 from hub.recording.topics import RecordedTopic, topic_of
 from hub.ros import standard_topics
 from hub.ros.standard_topics import CAMERA, MARKS, ODOMETRY, PICTURE, SCAN, TRANSLATED, USUAL_NAMES
+from hub.ros.type_hashes import type_hash
 
 _LONGEST = "\n".join(f"    {part}: {number}" for part, number in (
     ("sec", 9223372036), ("nsec", 854775807)
@@ -37,8 +38,7 @@ class RosTopics:
         key = definition.name, ""
         if key not in self._topics:
             name = USUAL_NAMES.get(definition.name, topic.name)
-            metadata = {**topic.metadata, QOS: quality(definition)}
-            self._topics[key] = dataclasses.replace(topic, name=name, metadata=metadata)
+            self._topics[key] = _for_ros(name, topic, definition)
         return self._topics[key]
 
     def translated(
@@ -57,11 +57,16 @@ class RosTopics:
     def _topic(self, name: str, definition: MessageDefinition[Any]) -> RecordedTopic:
         key = name, definition.name
         if key not in self._topics:
-            topic = topic_of(self._robot, definition)
-            self._topics[key] = dataclasses.replace(
-                topic, name=name, metadata={**topic.metadata, QOS: quality(definition)}
-            )
+            self._topics[key] = _for_ros(name, topic_of(self._robot, definition), definition)
         return self._topics[key]
+
+
+def _for_ros(name: str, topic: RecordedTopic, definition: MessageDefinition[Any]) -> RecordedTopic:
+    """A topic under another name, with the metadata that rosbag2 reads."""
+    metadata = {**topic.metadata, QOS: quality(definition)}
+    if hashed := type_hash(topic.schema_name):
+        metadata[TYPE_HASH] = hashed
+    return dataclasses.replace(topic, name=name, metadata=metadata)
 
 
 def quality(definition: MessageDefinition[Any]) -> str:

@@ -17,7 +17,7 @@ from hub.recording.chunks import LoggedMessage
 from hub.recording.live.ros_names import RosTopics
 from hub.recording.new_recording import NewRecording
 from hub.recording.ros.metadata import METADATA
-from hub.recording.ros_quality import QOS, VERSION, numbered
+from hub.recording.ros_quality import QOS, TYPE_HASH, VERSION, numbered
 from hub.recording.topics import RecordedTopic, topic_of
 
 _SHARED: Final = ("/tf", "/tf_static")
@@ -119,6 +119,7 @@ def write_bag_metadata(folder: Path, name: str, copy: RosCopy) -> None:
             f"        type: {json.dumps(topic.schema_name)}\n",
             f"        serialization_format: {json.dumps(topic.encoding)}\n",
             f"        offered_qos_profiles: {json.dumps(quality)}\n",
+            f"        type_description_hash: {json.dumps(topic.metadata.get(TYPE_HASH, ''))}\n",
             f"      message_count: {count}\n",
         ]
     lines += [

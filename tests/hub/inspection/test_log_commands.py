@@ -21,7 +21,7 @@ from hub.recording.new_recording import NewRecording
 from hub.recording.reader import Recording
 from hub.recording.recording_set import RecordingSet
 from hub.recording.records import MAGIC, RECORD
-from hub.recording.ros_quality import QOS
+from hub.recording.ros_quality import QOS, TYPE_HASH
 from hub.recording.topics import RecordedTopic
 from hub.recording.writer import RecordingWriter
 from tests.support import ros_bags
@@ -267,12 +267,18 @@ def test_tools_of_ros_read_a_bag_that_was_made(drive: Path) -> None:
     with AnyReader([Path("bag")], default_typestore=get_typestore(Stores.EMPTY)) as reader:
         names = {each.topic for each in reader.connections}
         assert {"/rover/odom", "/scout/battery_state", "/rover/GCM_DriveState"} <= names
+        hashes = {each.topic: each.digest for each in reader.connections}
         voltages = [
             getattr(reader.deserialize(raw, connection.msgtype), "voltage")  # noqa: B009
             for connection, _, raw in reader.messages()
             if connection.topic == "/scout/battery_state"
         ]
     assert voltages[:2] == pytest.approx([0.2, 0.4])
+    types = get_typestore(Stores.ROS2_JAZZY)
+    assert hashes["/rover/odom"] == types.hash_rihs01("nav_msgs/msg/Odometry")
+    with Path("bag/bag_0.mcap").open("rb") as file:
+        channels = make_reader(file).get_summary().channels.values()
+    assert hashes["/rover/odom"] in {each.metadata.get(TYPE_HASH) for each in channels}
     log("filter bag -o odometry.mcap -e odom")
     assert len(seconds("odometry.mcap")["/rover/odom"]) == 199
     log("convert bag -o again --ros-names")

@@ -25,7 +25,7 @@ from hub.ipc.ros_schema import ros2msg, ros_type
 from hub.recording.anchor import TimeAnchor
 from hub.recording.live.ros_names import RosTopics
 from hub.recording.reader import Recording
-from hub.recording.ros_quality import QOS
+from hub.recording.ros_quality import QOS, TYPE_HASH
 from hub.recording.topics import topic_of
 from hub.recording.writer import RecordingWriter, WriterLimits
 from hub.ros.standard_topics import CAMERA as CAMERA_TYPE
@@ -139,6 +139,17 @@ def test_tools_of_ros_read_the_qualities(file: Path) -> None:
     assert all(re.findall(r"(?:history|ability|liveliness): \d", each) for each in found.values())
     (quality,) = parse_qos(found["/tf_static"])
     assert quality.durability.name == "TRANSIENT_LOCAL"
+
+
+def test_known_types_have_their_hashes(file: Path) -> None:
+    types = get_typestore(Stores.ROS2_JAZZY)
+    with Recording.open(file) as recording:
+        topics = [*recording.channels.values()]
+    for topic in topics:
+        known = topic.schema_name in types.types
+        expected = types.hash_rihs01(topic.schema_name) if known else None
+        assert topic.metadata.get(TYPE_HASH) == expected, topic.name
+    assert sum(TYPE_HASH in topic.metadata for topic in topics) == 8
 
 
 def test_translated_types_are_those_of_ros() -> None:
