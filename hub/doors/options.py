@@ -62,7 +62,7 @@ def _add_foxglove(doors: Commands, look: CommandParser) -> None:
         help="the hub's messages in Foxglove or Lichtblick, and driving from its panels",
         description="Serve a hub's messages to Foxglove and Lichtblick, which open the printed "
         "address. What no panel shows costs the robot nothing. With --drive, the panel Teleop "
-        "drives the robot: every program of this machine can do that then.",
+        "drives the robot: every program of this machine can do that then, and no other machine.",
     )
     foxglove.add_argument("--host", default="127.0.0.1", help="where it listens (%(default)s)")
     foxglove.add_argument(
@@ -119,18 +119,19 @@ def _add_pictures(door: CommandParser) -> None:
 
 
 def _check_host(options: argparse.Namespace) -> None:
-    """Refuse driving from other machines without TLS.
+    """Refuse driving from other machines, with TLS too: the door has no login.
 
     Raises:
-        DoorError: Other machines could drive without TLS, or a part of TLS is missing.
+        DoorError: Other machines could drive, or a part of TLS is missing.
     """
     if (options.tls_cert is None) != (options.tls_key is None):
         text = "TLS needs both --tls-cert and --tls-key"
         raise DoorError(text)
     host = "127.0.0.1" if options.host == "localhost" else options.host
-    if options.drive and not options.tls_cert and not TcpEndpoint(host, 0).on_loopback:
+    if options.drive and not TcpEndpoint(host, 0).on_loopback:
+        port = options.port or _FOXGLOVE_PORT
         text = (
-            f"--drive on {options.host} would let every machine there drive the robot unseen; give "
-            "--tls-cert and --tls-key, or listen on 127.0.0.1 and come through ssh"
+            f"--drive on {options.host} would let everybody who reaches it drive, since it has no "
+            f"login; leave out --host, and come by `ssh -L {port}:127.0.0.1:{port} robot`"
         )
         raise DoorError(text)
