@@ -87,9 +87,15 @@ class RosNode:
         return publish
 
     def subscribe(
-        self, topic: str, kind: str, take: Callable[[bytes, bytes], None], *, latched: bool = False
+        self,
+        topic: str,
+        kind: str,
+        take: Callable[[bytes, bytes], None],
+        *,
+        latched: bool = False,
+        hashed: str = "",
     ) -> None:
-        hashed = STORE.hash_rihs01(kind)
+        hashed = hashed or STORE.hash_rihs01(kind)
         self._announce("MS", topic, kind, hashed, f":{'1' if latched else ''}:,10:,:,:,,")
         key = self._key(topic, kind, hashed)
 

@@ -18,6 +18,7 @@ from hub.doors.panels.panel_drive import SILENCE_S
 from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.navigation import DRIVE_STATE, GROUND_TRUTH, VELOCITY_COMMAND
 from hub.ipc.client import Client
+from hub.ros.rmw_zenoh import HASH_OF_HUMBLE
 from tests.support.command_line import rune_hub
 from tests.support.ports import free_port
 from tests.support.ros_node import STORE, Paced, RosNode, dds, encoded
@@ -272,6 +273,29 @@ def test_a_door_without_driving_takes_no_commands(
         until(lambda: len(came) > 10, 10.0, meanwhile=lambda: publish(twist(TWIST, 0.3)))
         node.leave()
         assert all(truth.commanded_linear == 0.0 for _, truth in observer.history)
+
+
+def test_nodes_of_humble_and_later_ones_see_the_robot_together(
+    hub: HubProcess, router: ZenohRouter, stack: ExitStack
+) -> None:
+    with closing(Ros2Door(hub.endpoint, router.endpoint, "--domain", "8")):
+        came: set[tuple[str, str]] = set()
+        for release, hashed in (("jazzy", ""), ("humble", HASH_OF_HUMBLE)):
+            node = RosNode(router.endpoint, release, domain=8)
+            stack.callback(node.leave)
+            for topic, kind in (
+                ("/odom", "nav_msgs/msg/Odometry"), ("/tf_static", "tf2_msgs/msg/TFMessage")
+            ):  # fmt: skip
+                seen = (release, topic)
+                node.subscribe(
+                    topic,
+                    kind,
+                    lambda _, __, seen=seen: came.add(seen),
+                    latched=topic == "/tf_static",
+                    hashed=hashed,
+                )
+            both = {(release, "/odom"), (release, "/tf_static")}
+            until(lambda both=both: both <= came, 20.0, lambda: f"{came}")
 
 
 def test_what_cannot_be_opened_is_said(hub: HubProcess) -> None:

@@ -2,6 +2,9 @@
 
 Zenoh calls back on its own threads. They note what nodes want under a lock, the newest only, so
 that a flood fills no memory; one thread takes it.
+
+Nodes of ROS 2 Humble have other keys than later ones. Once such a node is in the domain, topics
+have both.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import field, replace
 from typing import Final
 
 from hub.doors.panels.sentence_log import SentenceLog
@@ -30,6 +34,7 @@ from hub.recording.topics import RecordedTopic
 from hub.ros.publisher_clocks import PublisherClocks
 from hub.ros.rmw_zenoh import (
     GID_BYTES,
+    HASH_OF_HUMBLE,
     Endpoint,
     Entity,
     EntityKind,
@@ -70,13 +75,10 @@ class NodeSettings:
     drive: bool = False
 
 
-class _Offered:
-    """A topic that is published."""
+class _Published:
+    """A topic under the key of one hash of its type."""
 
-    def __init__(
-        self, name: str, type_name: str, token: ZenohDeclared, publisher: ZenohPublisher
-    ) -> None:
-        self.name, self.type = name, type_name
+    def __init__(self, token: ZenohDeclared, publisher: ZenohPublisher) -> None:
         self._token, self._publisher = token, publisher
         self._gid, self._sequence = os.urandom(GID_BYTES), 0
 
@@ -88,6 +90,24 @@ class _Offered:
     def undeclare(self) -> None:
         self._token.undeclare()
         self._publisher.undeclare()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Offered:
+    """A topic that is published.
+
+    Attributes:
+        end: It, with the hash that ROS 2 has since Iron.
+        keys: What publishes it: under that hash, and for nodes of Humble.
+    """
+
+    end: Endpoint
+    keys: list[_Published] = field(default_factory=list)
+
+    @property
+    def kind(self) -> tuple[str, str]:
+        """Its name and type."""
+        return self.end.name, self.end.type
 
 
 class RosNodeServer:
@@ -117,8 +137,9 @@ class RosNodeServer:
         self._sticks: dict[str, str] = {}
         self._commands: dict[Panel, PanelCommand] = {}
         self._panels: dict[Panel, float] = {}
-        self._stick_type = ""
-        self._stick_token: ZenohDeclared | None = None
+        self._stick: tuple[Endpoint, ...] = ()
+        self._stick_tokens: list[ZenohDeclared] = []
+        self._humble = self._humble_came = False
         self._kept = [self._declare(EntityKind.NODE, None)]
         self._kept.append(session.watch_tokens(tokens_of(settings.domain), self._token_came))
         self._kept.append(session.watch_link(self._link_changed))
@@ -136,11 +157,12 @@ class RosNodeServer:
     def take_wishes(self) -> Wishes:
         """What other nodes want now."""
         now = time.monotonic()
+        self._meet_humble()
         if self._settings.drive:
             self._announce_stick()
         with self._lock:
             self._noted = False
-            kinds = {number: (it.name, it.type) for number, it in self._offered.items()}
+            kinds = {number: it.kind for number, it in self._offered.items()}
             watched = {number for number, kind in kinds.items() if self._subscribers.get(kind)}
             fresh = {number for number in watched if kinds[number] in self._fresh}
             self._fresh.clear()
@@ -167,12 +189,9 @@ class RosNodeServer:
             hash=hashed,
             quality=QualityOfService(latched=latched, depth=1 if latched else 10),
         )
-        offered = _Offered(
-            end.name,
-            end.type,
-            self._declare(EntityKind.PUBLISHER, end),
-            self._session.publisher(end.key(self._settings.domain), latched=latched),
-        )
+        offered = _Offered(end=end)
+        for each in self._with_humble(end):
+            offered.keys.append(self._published(each))
         with self._lock:
             self._offered[number] = offered
         self._note()
@@ -182,15 +201,15 @@ class RosNodeServer:
         """Offer a topic no more."""
         with self._lock:
             found = self._offered.pop(number, None)
-        if found is not None:
-            found.undeclare()
+        for each in found.keys if found is not None else ():
+            each.undeclare()
 
     def send(self, number: int, payload: bytes, stamp: int) -> None:
         """Publish a message of a topic; its own header has the time `stamp`, so it is not used."""
         del stamp
         found = self._offered.get(number)
-        if found is not None:
-            found.put(payload)
+        for each in found.keys if found is not None else ():
+            each.put(payload)
 
     def set_parameters(self, values: dict[str, str | float | bool]) -> None:
         """Do nothing: nodes of ROS 2 ask for parameters by services, which this one has not."""
@@ -215,18 +234,38 @@ class RosNodeServer:
         )
         return self._session.declare_token(entity.token(self._settings.domain))
 
+    def _published(self, end: Endpoint) -> _Published:
+        latched = end.quality.latched
+        return _Published(
+            self._declare(EntityKind.PUBLISHER, end),
+            self._session.publisher(end.key(self._settings.domain), latched=latched),
+        )
+
+    def _meet_humble(self) -> None:
+        """Offer all topics to nodes of Humble too, once one is in the domain."""
+        if self._humble or not self._humble_came:
+            return
+        self._humble = True
+        _logger.info("a node of ROS 2 Humble is there: topics have its keys too")
+        for each in self._offered.values():
+            each.keys.append(self._published(_of_humble(each.end)))
+
+    def _with_humble(self, end: Endpoint) -> tuple[Endpoint, ...]:
+        return (end, _of_humble(end)) if self._humble else (end,)
+
     def _announce_stick(self) -> None:
         """Be a subscriber of velocities, with the type that other nodes publish."""
         with self._lock:
             published = sorted(set(self._sticks.values()))
-        wanted = published[0] if published else Twist.ros_type
-        if wanted == self._stick_type:
+        kind = published[0] if published else Twist.ros_type
+        end = Endpoint(name=self._settings.namespace + CMD_VEL, type=kind, hash=type_hash(kind))
+        wanted = self._with_humble(end)
+        if wanted == self._stick:
             return
-        if self._stick_token is not None:
-            self._stick_token.undeclare()
-        self._stick_type = wanted
-        end = Endpoint(name=self._settings.namespace + CMD_VEL, type=wanted, hash=type_hash(wanted))
-        self._stick_token = self._declare(EntityKind.SUBSCRIBER, end)
+        for token in self._stick_tokens:
+            token.undeclare()
+        self._stick = wanted
+        self._stick_tokens = [self._declare(EntityKind.SUBSCRIBER, each) for each in wanted]
 
     def _token_came(self, token: str, alive: bool) -> None:  # noqa: FBT001 - Zenoh calls it
         try:
@@ -238,6 +277,7 @@ class RosNodeServer:
             return
         end = entity.endpoint
         with self._lock:
+            self._humble_came |= end.hash == HASH_OF_HUMBLE
             if entity.kind is EntityKind.SUBSCRIBER:
                 self._note_subscriber((end.name, end.type), token, alive=alive)
             elif entity.kind is EntityKind.PUBLISHER:
@@ -248,7 +288,7 @@ class RosNodeServer:
         known = self._subscribers.get(kind, set())
         if alive and token not in known:
             # The first subscriber of an own topic always counts: tokens that lie hide no node.
-            own = any((it.name, it.type) == kind for it in self._offered.values())
+            own = any(it.kind == kind for it in self._offered.values())
             if self._counted >= MOST_TOKENS and (known or not own):
                 self._faults.count("too many", f"at most {MOST_TOKENS} are counted")
                 return
@@ -318,3 +358,8 @@ class RosNodeServer:
             noted, self._noted = self._noted, True
         if not noted:
             self._changed()
+
+
+def _of_humble(end: Endpoint) -> Endpoint:
+    """A topic as nodes of ROS 2 Humble have it."""
+    return replace(end, hash=HASH_OF_HUMBLE)

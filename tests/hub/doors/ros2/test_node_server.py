@@ -13,7 +13,7 @@ from hub.doors.panels.wishes import MOST_PANELS
 from hub.doors.ros2.node_server import MOST_TOKENS, NodeSettings, RosNodeServer
 from hub.gcm.geometry import Twist
 from hub.recording.topics import RecordedTopic
-from hub.ros.rmw_zenoh import Endpoint, Entity, EntityKind
+from hub.ros.rmw_zenoh import HASH_OF_HUMBLE, Endpoint, Entity, EntityKind, parse_token
 from hub.ros.type_hashes import type_hash
 from hub.zenoh.session import ZenohSample
 
@@ -33,11 +33,17 @@ class SilentSession:
     token_came: Callable[[str, bool], None]
     stick_came: Callable[[ZenohSample], None]
 
-    def declare_token(self, _key: str) -> Declared:
+    def __init__(self) -> None:
+        self.tokens: list[str] = []
+        self.keys: list[str] = []
+
+    def declare_token(self, key: str) -> Declared:
+        self.tokens.append(key)
         return Declared()
 
-    def publisher(self, _key: str, *, latched: bool) -> Declared:
+    def publisher(self, key: str, *, latched: bool) -> Declared:
         del latched
+        self.keys.append(key)
         return Declared()
 
     def watch_link(self, _changed: object) -> Declared:
@@ -62,8 +68,10 @@ def node(session: SilentSession) -> RosNodeServer:
     return RosNodeServer(session, NodeSettings(drive=True), lambda: None)
 
 
-def token(number: int, kind: EntityKind, name: str, type_name: str) -> str:
-    end = Endpoint(name=name, type=type_name, hash=type_hash(ODOMETRY))
+def token(
+    number: int, kind: EntityKind, name: str, type_name: str, hashed: str = type_hash(ODOMETRY)
+) -> str:
+    end = Endpoint(name=name, type=type_name, hash=hashed)
     entity = Entity(session="e", number=number, kind=kind, node_name="liar", endpoint=end)
     return entity.token(0)
 
@@ -84,6 +92,30 @@ def test_publishers_that_fell_silent_make_room_for_others(
     now = 5.0
     session.stick_came(ZenohSample(key=KEY, payload=b"", attachment=attached(1000)))
     assert node.take_wishes().panels == {(1000, 0)}
+
+
+def test_a_node_of_humble_gets_keys_of_its_own(session: SilentSession, node: RosNodeServer) -> None:
+    of_humble = f"/nav_msgs::msg::dds_::Odometry_/{HASH_OF_HUMBLE}"
+    odometry = node.open(RecordedTopic("/odom", schema_name=ODOMETRY))
+    session.token_came(token(1, EntityKind.SUBSCRIBER, "/odom", ODOMETRY), True)  # noqa: FBT003
+    assert node.take_wishes().watched == {odometry}
+    assert not any(HASH_OF_HUMBLE in each for each in session.tokens + session.keys)
+    later = token(2, EntityKind.SUBSCRIBER, "/odom", ODOMETRY, HASH_OF_HUMBLE)
+    session.token_came(later, True)  # noqa: FBT003
+    assert node.take_wishes().fresh == {odometry}
+    node.open(RecordedTopic("/odom2", schema_name=ODOMETRY))
+    node.take_wishes()
+    assert [each for each in session.keys if HASH_OF_HUMBLE in each] == [
+        f"0/odom{of_humble}",
+        f"0/odom2{of_humble}",
+    ]
+    declared = [parse_token(each) for each in session.tokens if HASH_OF_HUMBLE in each]
+    assert [(each.kind, each.endpoint.name) for each in declared if each.endpoint] == [
+        (EntityKind.PUBLISHER, "/odom"),
+        (EntityKind.SUBSCRIBER, "/cmd_vel"),
+        (EntityKind.PUBLISHER, "/odom2"),
+    ]
+    assert len({each.number for each in declared}) == 3
 
 
 def test_tokens_that_lie_fill_no_memory_and_hide_no_node(
