@@ -54,6 +54,12 @@ def add_adopt(commands: Commands) -> None:
     )
     ros.add_argument("address", help="where the robot is, such as ws://127.0.0.1:8765")
     ros.add_argument(
+        "--through",
+        default="",
+        metavar="ADDRESS",
+        help="reach it there, as by a tunnel; the robot file keeps its own address",
+    )
+    ros.add_argument(
         "--seconds",
         type=_seconds,
         default=5.0,

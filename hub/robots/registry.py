@@ -126,7 +126,7 @@ def _ros_body(robot: RobotDescription) -> Body:
     from hub.robots.ros.body import RosBody
     from hub.robots.ros.robot_claim import RobotClaim
 
-    claim = RobotClaim(ros_address(robot.ros.address), robot.ros.cmd_vel)
+    claim = RobotClaim(ros_address(robot.ros.address), robot.ros.cmd_vel, robot.ros.known_as)
     return RosBody(robot, _line_of(robot), claim=claim)
 
 

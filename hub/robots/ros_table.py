@@ -54,6 +54,12 @@ class RosTable:
         "",
         "of its bridge for Foxglove, `ws://HOST:8765`, or router, `zenoh+tcp://HOST:7447?domain=0`",
     )
+    known_as: str = key(
+        text(_MOST_NAME),
+        "",
+        "what stays the same while `address` changes, as in a tunnel; saved places belong to it",
+        without="`address`",
+    )
     cmd_vel: str = key(ros_name, "/cmd_vel", "topic of the velocities that it takes")
     cmd_vel_type: CommandType = key(
         choice({each.value: each for each in CommandType}),
@@ -95,3 +101,8 @@ class RosTable:
         "topic of its own map, an OccupancyGrid, which takes the place of Rune's",
         without="Rune makes the map",
     )
+
+    @property
+    def identity(self) -> str:
+        """What names the robot on this machine: in saved places, goals and claims."""
+        return self.known_as or self.address

@@ -118,18 +118,38 @@ Started = tuple[int, Found | None, Callable[[], str]]
 
 
 def _from_here(
-    stack: ExitStack, kind: str, address: str, options: argparse.Namespace, log: Path
+    stack: ExitStack,
+    kind: str,
+    address: str,
+    options: argparse.Namespace,
+    log: Path,
+    tunnel: str = "",
 ) -> Started:
-    """Adopt the robot, and start its hub on this machine."""
+    """Adopt the robot, and start its hub on this machine.
+
+    Args:
+        stack: Ends what is started.
+        kind: Kind of its link.
+        address: The robot's own address.
+        options: Those of the command.
+        log: File for the hub's log.
+        tunnel: Address of this machine that leads there by ssh; empty: no tunnel.
+    """
     folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="rune-drive-"))
     path = options.output or Path(folder) / "robot.toml"
-    code, found = _adopted([kind, address, "-o", str(path), *_words(kind, options)])
+    words = [kind, address, "-o", str(path), *_words(kind, options)]
+    settings: list[str] = []
+    if tunnel:  # its port is another one each time
+        words += ["--through", tunnel]
+        known_as = f"ssh {options.ssh} {address}"
+        settings = [f"ros.address={tunnel}", f"ros.known_as={known_as}"]
+    code, found = _adopted(words)
     if found is None:
         return code, None, str
     _say_found(address, found)
     if options.output is not None:
         _say(f"written: {path}")
-    hub = stack.enter_context(closing(OwnHub(str(path), log, keeps=True)))
+    hub = stack.enter_context(closing(OwnHub(str(path), log, settings, keeps=True)))
     return code, found, hub.endpoint
 
 
@@ -149,7 +169,7 @@ def _through_ssh(stack: ExitStack, address: str, options: argparse.Namespace, lo
         near = stack.enter_context(_open(PortTunnel(robot, far.hostname or "127.0.0.1", port)))
         query = f"?{far.query}" if far.query else ""
         here = f"{far.scheme}://127.0.0.1:{near.port}{query}"
-        started = _from_here(stack, ROS, here, options, log)
+        started = _from_here(stack, ROS, address, options, log, here)
         if started[1] is not None:
             _say(
                 f"Rune is not installed on {robot}: the hub runs here, and the bridge comes "

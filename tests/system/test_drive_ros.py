@@ -110,14 +110,15 @@ def hubs_of(_: Path) -> list[str]:
 
 @pytest.mark.soak
 def test_otherwise_the_bridge_comes_through_ssh(
-    robot: SimulatedRos, reached: Callable[..., SshServer], stack: ExitStack
+    robot: SimulatedRos, reached: Callable[..., SshServer], stack: ExitStack, tmp_path: Path
 ) -> None:
-    server = reached()
-    console = opened(stack, "--ssh", server.target, robot.address)
+    server, path = reached(), tmp_path / "found.toml"
+    console = opened(stack, "--ssh", server.target, robot.address, "-o", str(path))
     console.wait(lambda: "Rune is not installed on" in said(console), 60.0)
     assert "When ssh ends, the robot stops by itself after 0.5 s" in said(console)
     drives_and_ends(console, robot)
     until(lambda: not server.running(), 10.0, "ssh is left")
+    assert tomllib.loads(path.read_text())["ros"]["address"] == robot.address
 
 
 def test_ssh_that_fails_says_why(reached: Callable[..., SshServer], stack: ExitStack) -> None:

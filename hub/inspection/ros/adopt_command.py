@@ -23,14 +23,15 @@ def run(options: argparse.Namespace) -> int:
     """Carry out the command; returns the exit code.
 
     Raises:
-        RosAddressError: The address is none.
+        RosAddressError: An address is none.
         RosSilentError: Nothing answers there.
     """
     output = RobotFileOutput(options.output, replace=options.force)
     if not output.is_free():
         return 1
     address = ros_address(options.address)
-    with contextlib.closing(LineLoop(line_to(address))) as loop:
+    way = ros_address(options.through) if options.through else address
+    with contextlib.closing(LineLoop(line_to(way))) as loop:
         found = look_at(loop, address, options.seconds, namespace=options.namespace)
     proposal = RosProposal(found)
     if refusal := proposal.refusal():

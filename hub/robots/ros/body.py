@@ -63,7 +63,7 @@ class RosBody:
         self._table = table = robot.ros
         self._watch: SparseWatch | None = None
         self._velocities = RosVelocities(line, table)
-        self._own = OwnGoals(line, table.navigation, goal_tag(robot.name, table.address))
+        self._own = OwnGoals(line, table.navigation, goal_tag(robot.name, table.identity))
         self._services = RosServices(line)
         self._settings = RosSettings(robot, line, self._services)
         self._ranges = tuple(RosRanges(each.sensors) for each in robot.ranges)

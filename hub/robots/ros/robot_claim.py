@@ -19,9 +19,15 @@ class RobotClaim:
         rival: Which other process has the robot, in words; empty: none.
     """
 
-    def __init__(self, address: RosAddress, cmd_vel: str) -> None:
-        """Take the address and the topic of velocities; nothing is claimed yet."""
-        place = local_place(f"{address.host}:{address.port}")
+    def __init__(self, address: RosAddress, cmd_vel: str, known_as: str = "") -> None:
+        """Take the address and the topic of velocities; nothing is claimed yet.
+
+        Args:
+            address: Where the robot is.
+            cmd_vel: Topic of its velocities.
+            known_as: Names it in place of host and port, where these change; empty: they do not.
+        """
+        place = known_as or local_place(f"{address.host}:{address.port}")
         words = f"{address.kind.value} {place} {address.domain} {cmd_vel}"
         self._claim = MachineClaim("ros", words)
         self._asked = -math.inf

@@ -43,7 +43,7 @@ class RosWhereabouts:
     def __init__(self, robot: RobotDescription, line: RosLine, reader: TopicReader) -> None:
         """Subscribe to the odometry."""
         self._table, self._line, self._reader = robot.ros, line, reader
-        self._file = ReckoningFile(for_reckoning(f"{robot.name} {robot.ros.address}"))
+        self._file = ReckoningFile(for_reckoning(f"{robot.name} {robot.ros.identity}"))
         speed = max(robot.linear_limit, robot.sway_limit)
         self.odometry = RosOdometry(speed, robot.angular_limit, self._file.read())
         self._frames: RosFrames | None = None

@@ -28,9 +28,9 @@ _OLD_LIST_S: Final = 3.0
 """Age from which on the list of ROS 1, which comes 5 times a second, is not shown [s]."""
 
 
-def goal_tag(robot: str, address: str) -> str:
+def goal_tag(robot: str, identity: str) -> str:
     """First digits of the names of a hub's goals: equal for each process of this hub."""
-    number = zlib.crc32(f"{socket.gethostname()} {robot} {address}".encode())
+    number = zlib.crc32(f"{socket.gethostname()} {robot} {identity}".encode())
     return b"rune".hex() + f"{number:08x}"
 
 

@@ -10,6 +10,7 @@ from hub.gcm.geometry import Twist
 from hub.robots.ros.address import ros_address
 from hub.robots.ros.body import RosBody
 from hub.robots.ros.robot_claim import RobotClaim
+from hub.robots.ros_table import RosTable
 from tests.hub.robots.ros.test_body import ROBOT, TWIST
 from tests.support.memory_ros_line import MemoryLine, ros_robot
 from tests.support.ports import free_port
@@ -40,6 +41,22 @@ def test_a_topic_of_velocities_has_one_owner_until_that_ends() -> None:
         assert not second.held(100.1), "it does not ask at each step"
         assert second.held(101.0)
         assert second.rival == ""
+
+
+def test_a_robot_in_a_tunnel_is_the_same_one_at_another_port() -> None:
+    first, second = (
+        RosTable(address=f"ws://127.0.0.1:{free_port()}", known_as="ssh me@robot ws://127.0.0.1:1")
+        for _ in range(2)
+    )
+    assert first.identity == second.identity
+    with (
+        closing(RobotClaim(ros_address(first.address), "/cmd_vel", first.known_as)) as claim,
+        closing(RobotClaim(ros_address(second.address), "/cmd_vel", second.known_as)) as other,
+        closing(RobotClaim(ros_address(second.address), "/cmd_vel", "ssh me@other")) as elsewhere,
+    ):
+        assert claim.held(100.0)
+        assert not other.held(100.0)
+        assert elsewhere.held(100.0)
 
 
 def test_a_second_hub_sends_nothing_and_says_who_drives_until_the_first_ends(
