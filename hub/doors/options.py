@@ -93,6 +93,10 @@ def _add_ros2(doors: Commands, look: CommandParser) -> None:
         help="the Zenoh router (%(default)s)",
     )  # fmt: skip
     ros2.add_argument(
+        "--tls", type=Path, metavar="FOLDER",
+        help="folder with certificates, for tls/HOST:PORT: authority.pem, and its own",
+    )  # fmt: skip
+    ros2.add_argument(
         "--domain", type=_domain, default=0, help="domain of ROS, 0 to 232 (%(default)s)"
     )
     ros2.add_argument(

@@ -60,6 +60,12 @@ def add_adopt(commands: Commands) -> None:
         help="reach it there, as by a tunnel; the robot file keeps its own address",
     )
     ros.add_argument(
+        "--tls",
+        type=Path,
+        metavar="FOLDER",
+        help="folder with certificates, for zenoh+tls://: authority.pem, and its own",
+    )
+    ros.add_argument(
         "--seconds",
         type=_seconds,
         default=5.0,

@@ -118,7 +118,7 @@ def _line_of(robot: RobotDescription) -> RosLine:
     from hub.robots.ros.address import ros_address
     from hub.robots.ros.opening import line_to
 
-    return line_to(ros_address(robot.ros.address))
+    return line_to(ros_address(robot.ros.address), robot.ros.certificates)
 
 
 def _ros_body(robot: RobotDescription) -> Body:

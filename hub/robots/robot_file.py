@@ -98,6 +98,7 @@ def read_description(
         recording[name] = _located(recording[name], beside)
     fields["recording"] = RecordingTable(**recording)
     ros = toml.read_table(toml.keys_of(RosTable), data.get("ros", {}), "[ros]", problems)
+    ros["certificates"] = _located(ros["certificates"], beside)
     fields["ros"] = RosTable(**ros)
     fields["fleet"] = _fleet(data, beside, problems)
     modules = data.get("modules", {})

@@ -54,6 +54,12 @@ class RosTable:
         "",
         "of its bridge for Foxglove, `ws://HOST:8765`, or router, `zenoh+tcp://HOST:7447?domain=0`",
     )
+    certificates: str = key(
+        text(1000),
+        "",
+        "folder with certificates for `zenoh+tls://`: `authority.pem`, and its own",
+        without="those of the system",
+    )
     known_as: str = key(
         text(_MOST_NAME),
         "",

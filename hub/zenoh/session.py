@@ -277,6 +277,8 @@ def connect(endpoint: str, *, mode: str, settings: Mapping[str, object] | None) 
         session = zenoh.open(config)
     except zenoh.ZError as error:
         text = f"no Zenoh router answers at {endpoint[:80]}; start one there, such as rmw_zenohd"
+        if endpoint.startswith("tls/"):
+            text += ", or see that both sides know each other's authority"
         if mode == "router":
             why = str(error).partition(" at /")[0][:200]
             text = f"no Zenoh router can listen at {endpoint[:80]}: {why}"

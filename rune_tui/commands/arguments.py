@@ -168,7 +168,8 @@ def _add_drive(commands: Commands) -> CommandParser:
         "address",
         metavar="ADDRESS",
         help="mavlink:udp://:14550, mavlink:tcp://HOST:5760, mavlink:/dev/ttyACM0; with ROS: "
-        "ws://HOST:8765 of a bridge for Foxglove, zenoh+tcp://HOST:7447 of a Zenoh router",
+        "ws://HOST:8765 of a bridge for Foxglove, zenoh+tcp://HOST:7447 or zenoh+tls://HOST:7447 "
+        "of a Zenoh router",
     )
     drive.add_argument(
         "--ssh",
@@ -182,6 +183,12 @@ def _add_drive(commands: Commands) -> CommandParser:
         default="",
         metavar="/NAME",
         help="of several robots with ROS, the one whose topics begin so",
+    )
+    drive.add_argument(
+        "--tls",
+        default="",
+        metavar="FOLDER",
+        help="folder with certificates, for zenoh+tls://; with --ssh it is on the robot",
     )
     drive.add_argument("-o", "--output", type=Path, metavar="FILE.toml", help="keep its robot file")
     system = number_type(int, 0, 255, "number from 0 to 255")

@@ -211,7 +211,8 @@ def _left_alone(found: Found) -> str:
 def _words(kind: str, options: argparse.Namespace) -> list[str]:
     """The options of `rune-hub adopt`."""
     if kind == ROS:
-        return ["--namespace", options.namespace] if options.namespace else []
+        given = {"--namespace": options.namespace, "--tls": options.tls}
+        return [word for pair in given.items() if pair[1] for word in pair]
     words = ["--system", str(options.system)]
     return [*words, "--key", str(options.key)] if options.key is not None else words
 

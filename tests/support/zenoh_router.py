@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import subprocess
@@ -10,22 +11,42 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from hub.zenoh.settings import CertificateFiles
 from tests.support.ports import free_port
 
 ROOT = Path(__file__).parents[2]
 
 
 class ZenohRouter:
-    """A router at a port of loopback."""
+    """A router at a port of loopback.
 
-    def __init__(self) -> None:
+    Attributes:
+        endpoint: Where everybody may join.
+        secure: Where only those may join who have a certificate of the authority; empty: nowhere.
+    """
+
+    def __init__(self, certificates: CertificateFiles | None = None) -> None:
         self.port = free_port()
         self.endpoint = f"tcp/127.0.0.1:{self.port}"
+        self.secure = ""
+        self._settings: dict[str, object] = {}
+        if certificates is not None:
+            self.secure = f"tls/localhost:{self.port + 1}"
+            self._settings = {
+                "listen/endpoints": [self.endpoint, self.secure],
+                "transport/link/tls": {
+                    "root_ca_certificate": str(certificates.authority),
+                    "enable_mtls": True,
+                    "listen_certificate": str(certificates.certificate),
+                    "listen_private_key": str(certificates.key),
+                },
+            }
         self.start()
 
     def start(self) -> None:
+        words = [self.endpoint, json.dumps(self._settings)]
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "tests.support.zenoh_router", self.endpoint],
+            [sys.executable, "-m", "tests.support.zenoh_router", *words],
             cwd=ROOT,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -46,20 +67,20 @@ class ZenohRouter:
 
 
 @contextlib.contextmanager
-def zenoh_router() -> Iterator[ZenohRouter]:
-    router = ZenohRouter()
+def zenoh_router(certificates: CertificateFiles | None = None) -> Iterator[ZenohRouter]:
+    router = ZenohRouter(certificates)
     try:
         yield router
     finally:
         router.kill()
 
 
-def serve(endpoint: str) -> None:
+def serve(endpoint: str, settings: dict[str, object]) -> None:
     """Be the router, until standard input ends."""
     from hub.zenoh.session import open_session
 
     lease = {"transport/link/tx/lease": 60_000}  # as rmw_zenohd has it
-    session = open_session(endpoint, mode="router", settings=lease)
+    session = open_session(endpoint, mode="router", settings=lease | settings)
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     sys.stdin.read()
@@ -67,4 +88,4 @@ def serve(endpoint: str) -> None:
 
 
 if __name__ == "__main__":
-    serve(sys.argv[1])
+    serve(sys.argv[1], json.loads(sys.argv[2]))

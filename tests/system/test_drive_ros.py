@@ -129,6 +129,12 @@ def test_ssh_that_fails_says_why(reached: Callable[..., SshServer], stack: ExitS
     assert "Permission denied (publickey)" in said(console)
 
 
+def test_certificates_that_are_missing_are_said(stack: ExitStack, tmp_path: Path) -> None:
+    console = opened(stack, "zenoh+tls://localhost:7447", "--tls", str(tmp_path))
+    assert console.wait_ended(30.0) == ExitCode.USAGE
+    assert "authority.pem cannot be used" in said(console)
+
+
 def test_ssh_is_for_robots_with_ros(stack: ExitStack) -> None:
     console = opened(stack, "--ssh", "robot", "mavlink:udp://:14550")
     assert console.wait_ended() == ExitCode.USAGE

@@ -10,10 +10,12 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from hub.doors.fleet.certificates import Certificates
 from hub.doors.panels.panel_drive import SILENCE_S
 from hub.gcm.geometry import Twist, TwistStamped
 from hub.gcm.navigation import DRIVE_STATE, GROUND_TRUTH, VELOCITY_COMMAND
@@ -298,6 +300,24 @@ def test_nodes_of_humble_and_later_ones_see_the_robot_together(
             until(lambda both=both: both <= came, 20.0, lambda: f"{came}")
 
 
+def test_the_door_joins_a_router_with_tls(hub: HubProcess, tmp_path: Path) -> None:
+    made = Certificates(tmp_path / "authority")
+    for name, role in (("localhost", "router"), ("rover", "robot")):
+        made.make(name, role, days=2)
+    came: list[bytes] = []
+    with (
+        zenoh_router(made.of_router()) as secure,
+        closing(Ros2Door(hub.endpoint, secure.secure, "--tls", str(made.folder))) as door,
+    ):
+        assert door.ready["router"] == secure.secure
+        node = RosNode(secure.endpoint, "looks")
+        node.subscribe("/odom", "nav_msgs/msg/Odometry", lambda payload, _: came.append(payload))
+        try:
+            until(lambda: came, 10.0)
+        finally:
+            node.leave()
+
+
 def test_what_cannot_be_opened_is_said(hub: HubProcess) -> None:
     where = f"tcp/127.0.0.1:{free_port()}"
     done = rune_hub("serve", "ros2", "--hub", hub.endpoint, "--connect", where)
@@ -305,6 +325,8 @@ def test_what_cannot_be_opened_is_said(hub: HubProcess) -> None:
     assert f"no Zenoh router answers at {where}" in done.stderr
     done = rune_hub("serve", "ros2", "--hub", hub.endpoint, "--namespace", "a b")
     assert "write one as /rover" in done.stderr
+    done = rune_hub("serve", "ros2", "--hub", hub.endpoint, "--connect", where, "--tls", "folder")
+    assert "--tls is for a router with TLS: --connect tls/HOST:7447" in done.stderr
 
 
 def test_nodes_of_others_read_the_robot_and_drive_it(

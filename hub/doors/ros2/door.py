@@ -16,6 +16,7 @@ from hub.doors.panels.wishes import CMD_VEL
 from hub.doors.ros2.node_server import NodeSettings, RosNodeServer
 from hub.errors import DoorError
 from hub.ipc.client import Client
+from hub.zenoh.router_tls import tls_settings
 from hub.zenoh.session import open_session
 
 _OPERATOR: Final = "a node of ROS 2"
@@ -30,16 +31,20 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
         connect: Makes a connection to the hub.
 
     Raises:
-        DoorError: The namespace is none.
+        DoorError: The namespace is none, or certificates are for no TLS.
         HubError: No hub or no router answers, or Zenoh is not installed.
     """
     namespace = options.namespace.rstrip("/")
     if _NAMESPACE.fullmatch(namespace) is None:
         text = f"{options.namespace!r} is no namespace of ROS 2; write one as /rover"
         raise DoorError(text)
+    if options.tls is not None and not options.connect.startswith("tls/"):
+        text = f"--tls is for a router with TLS: --connect tls/HOST:7447, not {options.connect}"
+        raise DoorError(text)
+    tls = tls_settings(options.tls.resolve()) if options.tls is not None else {}
     settings = NodeSettings(domain=options.domain, namespace=namespace, drive=options.drive)
     with contextlib.closing(connect()) as client:
-        session = open_session(options.connect)
+        session = open_session(options.connect, settings=tls)
         serve(
             client,
             options,

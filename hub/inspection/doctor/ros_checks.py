@@ -41,7 +41,7 @@ def ros(robot: RobotDescription) -> list[Finding]:
 
     try:
         address = ros_address(robot.ros.address)
-        with contextlib.closing(LineLoop(line_to(address))) as loop:
+        with contextlib.closing(LineLoop(line_to(address, robot.ros.certificates))) as loop:
             found = look_at(loop, address, _LISTENING_S, also=[*_topics(robot)])
     except RosSilentError as fault:
         return [problem(str(fault), "start its bridge or router, or correct [ros]")]

@@ -7,8 +7,10 @@ import contextlib
 import json
 import math
 import time
+from pathlib import Path
 
 from hub.command_output import print_error, put
+from hub.errors import RosAddressError
 from hub.inspection.robot_file_output import RobotFileOutput
 from hub.plain_text import plain
 from hub.robots.ros.address import ros_address
@@ -17,27 +19,36 @@ from hub.robots.ros.asking.robot_text import robot_file
 from hub.robots.ros.asking.survey import look_at
 from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.opening import line_to
+from hub.zenoh.router_tls import tls_settings
 
 
 def run(options: argparse.Namespace) -> int:
     """Carry out the command; returns the exit code.
 
     Raises:
-        RosAddressError: An address is none.
+        RosAddressError: An address is none, or takes no certificates.
+        KeyFileError: Something is wrong with the certificates.
         RosSilentError: Nothing answers there.
     """
     output = RobotFileOutput(options.output, replace=options.force)
     if not output.is_free():
         return 1
     address = ros_address(options.address)
+    if options.tls is not None and not address.takes_certificates:
+        text = f"--tls is for a Zenoh router, such as zenoh+tls://HOST:7447, not {address.text!r}"
+        raise RosAddressError(text)
+    certificates = str(options.tls.resolve()) if options.tls is not None else ""
+    if certificates:
+        tls_settings(Path(certificates))  # what is wrong with them is said at once
     way = ros_address(options.through) if options.through else address
-    with contextlib.closing(LineLoop(line_to(way))) as loop:
+    with contextlib.closing(LineLoop(line_to(way, certificates))) as loop:
         found = look_at(loop, address, options.seconds, namespace=options.namespace)
     proposal = RosProposal(found)
     if refusal := proposal.refusal():
         print_error(f"{address.text}: {refusal}")
         return 1
-    text = robot_file(proposal, name=options.name or "", today=time.strftime("%Y-%m-%d"))
+    today = time.strftime("%Y-%m-%d")
+    text = robot_file(proposal, name=options.name or "", today=today, certificates=certificates)
     if not output.write(text):
         return 1
     if options.json:

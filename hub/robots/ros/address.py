@@ -64,6 +64,11 @@ class RosAddress:
         return f"{'wss' if self.secure else 'ws'}://{self._host}:{self.port}"
 
     @property
+    def takes_certificates(self) -> bool:
+        """Whether certificates of a folder count there."""
+        return self.kind is RosLineKind.ZENOH and self.secure
+
+    @property
     def _host(self) -> str:
         return f"[{self.host}]" if ":" in self.host else self.host
 

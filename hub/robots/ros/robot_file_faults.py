@@ -19,9 +19,12 @@ def ros_faults(robot: RobotDescription) -> Iterator[tuple[str, str, str]]:
         yield "[ros]", "address", f"it is missing; give {ADDRESS_FORMS}"
     else:
         try:
-            ros_address(table.address)
+            address = ros_address(table.address)
         except RosAddressError as error:
             yield "[ros]", "address", str(error)
+        else:
+            if table.certificates and not address.takes_certificates:
+                yield "[ros]", "certificates", "they are for an address with zenoh+tls:// only"
     if not table.cmd_vel:
         yield "[ros]", "cmd_vel", "it is empty; name the topic of velocities"
     if not table.odom and not table.tf:

@@ -256,7 +256,7 @@ def open_way_of(found: RosFindings) -> str:
             return ""
         return (
             f"anybody in this network can drive it by its router at {address.host}: "
-            "use zenoh+tls with certificates, or ssh"
+            "use zenoh+tls with --tls FOLDER, or ssh"
         )
     everywhere = any(
         _BRIDGE_ADDRESS.fullmatch(name) and value in ("0.0.0.0", "::", "")

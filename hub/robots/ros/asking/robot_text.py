@@ -24,13 +24,16 @@ _MODULES: Final = {
 }
 
 
-def robot_file(proposal: RosProposal, *, name: str = "", today: str = "") -> str:
+def robot_file(
+    proposal: RosProposal, *, name: str = "", today: str = "", certificates: str = ""
+) -> str:
     """The text of a robot file.
 
     Args:
         proposal: The robot.
         name: Its name; empty: what it calls itself.
         today: The date, for the first line; empty: none.
+        certificates: Folder with certificates for its router; empty: none.
     """
     when = f" on {today}" if today else ""
     lines = [
@@ -38,7 +41,7 @@ def robot_file(proposal: RosProposal, *, name: str = "", today: str = "") -> str
         f"name = {_value(name or proposal.name)}",
         'kind = "ros"',
         "",
-        *_ros(proposal),
+        *_ros(proposal, certificates),
         "",
         *_limits(proposal),
         "",
@@ -62,11 +65,13 @@ def robot_file(proposal: RosProposal, *, name: str = "", today: str = "") -> str
     return "\n".join(lines) + "\n"
 
 
-def _ros(proposal: RosProposal) -> Iterator[str]:
+def _ros(proposal: RosProposal, certificates: str) -> Iterator[str]:
     """The table `[ros]`."""
     parts, found = proposal.parts, proposal.found
     yield "[ros]"
     yield f"address = {_value(found.address.text)}"
+    if certificates:
+        yield f"certificates = {_value(certificates)}"
     yield from _velocities(proposal)
     yield from _own_abilities(parts)
     yield f"odom = {_value(parts.odometry)}"

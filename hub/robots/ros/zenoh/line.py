@@ -50,6 +50,7 @@ class ZenohLine:
         self,
         address: RosAddress,
         *,
+        certificates: str = "",
         node: str = "",
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -57,6 +58,7 @@ class ZenohLine:
 
         Args:
             address: Where the router is.
+            certificates: Folder with certificates for TLS; empty: those of the system.
             node: Name of the node that the robot's nodes see; empty: one with this process.
             clock: Monotonic time [s].
         """
@@ -68,7 +70,7 @@ class ZenohLine:
         self._near.setblocking(False)  # noqa: FBT003 - a method of the library
         self._far.setblocking(False)  # noqa: FBT003 - a method of the library
         self._awake = self._closed = False
-        self._link = RouterLink(address, clock, self._wake)
+        self._link = RouterLink(address, clock, self._wake, certificates)
         self._calls = ServiceCalls(self._wake)
         self._subscriptions: dict[str, TopicSubscription] = {}
         self._publications: dict[str, TopicPublication] = {}

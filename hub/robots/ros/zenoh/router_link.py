@@ -7,12 +7,14 @@ import socket
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
 from hub.errors import HubError
 from hub.robots.host_lookup import HostLookup
 from hub.robots.refusals import Refusals
 from hub.robots.ros.address import RosAddress
+from hub.zenoh.router_tls import tls_settings
 from hub.zenoh.session import ZenohSession, open_session
 
 RETRY_S: Final = 1.0
@@ -23,7 +25,7 @@ SILENT_S: Final = 0.5
 """Silence after which nothing is sent: an old velocity must not wait in a socket [s]."""
 GIVEN_UP_S: Final = 3.0
 """Silence after which the session is left, with all that waits in it [s]."""
-_SETTINGS: Final = {"transport/link/tx/queue/size/real_time": 1}
+_SETTINGS: Final[dict[str, Any]] = {"transport/link/tx/queue/size/real_time": 1}
 _SEND_BUFFER: Final = "#so_sndbuf=16384"
 _TRIED_S: Final = 0.5
 """Longest time to learn whether an address refuses connections, which Zenoh does not say [s]."""
@@ -40,12 +42,17 @@ class RouterLink:
     """
 
     def __init__(
-        self, address: RosAddress, clock: Callable[[], float], wake: Callable[[], None]
+        self,
+        address: RosAddress,
+        clock: Callable[[], float],
+        wake: Callable[[], None],
+        certificates: str = "",
     ) -> None:
         self.session: ZenohSession | None = None
         self.why = ""
         self.connections = 0
         self.heard = -float("inf")
+        self._certificates = certificates
         self._endpoint, self._clock, self._wake = address.url, clock, wake
         self._opened: deque[tuple[int, ZenohSession | str, bool]] = deque()
         self._lookup = HostLookup(address.host, address.port, socket.SOCK_STREAM)
@@ -107,8 +114,9 @@ class RouterLink:
         def work() -> None:
             refused = False
             try:
+                tls = tls_settings(Path(self._certificates)) if self._certificates else {}
                 opened: ZenohSession | str = open_session(
-                    self._endpoint + _SEND_BUFFER, settings=_SETTINGS
+                    self._endpoint + _SEND_BUFFER, settings=_SETTINGS | tls
                 )
             except HubError as error:
                 opened = str(error).replace(_SEND_BUFFER, "")

@@ -44,9 +44,10 @@ def test_a_topic_of_velocities_has_one_owner_until_that_ends() -> None:
 
 
 def test_a_robot_in_a_tunnel_is_the_same_one_at_another_port() -> None:
+    port = free_port()
     first, second = (
-        RosTable(address=f"ws://127.0.0.1:{free_port()}", known_as="ssh me@robot ws://127.0.0.1:1")
-        for _ in range(2)
+        RosTable(address=f"ws://127.0.0.1:{each}", known_as="ssh me@robot ws://127.0.0.1:1")
+        for each in (port, port + 1)
     )
     assert first.identity == second.identity
     with (
