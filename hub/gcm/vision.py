@@ -35,6 +35,10 @@ class ImageKind(enum.IntEnum):
     COLOUR = 1
 
 
+NOT_CODED = "pictures cannot be coded"
+"""Begin of the error of a vision that lacks the library for a coding."""
+
+
 class ImageCoding(enum.IntEnum):
     """The coding of a picture.
 

@@ -13,14 +13,18 @@ from hub.inspection.vehicle.options import vehicle_options
 from hub.toml_reader import RefusedError, plain_name
 
 _SCHEMES: Final = ("ws://", "wss://", "zenoh+tcp://", "zenoh+tls://")
+_VEHICLE: Final = "mavlink:"
 _seconds = number_type(float, 0.1, 3600.0, "number from 0.1 to 3600")
 
 
 def with_kind(words: Sequence[str]) -> list[str]:
-    """The words of the command line; before an address of ROS the word `ros` may be left out."""
-    adopts = len(words) > 1 and words[0] == "adopt" and words[1] not in ("mavlink", "ros")
-    if adopts and any(word.startswith(_SCHEMES) for word in words):
+    """The words of the command line; addresses as `rune drive` takes them need no kind."""
+    if len(words) < 2 or words[0] != "adopt" or words[1] in ("mavlink", "ros"):
+        return list(words)
+    if any(word.startswith(_SCHEMES) for word in words):
         return [words[0], "ros", *words[1:]]
+    if any(word.startswith(_VEHICLE) for word in words):
+        return [words[0], "mavlink", *(word.removeprefix(_VEHICLE) for word in words[1:])]
     return list(words)
 
 

@@ -304,6 +304,13 @@ class RobotDescription:
     vehicle_system: int = key(
         whole_number(0, 255), 0, "number of the vehicle; 0: the first one", at="mavlink.system"
     )
+    vehicle_kind: str = key(
+        text(20),
+        "",
+        "kind of vehicle that the file is for, such as rover: no other one is driven",
+        at="mavlink.vehicle",
+        without="any",
+    )
     vehicle_station: int = key(
         whole_number(1, 255),
         255,

@@ -104,6 +104,8 @@ def kind_and_address(text: str) -> tuple[str, str]:
         ros, forms = "ws://HOST:8765", "mavlink:udp://:14550"
         if _PLAIN_PLACE.fullmatch(text):
             ros, forms = f"ws://{text}", f"mavlink:tcp://{text}"
+        elif is_url and scheme in _VEHICLE_SCHEMES:
+            ros, forms = f"ws://{address.lstrip('/')}", f"mavlink:{text}"
         refusal = f"{text!r} has no kind of link: write {forms} for an autopilot, {ros} for ROS"
         raise DriveAddressError(refusal)
     if _PLAIN_PLACE.fullmatch(address):
@@ -112,6 +114,9 @@ def kind_and_address(text: str) -> tuple[str, str]:
         raise DriveAddressError(refusal)
     return kind, address
 
+
+_VEHICLE_SCHEMES = frozenset({"tcp", "udp", "serial"})
+"""Schemes of addresses of autopilots, which have the kind of link before them."""
 
 Started = tuple[int, Found | None, Callable[[], str]]
 """Exit code of adopting; what was found, None: nothing; the hub's endpoint, which may wait."""

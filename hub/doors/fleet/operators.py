@@ -29,6 +29,8 @@ _MOST_WAITING = 1000
 """Most further sessions that are remembered, until one of the others ends."""
 _REFUSAL_S = 1.0
 """Least time between two refusals that are said to one operator [s]."""
+_ADMITTING_S = 3.0
+"""Time in which a session may become known before its commands are refused aloud [s]."""
 _LOOK_S = 0.05
 
 
@@ -51,6 +53,7 @@ class FleetOperators:
         self._sessions: dict[int, RemoteOperator] = {}
         self._waiting: dict[int, Principal] = {}
         self._said: dict[str, float] = {}
+        self._absent: dict[int, float] = {}
         self._published: dict[str, int] | None = None
         self._stops = Bucket(20.0, 20.0)
         self._key = FleetKey(kind=KeyKind.OPERATORS, robot=robot).under(fleet)
@@ -141,6 +144,9 @@ class FleetOperators:
             return
         try:
             header = unpack(attachment)
+            if self._may_come(principal, header):
+                self._faults.count("no session yet", f"{principal} is not at {self._robot} yet")
+                return
             self._session(principal, header).command(definition, header, payload)
         except HubError as error:
             self._refuse(principal, "command refused", f"{principal}: {error}")
@@ -208,6 +214,20 @@ class FleetOperators:
             text = f"{principal} is not connected to the hub of {self._robot} yet"
             raise FleetRefusalError(text)
         return operator
+
+    def _may_come(self, principal: Principal, header: Attachment) -> bool:
+        """Whether the session of a header is not admitted, and may be soon.
+
+        The first commands of a console overtake the token of its session.
+        """
+        operator, session = self._sessions.get(header.publisher), header.publisher
+        if operator is not None and operator.principal == principal and operator.number:
+            self._absent.pop(session, None)
+            return False
+        now = self._client.loop.clock()
+        if session not in self._absent and len(self._absent) >= MOST_SESSIONS:
+            self._absent.clear()
+        return now - self._absent.setdefault(session, now) < _ADMITTING_S
 
     def _refuse(self, principal: Principal, reason: str, text: str) -> None:
         """Count it, and say why to the operator, now and then."""

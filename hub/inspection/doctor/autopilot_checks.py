@@ -41,6 +41,8 @@ def autopilot(robot: RobotDescription) -> list[Finding]:
             return [problem(str(fault), "connect the vehicle, or correct [mavlink]")]
     system = finder.vehicle.system if finder.vehicle is not None else place.system
     findings = [ok(f"{place.address}: system {system}, a {adopting.title(finder)}")]
+    kind = finder.profile.name if finder.profile is not None else ""
+    findings += _other_kind(kind, robot)
     findings += _unsafe(adopting.unsafe(finder, place.station), robot)
     if finder.profile is not None:
         receiver = bool(finder.receiver)
@@ -57,8 +59,16 @@ def _reported(hub: str, robot: RobotDescription) -> Iterator[Finding]:
         yield warning(f"{text}, and knows no vehicle yet", "connect the vehicle, and try again")
         return
     yield ok(f"{text} to a {state.vehicle} with {state.firmware}: {state.phase.name}")
+    yield from _other_kind(state.vehicle, robot)
     yield from _unsafe(state.unsafe, robot)
     yield from _stopping(state.stops_after_zero_s, state.stops_after_cut_s, robot, "")
+
+
+def _other_kind(kind: str, robot: RobotDescription) -> Iterator[Finding]:
+    """Whether the vehicle is of the kind that the robot file is for."""
+    if kind and robot.vehicle_kind not in ("", kind):
+        text = f"a {kind} answers, and the robot file is for a {robot.vehicle_kind}"
+        yield problem(text, "adopt this vehicle anew, or correct [mavlink], key 'vehicle'")
 
 
 def _unsafe(parameters: Iterable[UnsafeParameter], robot: RobotDescription) -> Iterator[Finding]:

@@ -47,6 +47,8 @@ def run(options: argparse.Namespace) -> int:
         key = secrets.token_bytes(_LENGTH) if phrase is None else key_of_phrase(phrase)
         write_signing_key(path, key)
         put(f"{path} has a new key; name it in the robot file: [mavlink] key_file")
+        if options.setup is not None:
+            put("now the vehicle gets it")
     elif options.phrase:
         raise KeyFileError(path, "it is there; give --phrase with a new file")
     return _set_up(options, read_signing_key(path)) if options.setup is not None else ExitCode.OK
@@ -77,7 +79,9 @@ def _set_up(options: argparse.Namespace, key: bytes) -> int:
             if not (armed := finder.vehicle is not None and finder.vehicle.armed):
                 session.ask(setup, _PROOF_S)
     if armed or setup.armed:
-        print_error("it is armed: disarm it first; a vehicle takes a key only while disarmed")
+        print_error(
+            "it is armed: disarm it first; it does not have the key, so give this command again"
+        )
         return ExitCode.FAULT
     signed = open_session(place.address, str(options.file), place.station)
     with contextlib.closing(signed) as session:

@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from hub.errors import HandlerFailedError
 from hub.gcm import rle
-from hub.gcm.vision import ImageCoding
+from hub.gcm.vision import NOT_CODED, ImageCoding
 
 _INSTALL = (
-    "pictures cannot be coded as {0} here: {1}; install Pillow on the robot with "
+    f"{NOT_CODED} as {{0}} here: {{1}}; install Pillow on the robot with "
     "pip install 'robot-user-nexus[camera]', or ask for coding RLE"
 )
 _OPTIONS: Final[Mapping[ImageCoding, Mapping[str, Any]]] = {

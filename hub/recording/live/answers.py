@@ -9,7 +9,7 @@ from typing import Any
 
 from hub.errors import HandlerFailedError, NoHandlerError, QueryError
 from hub.gcm.mapping import MAP, MAP_REQUEST, MapRequest
-from hub.gcm.vision import IMAGE, IMAGE_REQUEST, ImageCoding, ImageRequest
+from hub.gcm.vision import IMAGE, IMAGE_REQUEST, NOT_CODED, ImageCoding, ImageRequest
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
@@ -47,7 +47,7 @@ class RepeatedQuestion:
             ask: Makes the question.
             period: Time between two questions [s].
             keep: Gets the answers.
-            refused: Called when the robot cannot answer.
+            refused: Called when the robot cannot code pictures as asked.
         """
         self._refused = refused
         self._client, self._request, self._response = client, request, response
@@ -91,7 +91,7 @@ class RepeatedQuestion:
         if not isinstance(error, NoHandlerError) and not self._fault:
             self._fault = str(error)
             _logger.info("no answer to %s: %s", self._request.name, error)
-        if isinstance(error, HandlerFailedError):
+        if isinstance(error, HandlerFailedError) and NOT_CODED in str(error):
             self._refused()
         self._due = 0.0
         self._wait(_REST_S)

@@ -219,6 +219,8 @@ def robot_file(
         f"address = {_text(address)}",
         f"system = {system}",
     ]
+    if finder.profile is not None:
+        lines.append(f"vehicle = {_text(finder.profile.name)}    # no other kind is driven")
     lines += [f"station = {station}"] if station != STATION else []
     lines += [f"key_file = {_text(key_file)}"] if key_file else []
     lines += ["", "[limits]", *_limit_lines(most)]

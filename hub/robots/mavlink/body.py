@@ -31,8 +31,8 @@ from hub.robots.mavlink.link.byte_link import MOST_READ, ByteLink
 from hub.robots.mavlink.link.opening import link_to
 from hub.robots.mavlink.link.tap import LinkTap
 from hub.robots.mavlink.link.vehicle_claim import VehicleClaim
-from hub.robots.mavlink.problems import rival_words, vehicle_problems
-from hub.robots.mavlink.profiles.profile import Setpoint
+from hub.robots.mavlink.problems import other_kind_words, rival_words, vehicle_problems
+from hub.robots.mavlink.profiles.profile import NEUTRAL, Setpoint
 from hub.robots.mavlink.profiles.stop_times import stop_times
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters
 from hub.robots.mavlink.ranges import ranges_of
@@ -110,7 +110,7 @@ class MavlinkBody:
         wanted = Setpoint(
             ahead=twist.linear.x, left=twist.linear.y, up=twist.linear.z, turn=twist.angular.z
         )
-        self.vehicle.set_velocity(wanted, self._clock())
+        self.vehicle.set_velocity(NEUTRAL if self._other_kind else wanted, self._clock())
 
     def advance(self, seconds: float) -> None:
         """Read the link, and send what is due."""
@@ -124,10 +124,10 @@ class MavlinkBody:
 
     def arm(self, *, armed: bool) -> None:
         """Ask the vehicle to arm or to disarm."""
-        if armed:
-            self.vehicle.arm(self._clock())
-        else:
+        if not armed:
             self.vehicle.disarm(self._clock())
+        elif not self._other_kind:
+            self.vehicle.arm(self._clock())
 
     def drive(self) -> None:
         """Ask for the mode that follows velocities."""
@@ -171,6 +171,7 @@ class MavlinkBody:
             self._link.state,
             self._clock(),
             rival=self._rival,
+            other_kind=self._other_kind,
             stops_after_cut=self._stops()[1],
             left_alone=self._left_alone,
         )
@@ -221,7 +222,7 @@ class MavlinkBody:
         return AutopilotState(
             stamp=stamp,
             phase=vehicle.phase,
-            why=rival_words(self._rival) or why(vehicle, now),
+            why=rival_words(self._rival) or self._other_kind or why(vehicle, now),
             vehicle=profile.name if profile is not None else "",
             firmware=firmware_name(profile.autopilot if profile else "", vehicle.heard.firmware),
             verified=int(profile is not None and profile.verified),
@@ -269,6 +270,10 @@ class MavlinkBody:
         self._link.close()
         if self._claim is not None:
             self._claim.close()
+
+    @property
+    def _other_kind(self) -> str:
+        return other_kind_words(self._robot.vehicle_kind, self.vehicle)
 
     def _listen(self) -> None:
         """Read the link, and send what is due."""

@@ -3,6 +3,7 @@
 | problem | severity | when |
 | --- | --- | --- |
 | autopilot | ERROR | it is silent, or another process of this machine has it |
+| vehicle | ERROR | it is not of the kind that the robot file is for |
 | autopilot | WARN | it is in a mode of another, or its link or its rules are in doubt |
 | twins | ERROR | two vehicles answer with its number |
 | stations | ERROR; WARN if it only is connected | another ground station is on its link |
@@ -43,6 +44,7 @@ def vehicle_problems(
     now: float,
     *,
     rival: str,
+    other_kind: str,
     stops_after_cut: float,
     left_alone: LeftAlone,
 ) -> Iterator[DiagnosticStatus]:
@@ -53,6 +55,7 @@ def vehicle_problems(
         link: Its link.
         now: Monotonic time [s].
         rival: The process of this machine that has claimed it; empty: none.
+        other_kind: That the robot file is for another kind, in words; empty: it is not.
         stops_after_cut: Time until it stands after the link is cut [s]; infinite: never.
         left_alone: What the robot file wants without an operator.
     """
@@ -65,6 +68,8 @@ def vehicle_problems(
         text += f"; its link: {link.why}" if link.why and not link.up else ""
         yield DiagnosticStatus(level=Severity.ERROR, name="autopilot", message=text)
         return
+    if other_kind:
+        yield DiagnosticStatus(level=Severity.ERROR, name="vehicle", message=other_kind)
     if vehicle.phase is AutopilotPhase.ELSEWHERE:
         yield _warning("autopilot", why(vehicle, now))
     yield from _of_link(vehicle, link, now)
@@ -96,6 +101,14 @@ def _of_link(
     if link.unheard:
         text = f"datagrams of {link.unheard} are dropped: another vehicle sent to this port first"
         yield _warning("link", text)
+
+
+def other_kind_words(wanted: str, vehicle: MavlinkVehicle) -> str:
+    """That a robot file is for another kind of vehicle; empty: it is for this one, or for any."""
+    found = vehicle.profile.name if vehicle.profile is not None else ""
+    if not wanted or found in ("", wanted):
+        return ""
+    return f"a {found} answers, and the robot file is for a {wanted}: adopt this vehicle anew"
 
 
 def rival_words(rival: str) -> str:

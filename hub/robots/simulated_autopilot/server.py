@@ -76,7 +76,9 @@ class AutopilotServer:
         try:
             listener = socket.create_server((_LOOPBACK, port))
         except OSError as fault:
-            reason = f"this TCP port cannot be used: {fault.strerror}"
+            taken = fault.errno == errno.EADDRINUSE
+            why = "another program listens there" if taken else fault.strerror
+            reason = f"this TCP port cannot be used: {why}; give another one with --tcp, or --tcp 0"
             raise AutopilotSettingError(str(port), reason) from fault
         listener.settimeout(0.0)
         self._closing.append(listener.close)

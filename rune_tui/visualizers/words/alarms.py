@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import replace
 from typing import ClassVar
 
 from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT
@@ -55,10 +56,8 @@ class Alarms(PlainVisualizer):
             words = "nothing else" if _alarmed(state) else f"{prefix}all well"
             canvas.text(0, 0, cut(words, canvas.width), theme.faint)
             return
-        blocks = [_block(part, canvas.width) for part in parts]
-        shown = _fitting(blocks, canvas.rows)
-        lines = [line for block in blocks[:shown] for line in block][: canvas.rows]
-        more = f" +{len(blocks) - shown}" if shown < len(blocks) else ""
+        lines, hidden = _fitting([_block(part, canvas.width) for part in parts], canvas.rows)
+        more = f" +{hidden}" if hidden else ""
         for row, line in enumerate(lines):
             behind = more if row == len(lines) - 1 else ""
             _write(canvas, row, line, behind, state.theme)
@@ -87,14 +86,18 @@ def _block(part: Part, columns: int) -> list[TextRow]:
     return [*wrapped(TextRow(sign + part.text, part.severity), columns, " " * len(sign))]
 
 
-def _fitting(blocks: list[list[TextRow]], rows: int) -> int:
-    """Number of blocks that fit, at least one."""
-    used = 0
+def _fitting(blocks: list[list[TextRow]], rows: int) -> tuple[list[TextRow], int]:
+    """The lines that fit, the last one cut where its block goes on; the number of hidden blocks."""
+    lines: list[TextRow] = []
     for index, block in enumerate(blocks):
-        used += len(block)
-        if used > rows:
-            return max(1, index)
-    return len(blocks)
+        room = rows - len(lines)
+        if room <= 0:
+            return lines, len(blocks) - index
+        lines += block[:room]
+        if len(block) > room and room > 0:
+            rest = " ".join(line.text.strip() for line in block[room:])
+            lines[-1] = replace(lines[-1], text=f"{lines[-1].text} {rest}")
+    return lines, 0
 
 
 def _write(canvas: Canvas, row: int, line: TextRow, behind: str, theme: Theme) -> None:

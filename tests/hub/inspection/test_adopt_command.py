@@ -11,6 +11,7 @@ import pytest
 from hub.command_line import ExitCode
 from hub.gcm.body import Freedom
 from hub.gcm.vehicle import Arming
+from hub.inspection.adopt_options import with_kind
 from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from hub.robots.robot_file import read_description
 from tests.support.command_line import rune_hub
@@ -115,3 +116,20 @@ def test_a_signed_vehicle_needs_its_key(tmp_path: Path) -> None:
         assert "without a signature of this key" in refused
         said, _ = adopt(address, "--key", str(file))
         assert f'key_file = "{file}"' in said
+
+
+@pytest.mark.parametrize(
+    ("words", "kind", "address"),
+    [
+        (["mavlink:tcp://127.0.0.1:5760", "-o", "a.toml"], "mavlink", "tcp://127.0.0.1:5760"),
+        (["-o", "a.toml", "mavlink:/dev/ttyACM0"], "mavlink", "/dev/ttyACM0"),
+        (["ws://127.0.0.1:8765"], "ros", "ws://127.0.0.1:8765"),
+        (["mavlink", "udp://:14550"], "mavlink", "udp://:14550"),
+    ],
+)
+def test_addresses_as_a_drive_takes_them_need_no_kind(
+    words: list[str], kind: str, address: str
+) -> None:
+    found = with_kind(["adopt", *words])
+    assert found[:2] == ["adopt", kind]
+    assert address in found[2:]

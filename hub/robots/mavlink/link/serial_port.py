@@ -40,7 +40,7 @@ class SerialLink(ByteLink):
 
             import serial
         except ImportError as fault:
-            text = "pyserial is missing; install robot-user-nexus[mavlink]"
+            text = "pyserial is missing: pip install 'robot-user-nexus[mavlink]'"
             raise OSError(0, text) from fault
         try:
             self._port = serial.Serial(self._path, self._baud, timeout=0, exclusive=True)

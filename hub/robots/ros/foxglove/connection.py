@@ -197,7 +197,7 @@ class FoxgloveConnection:
             from websockets.typing import Subprotocol
             from websockets.uri import parse_uri
         except ImportError as fault:
-            text = "websockets is missing; install robot-user-nexus[ros]"
+            text = "websockets is missing: pip install 'robot-user-nexus[ros]'"
             raise OSError(0, text) from fault
         self._stream.open()
         self._protocol = ClientProtocol(

@@ -240,6 +240,9 @@ def test_the_worst_comes_first_and_the_rest_is_counted(made, alarms) -> None:
         "! VIS_VID MISSING: not started yet",
     ]
     assert alarms((40, 4), link=link, **wrong)[1].endswith(" +2")
+    assert alarms((20, 4), link=link, **wrong)[1] == "!! BATTERY…       +2", (
+        "it is cut, not left out"
+    )
     assert alarms((20, 2), link=link, **wrong) == ["!! STATE 1.5 s…   +3"]
     assert alarms((12, 2), link=link, **wrong) == ["!! STATE… +3"]
 

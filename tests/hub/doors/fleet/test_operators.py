@@ -9,6 +9,8 @@ import pytest
 
 from hub.doors.fleet import operators
 from hub.doors.fleet.operators import MOST_SESSIONS, FleetOperators
+from hub.gcm.navigation import VELOCITY_COMMAND
+from hub.zenoh.attachment import Attachment
 
 
 def test_a_session_that_came_after_too_many_others_is_let_in_when_one_ends(
@@ -40,3 +42,21 @@ def test_a_session_that_came_after_too_many_others_is_let_in_when_one_ends(
     assert sessions() == set()
     changed(token(7), True)  # noqa: FBT003
     assert sessions() == {7}
+
+
+def test_commands_that_overtake_their_session_are_dropped_and_refused_aloud_later_only() -> None:
+    line, client, faults = mock.Mock(), mock.Mock(), mock.Mock()
+    messages = mock.Mock(known={VELOCITY_COMMAND.name: VELOCITY_COMMAND})
+    FleetOperators(client, line, messages, faults, fleet="rune", robot="rover")
+    commanded = line.subscribe.call_args.args[1]
+    key = f"rune/v1/rover/command/operate:eve/{VELOCITY_COMMAND.name}"
+    header = Attachment(publisher=7, fingerprint=0, sequence=1, stamp_ns=0).pack()
+
+    def refusals(now: float) -> int:
+        client.loop.clock.return_value = now
+        line.put.reset_mock()
+        commanded(key, b"", header)
+        return int(line.put.call_count)
+
+    assert [refusals(now) for now in (100.0, 101.0, 102.9, 103.1)] == [0, 0, 0, 1]
+    assert faults.count.call_count == 4

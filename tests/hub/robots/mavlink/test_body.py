@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import selectors
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,7 @@ name = "rover"
 kind = "mavlink"
 [mavlink]
 address = "{address}"
+{more}
 [body]
 arming = "disarmed"
 [limits]
@@ -34,9 +36,9 @@ linear = 1.0
 TICK_S = 0.05
 
 
-def robot(folder: Path, address: str) -> RobotDescription:
+def robot(folder: Path, address: str, kind: str = "") -> RobotDescription:
     path = folder / "robot.toml"
-    path.write_text(ROBOT.format(address=address))
+    path.write_text(ROBOT.format(address=address, more=f'vehicle = "{kind}"' if kind else ""))
     described, problems = read_description(path)
     assert not problems
     return described
@@ -45,10 +47,11 @@ def robot(folder: Path, address: str) -> RobotDescription:
 class Scene:
     """A body and its vehicle, whose time passes in ticks."""
 
-    def __init__(self, folder: Path, kind: int = ROVER) -> None:
+    def __init__(self, folder: Path, kind: int = ROVER, of_file: str = "") -> None:
         self.now = 100.0
         self.vehicle = UdpVehicle(kind)
-        self.body = MavlinkBody(robot(folder, self.vehicle.address), clock=lambda: self.now)
+        described = robot(folder, self.vehicle.address, of_file)
+        self.body = MavlinkBody(described, clock=lambda: self.now)
         self.plays = True
 
     def wait(self, seconds: float, each: Callable[[], None] = lambda: None) -> None:
@@ -137,6 +140,33 @@ def test_it_is_armed_by_an_order_only_and_follows_velocities_then(scene: Scene) 
     scene.body.command(Twist())
     scene.vehicle.answer()
     assert scene.vehicle.velocities()[-1] == 0.0
+
+
+def test_a_vehicle_of_another_kind_than_the_robot_file_is_not_driven(tmp_path: Path) -> None:
+    with closing(Scene(tmp_path, ROVER, of_file="blimp")) as scene:
+        scene.wait(5.0)
+        scene.body.arm(armed=True)
+        scene.wait(1.5)
+        assert not scene.vehicle.armed
+        why = "a rover answers, and the robot file is for a blimp: adopt this vehicle anew"
+        assert scene.problems == [why]
+        assert scene.body.autopilot(0.0).why == why
+        scene.vehicle.armed, scene.vehicle.mode = True, GUIDED
+        scene.wait(1.0)
+        scene.body.drive()
+        scene.wait(2.0)
+        scene.body.command(Twist())
+        scene.body.command(Twist.planar(0.5, 0.0))
+        scene.wait(0.5)
+        assert not any(scene.vehicle.velocities())
+        scene.body.arm(armed=False)
+        scene.wait(0.5)
+        assert not scene.vehicle.armed, "anyone may disarm it"
+
+
+def test_a_vehicle_of_the_kind_of_the_robot_file_is_driven(tmp_path: Path) -> None:
+    with closing(Scene(tmp_path, ROVER, of_file="rover")) as scene:
+        scene.drive()
 
 
 def test_a_silent_vehicle_is_not_reported_and_its_velocities_begin_anew(scene: Scene) -> None:
@@ -250,7 +280,7 @@ def test_frames_of_another_station_pass_unless_they_drive(scene: Scene) -> None:
 
 def test_the_parts_of_a_robot_file_are_the_vehicles(tmp_path: Path) -> None:
     path = tmp_path / "robot.toml"
-    path.write_text(ROBOT.format(address="udp://127.0.0.1:9") + PARTS)
+    path.write_text(ROBOT.format(address="udp://127.0.0.1:9", more="") + PARTS)
     described, problems = read_description(path)
     assert not problems
     body = MavlinkBody(described)
