@@ -105,7 +105,7 @@ def parser() -> CommandParser:
         help=f"a layout, {AUTO}, or one of the arenas {', '.join(ARENAS)}; "
         f"default: {DEMO_LAYOUT} for {ROBOTS[0]}, {AUTO} for another robot",
     )
-    demo.advice = "rune demo --help says more"
+    demo.advice = "--arena chooses the arena of a layout; rune demo --help says more"
 
     drive = _add_drive(commands)
     _add_layout(commands, keys_help)

@@ -105,7 +105,7 @@ def kind_and_address(text: str) -> tuple[str, str]:
         if _PLAIN_PLACE.fullmatch(text):
             ros, forms = f"ws://{text}", f"mavlink:tcp://{text}"
         elif is_url and scheme in _VEHICLE_SCHEMES:
-            ros, forms = f"ws://{address.lstrip('/')}", f"mavlink:{text}"
+            forms = f"mavlink:{text}"
         refusal = f"{text!r} has no kind of link: write {forms} for an autopilot, {ros} for ROS"
         raise DriveAddressError(refusal)
     if _PLAIN_PLACE.fullmatch(address):
