@@ -159,7 +159,6 @@ def _rules(finder: VehicleFinder) -> Iterator[str]:
         yield "its rules follow documents: they were not compared with recordings of such a vehicle"
     if finder.parameters.get("SERVO1_FUNCTION") == STEERS:
         yield "it steers with wheels or a rudder (SERVO1_FUNCTION 26): it cannot turn on the spot"
-        yield "zero speed brakes it, and its mode hold lets it coast: stop it before you hold"
 
 
 def _parameters(finder: VehicleFinder, station: int) -> Iterator[str]:

@@ -76,6 +76,10 @@ def _setpoint(wanted: Setpoint, _parameters: Parameters, _gain: float) -> tuple[
     )
 
 
+def _steers(parameters: Parameters) -> bool:
+    return parameters.get("SERVO1_FUNCTION") == STEERS
+
+
 def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[float, float]:
     """After the link is cut, its firmware brakes, or a failsafe holds earlier."""
     later = parameters.get("FS_TIMEOUT", math.nan)
@@ -84,8 +88,7 @@ def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[flo
         holds.append(parameters.get("FS_GCS_TIMEOUT", math.nan) + later)
     if parameters.get("FS_THR_ENABLE") and not receiver:
         holds.append(_RADIO_LOST_S + later)
-    steers = parameters.get("SERVO1_FUNCTION") == STEERS
-    zero, hold = (_STEERED_ZERO, _STEERED_HOLD) if steers else (_ZERO, _HOLDING)
+    zero, hold = (_STEERED_ZERO, _STEERED_HOLD) if _steers(parameters) else (_ZERO, _HOLDING)
     held = min(each for each in holds if not math.isnan(each))
     if held < _SETPOINT_TIMEOUT_S:
         return zero.time(speed), held + hold.time(speed)
@@ -141,5 +144,6 @@ ROVER: Final = VehicleProfile(
     frees=("ahead", "turn"),
     setpoint=_setpoint,
     stops=_stops,
+    coasts=_steers,
 )
 BOAT: Final = replace(ROVER, name="boat", types=frozenset({11}), verified=False)

@@ -201,4 +201,5 @@ SUB: Final = VehicleProfile(
     setpoint=_setpoint,
     open_loop=(frozenset({_DEPTH_HOLD}), _thrust_setpoint),
     stops=_stops,
+    coasts=lambda _: True,
 )

@@ -139,6 +139,7 @@ class VehicleProfile:
         open_loop: The modes in which speeds ahead and sideways are not controlled, and the
             messages of a velocity there; None: there are none.
         stops: Its times to stand.
+        coasts: Whether it moves on for long in the mode in which it stays: it brakes before.
     """
 
     name: str
@@ -163,6 +164,7 @@ class VehicleProfile:
     setpoint: SetpointModel
     open_loop: tuple[frozenset[int], SetpointModel] | None = None
     stops: StopModel
+    coasts: Callable[[Parameters], bool] = lambda _: False
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -135,7 +135,11 @@ class MavlinkVehicle:
 
     def stay(self, now: float) -> None:
         """Ask for the mode in which it stays; there it is not driven, even if it could be."""
-        self._ask_mode(self.profile.holds if self.profile is not None else None, now)
+        profile, drives = self.profile, self.phase is AutopilotPhase.DRIVING
+        if profile is not None and drives and profile.coasts(self.parameters.values):
+            self.left_alone(LeftAlone.STAND, now)
+        else:
+            self._ask_mode(profile.holds if profile is not None else None, now)
 
     def set_mode(self, name: str, now: float) -> None:
         """Ask for a mode by its name; one that is not offered changes nothing."""
@@ -143,10 +147,7 @@ class MavlinkVehicle:
         self._ask_mode(number, now, drives=self.armed and not self.grounded)
 
     def left_alone(self, action: LeftAlone | None, now: float) -> None:
-        """Do this without an operator, when it stands or can be asked; None: there is one again.
-
-        A mode that another chose is not changed.
-        """
+        """Do this without an operator, once it stands; None: one is there. Another's mode stays."""
         self._alone.begin(action, now)
         if action is not None:
             self._rest(now)
@@ -175,8 +176,6 @@ class MavlinkVehicle:
                 self._learn_again(now, _BOOTED)
             case Heard.ANOTHER:
                 self._learn_again(now, _ANOTHER)
-            case _:
-                pass
 
     def another_sender(self, now: float) -> None:
         """Frames come from another place from now on: perhaps it is another vehicle."""
@@ -227,8 +226,7 @@ class MavlinkVehicle:
     @property
     def grounded(self) -> bool:
         """Whether it flies, and is on the ground: Rune does not take off."""
-        flies = self.profile is not None and self.profile.flies
-        return flies and not self.telemetry.in_air
+        return self.profile is not None and self.profile.flies and not self.telemetry.in_air
 
     @property
     def velocity(self) -> Setpoint:
@@ -336,6 +334,7 @@ class MavlinkVehicle:
 
     def _change_mode(self, order: ModeOrder, now: float) -> None:
         """Ask for a mode; the velocities begin with a neutral one."""
+        self._alone.action = None
         self.orders.change(order, now, _WAKING_S if order.drives and self.armed else 0.0)
         self.stop_driving(now)
 

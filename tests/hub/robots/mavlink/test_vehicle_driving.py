@@ -149,6 +149,33 @@ def test_a_mode_asked_for_here_gets_neutral_sticks_and_is_not_driven():
     assert "asked for here" in reason(bench)
 
 
+@pytest.mark.parametrize(("kind", "steers"), [(ROVER, True), (ROVER, False), (SUB, False)])
+def test_a_vehicle_that_coasts_in_its_hold_brakes_before_it_holds(kind, steers):
+    bench = ScriptedAutopilot(kind)
+    bench.parameters["SERVO1_FUNCTION"] = 26.0 if steers else 73.0
+    bench.driving()
+    bench.velocity(ahead=0.3)
+    bench.moves = 0.3
+    bench.run(0.5)
+    asked = bench.now
+    bench.vehicle.stay(bench.now)
+    for _ in range(10):
+        bench.velocity()
+        bench.velocity(ahead=0.3)
+        bench.run(0.1)
+    assert not any(bench.moving(asked + 1e-6)), "nothing drives it any more"
+    brakes = steers or kind == SUB
+    assert bool(bench.commands(SET_MODE, asked)) is not brakes
+    bench.moves = 0.0
+    bench.run(0.5)
+    bench.velocity()
+    bench.velocity(ahead=0.3)
+    bench.run(1.5)
+    assert len(bench.commands(SET_MODE, asked)) == 1
+    assert bench.mode == (HOLD if kind == ROVER else DEPTH_HOLD)
+    assert not any(bench.moving(asked + 1e-6))
+
+
 @pytest.mark.parametrize("place", [True, False])
 def test_a_sub_that_is_asked_to_stay_is_not_driven_until_it_is_asked_to_follow(place):
     bench = ScriptedAutopilot(SUB)
