@@ -60,11 +60,20 @@ def shorter_heads(head: Part, autopilot: AutopilotState) -> tuple[str, ...]:
     return (head.text, *forms, head.short)
 
 
-def autopilot_parts(robot: RobotState, autopilot: AutopilotState) -> Iterator[Part]:
-    """A row each, after `head_of`."""
+def autopilot_parts(
+    robot: RobotState, autopilot: AutopilotState, follow: str = ""
+) -> Iterator[Part]:
+    """A row each, after `head_of`.
+
+    Args:
+        robot: The robot.
+        autopilot: What its autopilot does.
+        follow: The key that asks it to follow the operator; empty: none does.
+    """
     if autopilot.why:
         still = autopilot.phase is AutopilotPhase.DISARMED and autopilot.armable
-        yield Part(autopilot.why, 9, Severity.PLAIN if still else Severity.WARNING)
+        key = f" ({follow})" if follow and autopilot.phase is AutopilotPhase.ELSEWHERE else ""
+        yield Part(autopilot.why + key, 9, Severity.PLAIN if still else Severity.WARNING)
     if autopilot.failsafe:
         yield Part("A FAILSAFE ACTS", 9, Severity.ALARM)
     yield from _stops(autopilot)

@@ -9,7 +9,7 @@ from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT
 from hub.gcm.diagnostics import Severity as Level
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.vehicle import VEHICLE_STATE
-from rune_tui.layout.rules import VisualizerRule
+from rune_tui.layout.rules import Purpose, VisualizerRule
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -46,7 +46,7 @@ class VisualizeAutopilot(PlainVisualizer):
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the rows that fit, the most important ones where room is short."""
         canvas.fill(state.theme.panel)
-        head, *parts = _parts(robot)
+        head, *parts = _parts(robot, state)
         rows = [row for part in _fitting(parts, canvas) for row in _rows(part, canvas.width)]
         write_rows(canvas, [TextRow(""), *rows], state.theme)
         autopilot = autopilot_of(robot)
@@ -60,17 +60,18 @@ class VisualizeAutopilot(PlainVisualizer):
         """Changes with any word, and with the fading of its age."""
         known = robot.newest(AUTOPILOT_STATE)
         look = known and age_look(known, state.now, _PAUSE_S)
-        return _parts(robot), look, state.theme.name
+        return _parts(robot, state), look, state.theme.name
 
 
-def _parts(robot: RobotState) -> tuple[Part, ...]:
+def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     autopilot = autopilot_of(robot)
     if autopilot is None:
         return (Part("no state of the autopilot", 10, Severity.FAINT, "no state"),)
     texts = [each.value for each in robot.texts[-_MOST_TEXTS:]]
     # The newest texts are the last ones to be left out.
     said = [Part(each.text, place / 10.0, _LEVELS[each.level]) for place, each in enumerate(texts)]
-    return (head_of(robot, autopilot), *autopilot_parts(robot, autopilot), *said)
+    follow = state.input_of(Purpose.FOLLOW, robot.name)
+    return (head_of(robot, autopilot), *autopilot_parts(robot, autopilot, follow), *said)
 
 
 def _rows(part: Part, columns: int) -> list[TextRow]:

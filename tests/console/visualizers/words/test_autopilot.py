@@ -8,6 +8,7 @@ import pytest
 
 from hub.gcm.autopilot import AutopilotPhase, AutopilotState
 from hub.gcm.diagnostics import Severity as Level
+from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import THEMES
@@ -80,6 +81,18 @@ def test_what_is_wrong_is_said(draw: Draw) -> None:
     ):
         assert words_ in text
     assert "255" not in text
+
+
+@pytest.mark.parametrize("phase", [AutopilotPhase.ELSEWHERE, AutopilotPhase.DISARMED])
+def test_the_key_that_asks_it_to_follow_stands_where_it_does_not(
+    draw: Draw, phase: AutopilotPhase
+) -> None:
+    """The line of keys has no room for it on a small terminal."""
+    robot = piloted(rover(phase=phase, why="it is in hold: ask it to drive"))
+    state = ConsoleState(now=NOW, inputs={(Purpose.FOLLOW, robot.name): "F"})
+    said = words(draw("visualizeAutopilot", robot, (44, 20), state=state))
+    key = " (F)" if phase is AutopilotPhase.ELSEWHERE else ""
+    assert f"it is in hold: ask it to drive{key}" in said
 
 
 def test_nothing_is_invented_about_a_vehicle_that_was_never_heard(draw: Draw) -> None:
