@@ -1,7 +1,7 @@
 """The other end of a link to a vehicle, which sends what no vehicle should.
 
-Between its attacks it says that it is an armed rover in its driving mode, and it answers echoes, so
-that the driver takes it for a vehicle that is there.
+Between its attacks it says that it is an armed rover in its driving mode, how it lies, and it
+answers echoes, so that the driver takes it for a vehicle that is there.
 """
 
 from __future__ import annotations
@@ -185,9 +185,10 @@ class HostileVehicle:
                 attack = self.attack
                 source = ATTACKS[attack](self._chance) if attack else iter(())
             if not rest:
-                if time.monotonic() >= beat_at:
-                    beat_at = time.monotonic() + _EVERY_S
+                if (now := time.monotonic()) >= beat_at:
+                    beat_at = now + _EVERY_S
                     rest += packer.pack("HEARTBEAT", **_ROVER, system_status=4)
+                    rest += packer.pack("ATTITUDE", time_boot_ms=int(now * 1e3) % 2**32)
                 rest += self._answers(link, parser, packer)
                 count = 1 if attack in ("noise", "starts", "long starts") else _BURST
                 rest += b"".join(itertools.islice(source, count))
