@@ -35,6 +35,8 @@ REPETITIONS = 2
 REST_S = 1.5
 """Longest time from the event to rest: 0.5 s of the robot's own watchdog, then it brakes [s]."""
 PAUSED_S = 2.0
+CATCHES_UP_S = 0.05
+"""Time in which a bridge that goes on hands over what waited for it; the last of it is zero [s]."""
 
 
 def record(scene: Scene) -> RecordedRos:
@@ -59,12 +61,12 @@ def go_on(seconds: float) -> Action:
 
 
 def pause(scene: Scene) -> float:
-    """The bridge stands still for a while, and with it the robot; the time is that of its end."""
+    """The bridge stands still for a while, as the robot does; the time is when it has caught up."""
     process = record(scene).robot.process
     process.send_signal(signal.SIGSTOP)
     insist(scene, PAUSED_S)
     process.send_signal(signal.SIGCONT)
-    return time.monotonic()
+    return time.monotonic() + CATCHES_UP_S
 
 
 def driver_again(scene: Scene) -> None:
