@@ -218,15 +218,15 @@ def test_a_state_of_the_same_moment_that_says_something_else_is_no_repetition(de
     with closing(Client("navigation", desk.central.endpoints[0])) as navigation_module:
         measured = time.monotonic()
 
-        def told(motion: navigation.MotionState) -> bool:
+        def has_arrived(motion: navigation.MotionState) -> bool:
             state = robot_state(motion=motion)
             navigation_module.publish(navigation.ROBOT_STATE, state, measured=measured)
             navigation_module.listen(0.01)
             known = link.state.navigation
             return known is not None and known.value.motion is motion
 
-        until(lambda: told(navigation.MotionState.MOVING), 10.0)
-        until(lambda: told(navigation.MotionState.NO_DRIVER), 10.0)
+        until(lambda: has_arrived(navigation.MotionState.MOVING), 10.0)
+        until(lambda: has_arrived(navigation.MotionState.NO_DRIVER), 10.0)
 
 
 def test_a_fault_in_taking_a_message_is_told_once_and_the_link_goes_on(

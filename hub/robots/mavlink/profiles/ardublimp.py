@@ -106,7 +106,7 @@ BLIMP: Final = VehicleProfile(
         "RCMAP_PITCH",
         "RCMAP_THROTTLE",
         "RCMAP_YAW",
-        *(f"RC{number}_DZ" for number in range(1, _CHANNELS + 1)),
+        *(f"RC{number}_DZ" for number in range(1, 5)),  # of another channel, the usual one counts
     ),
     frees=("ahead", "left", "up", "turn"),
     setpoint=_setpoint,

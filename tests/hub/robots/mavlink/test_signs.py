@@ -17,6 +17,7 @@ from hub.robots.mavlink.profiles.ardusub import SUB
 from hub.robots.mavlink.profiles.profile import Setpoint
 from hub.robots.mavlink.vehicle.telemetry import Telemetry
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
+from hub.robots.simulated_autopilot.parameters import default_parameters
 
 DATA = Path(__file__).parents[3] / "data" / "mavlink"
 SUB_PARAMETERS = {"PILOT_SPEED": 200.0, "PILOT_SPEED_UP": 100.0, "ACRO_YAW_P": 3.375}
@@ -105,3 +106,9 @@ def test_a_vehicle_that_goes_north_faces_y_and_its_place_grows_along_y():
     assert (read.roll, read.pitch) == pytest.approx((0.2, -0.1))
     assert read.velocity.linear.x == pytest.approx(1.0)
     assert read.velocity.angular.z == pytest.approx(-0.3)
+
+
+@pytest.mark.parametrize("profile", [ROVER, SUB, BLIMP], ids=lambda each: each.name)
+def test_all_parameters_that_are_read_are_there(profile):
+    """Adopting calls the others missing, and asks for each of them four times."""
+    assert set(profile.parameters) <= default_parameters(profile.name).keys()
