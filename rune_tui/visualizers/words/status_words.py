@@ -49,6 +49,8 @@ _HELD_BACK = 0.05
 _SIDES = ("ahead", "left", "behind", "right")
 _FAULTS = frozenset({MotionState.SILENCE, MotionState.NO_DRIVER})
 """Unintended states of motion; a stop is intended."""
+_UNKNOWN_MOTION = "NO DRIVER: nobody knows whether it moves"
+"""The motion once the driver's last measurement is outdated."""
 _CAUSES = (("tilt", "tilted"), ("edge", "edge near"), ("range ", "sensor silent"))
 """Beginnings of the names of navigation's problems that slow the robot down, and their words."""
 
@@ -115,8 +117,10 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
     stale = staleness(age) is Staleness.STALE
     lost = robot.link.phase is LinkPhase.CONNECTED and navigation.motion is MotionState.NO_DRIVER
     for part in (*_moving(robot, navigation, now), *_battery(navigation)):
-        lasts = lost and part.cause == "motion"  # a driver that is silent measures nothing newer
-        yield _past(part) if stale and not lasts else part
+        if stale and lost and part.cause == "motion":  # nothing newer comes, and this is so now
+            yield Part(_UNKNOWN_MOTION, part.weight, part.severity, "NO DRIVER", cause=part.cause)
+        else:
+            yield _past(part) if stale else part
     yield from _obstacles(robot, now, silent=old)
 
 

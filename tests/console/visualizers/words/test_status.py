@@ -106,6 +106,21 @@ def test_what_is_stale_is_said_to_have_been_so(made) -> None:
     assert {part.severity for part in past} == {Severity.FAINT}
 
 
+@pytest.mark.parametrize("linear", [0.0, 0.42])
+def test_a_driver_that_is_silent_for_long_is_so_now_and_its_motion_is_not_known(
+    made, linear: float
+) -> None:
+    known = made.navigation(motion=MotionState.NO_DRIVER, linear=linear)
+    robot = made.robot(navigation=made.received(known, 30.0))
+    texts = [part.text for part in status_parts(robot, ConsoleState(now=made.now))]
+    assert "NO DRIVER: nobody knows whether it moves" in texts
+    assert f"was {linear:+.2f} m/s 0°/s".replace("+0.00", "0.00") in texts
+    lost = made.link(phase=LinkPhase.LOST)
+    robot = made.robot(navigation=made.received(known, 30.0), link=lost)
+    texts = [part.text for part in status_parts(robot, ConsoleState(now=made.now))]
+    assert any(text.startswith("was NO DRIVER") for text in texts), "the hub may have a driver"
+
+
 def test_zoom_is_said(made, draw) -> None:
     robot = made.robot(camera=made.received(made.camera(zoom=0.4)))
     assert "zoom 40%" in line(draw(NAME, robot, (200, 2)))
