@@ -12,7 +12,7 @@ from hub.gcm.body import RobotBody
 from hub.gcm.imu import Imu
 from hub.gcm.outline import exits
 from hub.gcm.pose_history import UNKNOWN, Moving, PoseHistory
-from hub.gcm.ranges import RangeReadings
+from hub.gcm.ranges import RangeReadings, too_near
 from hub.gcm.standard import Time
 from hub.pose import Pose
 from hub.values import dataclass
@@ -41,7 +41,7 @@ class BeamScan:
         pose: The robot's pose when those that are new were measured, in the frame of the poses
             that the reader was given.
         ranges: From the origin of each beam, along the ground [m], shape (n,); inf: nothing
-            within reach, NaN: not known.
+            within reach, 0: an obstacle nearer than the sensor can measure, NaN: not known.
         fresh: Which of them are new, shape (n,).
         along: The new ranges along all beams, also those that look up or down [m], shape (n,); NaN:
             not new. None: not known.
@@ -117,12 +117,14 @@ class ScanReader:
         if pose is UNKNOWN or not new.any():
             return None
         along: Floats = self.beams.ranges(readings).astype(np.float64)
-        # Many devices say 0 where they did not measure.
+        # A body that does not use `scan_of` may publish 0 where it did not measure.
         along[along <= 0.0] = np.nan
         ranges = along * self._flat
+        near = too_near(along, self.beams.nearest)
         floor = self.beams.to_floor(roll, pitch, TILT_ERROR if known else 0.0)
         ranges[~self._level | (np.minimum(along, self.beams.farthest) >= floor)] = np.nan
-        ranges[ranges < self._own] = np.nan
+        ranges[near & ~np.isnan(ranges)] = 0.0
+        ranges[~near & (ranges < self._own)] = np.nan
         if self.tilt:
             ranges[~(ranges < TILTED_REACH)] = np.nan
         return BeamScan(

@@ -94,7 +94,9 @@ class RangeTable(FrameTable):
         0.0,
         "distance of each sensor from their place [m]",
     )
-    nearest: float = key(number(0.0, 1000.0), 0.0, "least range, from their place [m]")
+    nearest: float = key(
+        number(0.0, 1000.0), 0.0, "least range, from their place; as `farthest`: a fixed one [m]"
+    )
     farthest: float = key(number(0.01, 1000.0), meaning="largest range, from their place [m]")
     rate_hz: float = key(number(0.01, 1000.0), 10.0, "measurements per second [Hz]")
     topic: str = key(ros_name, "", "of a robot with ROS: topic of its LaserScan or Range")
@@ -249,8 +251,8 @@ def read_each(
 
 def range_faults(table: RangeTable) -> Iterator[tuple[str, str]]:
     """The mistakes of a range sensor whose keys are right."""
-    if table.nearest >= table.farthest:
-        yield "nearest", f"{table.nearest:g} m is not less than 'farthest', {table.farthest:g} m"
+    if table.nearest > table.farthest:
+        yield "nearest", f"{table.nearest:g} m is more than 'farthest', {table.farthest:g} m"
     if table.ring >= table.farthest:
         yield "ring", f"{table.ring:g} m is not less than 'farthest', {table.farthest:g} m"
 

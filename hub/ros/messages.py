@@ -21,7 +21,7 @@ from hub.gcm.mapping import MOST_CELLS
 from hub.gcm.navigation import MOST_POINTS, Point
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.orientation import angles
-from hub.gcm.ranges import LaserScan
+from hub.gcm.ranges import LaserScan, as_measured
 from hub.gcm.standard import Header, Time
 from hub.ros.frame_tree import HERE, FramePlace, pose_of, turn_of
 from hub.ros.values import RosValue
@@ -130,12 +130,15 @@ def diagnostics(value: RosValue) -> Diagnostics:
     return Diagnostics(header=header(value.get("header")), status=tuple(problems))
 
 
-def laser_scan(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
+def laser_scan(
+    value: RosValue, name: str, nearest: float | None = None
+) -> tuple[RangeGroup, LaserScan]:
     """A sensor_msgs/LaserScan and its sensor; of too many beams, the nearest of neighbours count.
 
     Args:
         value: The message.
         name: Name of the sensor's frame.
+        nearest: Least range that counts [m]; None: that of the message.
     """
     step, first = float(value.get("angle_increment")), float(value.get("angle_min"))
     with np.errstate(over="ignore"):  # beyond all numbers is beyond all ranges
@@ -145,9 +148,9 @@ def laser_scan(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
     if not (ranges.size and known and abs(step) <= math.tau):
         text = "a scan has no beams, or its angles make no sense"
         raise RosMessageError(text)
+    near = near if nearest is None else nearest
     near, far = (min(1000.0, max(0.0, each)) for each in (near, far))
-    ranges[~(ranges >= near)] = np.nan
-    ranges[ranges > far] = np.inf
+    ranges = as_measured(ranges, near, far)
     many = -(-len(ranges) // MOST_BEAMS)
     if many > 1:
         whole = len(ranges) // many * many
@@ -167,15 +170,17 @@ def laser_scan(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
     return group, _scan(group, ranges, value)
 
 
-def single_range(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
-    """A sensor_msgs/Range and its sensor; its frame has this name."""
+def single_range(
+    value: RosValue, name: str, nearest: float | None = None
+) -> tuple[RangeGroup, LaserScan]:
+    """A sensor_msgs/Range and its sensor; as for `laser_scan`."""
     infrared = int(value.get("radiation_type")) == _INFRARED
     far = _number(value, "max_range", 0.0, 1000.0)
     near = _number(value, "min_range", 0.0, 1000.0)
-    measured = float(value.get("range"))
     if math.isnan(far) or math.isnan(near):
         text = "a range sensor has no limits"
         raise RosMessageError(text)
+    near = near if nearest is None else nearest
     group = RangeGroup(
         name=name,
         kind=RangeKind.INFRARED if infrared else RangeKind.SONAR,
@@ -183,9 +188,9 @@ def single_range(value: RosValue, name: str) -> tuple[RangeGroup, LaserScan]:
         nearest=near,
         farthest=far,
     )
-    ranges = np.array([math.inf if measured > far else max(-1.0, measured)], np.float32)
-    ranges[ranges < near] = np.nan
-    return group, _scan(group, ranges, value)
+    with np.errstate(over="ignore"):
+        ranges = np.array([float(value.get("range"))], np.float32)
+    return group, _scan(group, as_measured(ranges, near, far), value)
 
 
 def _scan(group: RangeGroup, ranges: npt.NDArray[np.float32], value: RosValue) -> LaserScan:

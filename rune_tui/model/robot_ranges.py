@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from hub.gcm.beams import Beams, beams_of
 from hub.gcm.body import RobotBody
-from hub.gcm.ranges import RANGES, RangeReadings
+from hub.gcm.ranges import RANGES, RangeReadings, too_near
 from hub.values import dataclass
 from rune_tui.model.body import rooms
 from rune_tui.model.robot_state import RobotState
@@ -75,10 +75,12 @@ class RobotRanges:
     Attributes:
         body: The robot's body.
         of: Its beams.
-        ranges: The ranges [m]; inf: nothing within reach, NaN: not known.
+        ranges: The ranges [m]; inf: nothing within reach, NaN: not known. An obstacle nearer than
+            a sensor can measure has the sensor's least range.
         x: End of each beam [m]; NaN if it has none.
         y: End of each beam [m]; NaN if it has none.
-        room: Distance from the footprint to that end [m]; inf if the beam found no obstacle.
+        room: Distance from the footprint to that end [m]; inf if the beam found no obstacle,
+            0 if the obstacle is nearer than the sensor can measure.
     """
 
     body: RobotBody
@@ -147,4 +149,5 @@ def _ranges(body: _Same[RobotBody], readings: _Same[RangeReadings]) -> RobotRang
     y = of.beams.y + reach * np.sin(of.beams.bearing)
     room = np.full(len(ranges), np.inf)
     room[hits] = rooms(body.value, np.stack((x[hits], y[hits]), axis=1))
+    room[hits & too_near(ranges, of.beams.nearest)] = 0.0
     return RobotRanges(body=body.value, of=of, ranges=ranges, x=x, y=y, room=room)

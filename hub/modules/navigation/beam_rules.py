@@ -91,7 +91,7 @@ class BeamRules:
         narrow: Which ones show a point.
         cones: Numbers of the others, shape (cones,).
         sure: Free length without a hit [m]; 0: none.
-        blind: Ranges up to this mean "too near to measure" [m]; 0: none does.
+        blind: Ranges up to this mean "too near to measure" [m]; 0 always does.
         rim: Distance of the outline from the beam's origin [m].
         sparse: Which ones show where nothing is, far apart from each other.
         light: The groups that show where nothing is.

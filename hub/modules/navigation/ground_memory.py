@@ -23,6 +23,7 @@ from hub.gcm.beam_scans import LARGEST_TILT, BeamScan
 from hub.gcm.beams import Beams
 from hub.gcm.body import Freedom, RobotBody
 from hub.gcm.outline import exits
+from hub.gcm.ranges import too_near
 from hub.modules.navigation.beam_rules import RIM
 from hub.pose import Pose
 
@@ -99,8 +100,10 @@ class GroundMemory:
         beams, numbers = self._beams, self._numbers
         along = scan.along[numbers]
         along = np.where(along > beams.farthest[numbers], np.inf, along)
+        near = too_near(along, beams.nearest[numbers])
+        self._mark_near(scan, np.flatnonzero(near), now)
         # A range too near to measure shows no ground.
-        measured = along > beams.nearest[numbers]
+        measured = ~near & ~np.isnan(along)
         if not measured.any():
             return
         self._climb(scan)
@@ -121,6 +124,24 @@ class GroundMemory:
         self._mark(x[low], y[low], now + MARK_S, edge=False)
         away[~hit] = math.inf
         self._mark_edges(scan.pose, np.flatnonzero(lower & ~is_ground), away, now)
+
+    def _mark_near(self, scan: BeamScan, near: npt.NDArray[np.intp], now: float) -> None:
+        """Assume low obstacles at the rim, before beams that stop above the ground.
+
+        Args:
+            scan: The ranges.
+            near: Which of the beams to the ground are too near to measure, shape (m,).
+            now: The time.
+        """
+        if not len(near):
+            return
+        nearest = self._beams.nearest[self._numbers]
+        ends = np.minimum(
+            self._rises(nearest, 0.0, 0.0), self._rises(nearest, scan.roll, scan.pitch)
+        )
+        above = near[ends[near] > self._step]
+        x, y = self._outward(scan.pose, self._rim)
+        self._mark(x[above], y[above], now + GUESS_S, edge=False)
 
     def points(self, x: float, y: float, theta: float, reach: float) -> tuple[Floats, Floats]:
         """What the robot must not meet, around a pose in `odom`, in `base_link` [m]; shapes (n,).

@@ -58,6 +58,8 @@ _CORNER_FAR = 0.7
 _BUMPER_PIECE = 0.1
 """A bumper longer than this [m] is several points."""
 _GUESSES = 512
+_GUESSED_AT_ONCE = 256
+"""Largest number of assumed points of one scan: one for each 1.4 degrees around."""
 _MOVING = 0.1
 """From this velocity on [m/s] points age in real time."""
 _TURNING = 0.2
@@ -204,7 +206,9 @@ class ObstacleMemory:
 
     def _guess(self, pose: Pose, ahead: Floats, left: Floats) -> None:
         """Assume points in `base_link` [m], shape (k,)."""
-        x, y = pose.outward(ahead[-_GUESSES:], left[-_GUESSES:])
+        # Of the many beams of a covered laser, some all around stay.
+        every = -(-len(ahead) // _GUESSED_AT_ONCE) or 1
+        x, y = pose.outward(ahead[::every], left[::every])
         places = (self._guesses + np.arange(len(x))) % _GUESSES
         self._guesses += len(x)
         self._guessed_x[places], self._guessed_y[places] = x, y

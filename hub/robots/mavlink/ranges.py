@@ -16,7 +16,7 @@ _FRESH_S: Final = 1.0
 
 
 def ranges_of(group: RangeGroup, read: Telemetry, now: float) -> npt.NDArray[np.float32]:
-    """The ranges of a group in its beams' directions [m], shape (beams,).
+    """What the autopilot says in the directions of a group's beams [m], shape (beams,).
 
     A sensor ahead fills the beams whose cones look ahead. Directions count from ahead: the frames
     of the groups have the vehicle's own axes.
@@ -36,12 +36,11 @@ def ranges_of(group: RangeGroup, read: Telemetry, now: float) -> npt.NDArray[np.
             and abs(direction) <= max(group.opening, abs(group.step)) / 2.0 + 1e-9
         ):
             ranges[place] = read.ahead
-    ranges[ranges > group.farthest] = math.inf
     return ranges
 
 
 def _obstacle(obstacles: Obstacles, direction: float) -> float:
-    """The distance in the sector of a direction [m]; NaN: there is none."""
+    """What the sector of a direction says [m]; NaN: there is none."""
     turned = (direction - obstacles.first) * math.copysign(1.0, obstacles.step) % math.tau
     size = abs(obstacles.step)
     sector = round(turned / size)

@@ -48,10 +48,10 @@ class RosRanges:
         if read is None:
             text = f"a range sensor has messages of the type {value.name[:80]}"
             raise RosMessageError(text)
-        sensor, scan = read(value, self._group.name)
+        # The least range of the robot file decides: a robot may see parts of itself below that
+        # of the message.
+        sensor, scan = read(value, self._group.name, self._group.nearest)
         ranges = self._placed(sensor, scan.ranges)
-        ranges[ranges > self._group.farthest] = math.inf
-        ranges[ranges < self._group.nearest] = math.nan
         self.scan, self.measured = scan_of(self._group, ranges, stamp), measured
 
     def _placed(self, sensor: RangeGroup, ranges: Ranges) -> Ranges:

@@ -46,6 +46,12 @@ def test_the_nearest_is_that_with_least_room_not_that_with_the_least_range() -> 
     assert nearest(ranges)[1] == pytest.approx(0.0, abs=1e-6)
 
 
+def test_what_is_nearer_than_a_sensor_can_measure_leaves_no_room() -> None:
+    ranges = ranges_around(CAR, car_readings(laser=laser_of(l90=-math.inf), side=0.25))
+    assert nearest(ranges)[0] == 0.0
+    assert math.isfinite(ranges.ranges[ranges.nearest or 0])
+
+
 def test_a_beam_that_looks_down_finds_no_obstacle() -> None:
     assert ranges_around(CAR, car_readings(down=0.05)).nearest is None
 

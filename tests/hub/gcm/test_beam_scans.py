@@ -135,6 +135,16 @@ def test_beams_to_the_floor_own_parts_and_zeros_are_unknown() -> None:
     assert np.isinf(scan.ranges[made.beams.groups["left"]]).all()
 
 
+@pytest.mark.parametrize("said", [0.06, 0.02, -math.inf])
+def test_what_is_nearer_than_a_sensor_can_measure_is_no_own_part(said: float) -> None:
+    made = reader()
+    scan = read(made, readings({"laser": said, "left": said}))
+    laser, left = (made.beams.groups[name] for name in ("laser", "left"))
+    assert (scan.ranges[laser] == 0.0).all()
+    assert scan.fresh[laser].all()
+    assert scan.ranges[left] == pytest.approx([0.06 if said == 0.06 else 0.0])
+
+
 def test_a_body_without_sensors_has_no_scans() -> None:
     made = ScanReader(RobotBody(name="a", kind="b", radius=0.2))
     made.moved(drive_state(), 1.0)

@@ -145,6 +145,7 @@ def test_a_number_that_may_be_unknown_becomes_unknown_and_that_is_told() -> None
     sonar = np.full(16, 3e38, np.float32)
     sonar[:3] = np.inf, np.nan, -1.0
     scan = scan_of(RangeGroup(name="sonar", kind=RangeKind.SONAR, farthest=5.0), sonar, 0.0)
+    scan = dataclasses.replace(scan, ranges=sonar)
     readings, notes = back(RANGES, RangeReadings(scans=(scan,)))
     ranges = readings.scans[0].ranges
     assert np.isinf(ranges[0])

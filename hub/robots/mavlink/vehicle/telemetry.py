@@ -36,6 +36,8 @@ _DOWN: Final = 25
 _BODY_FRD: Final = 12
 """MAV_FRAME_BODY_FRD: directions from ahead."""
 _NOTHING_MEASURED: Final = 65535
+_INVALID: Final = 1
+"""Value of DISTANCE_SENSOR.signal_quality: the sensor knows that it measured nothing."""
 _NO_RATES: Final = Vector3(x=math.nan, y=math.nan, z=math.nan)
 _STILL: Final = 0.05
 """Speed below which it stands [m/s]."""
@@ -54,15 +56,12 @@ class Obstacles:
     Attributes:
         first: Direction of the first distance in `base_link`, counter-clockwise from ahead [rad].
         step: From a direction to the next [rad]; negative: clockwise.
-        nearest: Least range [m].
-        farthest: Largest range [m].
-        distances: [m]; inf: nothing within reach, NaN: not measured.
+        distances: [m]; inf: nothing within reach, -inf: nearer than can be measured, NaN: not
+            measured.
     """
 
     first: float
     step: float
-    nearest: float
-    farthest: float
     distances: tuple[float, ...]
 
 
@@ -94,8 +93,8 @@ class Telemetry:
         gain: Share of the sticks' effect that a Sub uses; NaN: not known.
         depth: Below the surface [m].
         pressure: Of the water or air outside [Pa].
-        ahead: Range of a sensor ahead [m].
-        below: Range of a sensor downwards [m].
+        ahead: Range of a sensor ahead [m], as `Obstacles.distances`.
+        below: Range of a sensor downwards [m]; NaN: not known.
         in_air: Whether it says that it is in the air.
         tilt: Of its camera [rad], positive up; NaN: not known.
         obstacles: Distances around it; None: none came.
@@ -238,11 +237,14 @@ def _named(to: Telemetry, values: Mapping[str, Any]) -> None:
 
 
 def _range(to: Telemetry, values: Mapping[str, Any]) -> None:
-    distance = values["current_distance"] / 100.0
+    nearest, farthest = values["min_distance"], values["max_distance"]
+    distance = _distance(values["current_distance"], nearest, farthest or _NOTHING_MEASURED)
+    if values["signal_quality"] == _INVALID:
+        distance = math.nan
     if values["orientation"] == _AHEAD:
         to.ahead = distance
     elif values["orientation"] == _DOWN:
-        to.below = distance
+        to.below = distance if math.isfinite(distance) else math.nan
 
 
 def _landed(to: Telemetry, values: Mapping[str, Any]) -> None:
@@ -262,21 +264,22 @@ def _obstacles(to: Telemetry, values: Mapping[str, Any]) -> None:
     step, offset = within(step, 360.0), within(values["angle_offset"], 360.0)
     if values["frame"] != _BODY_FRD or math.isnan(step + offset) or not step:
         return
-    farthest = values["max_distance"]
+    limits = values["min_distance"], values["max_distance"]
     distances = values["distances"]
     count = min(len(distances), int(360.0 / abs(step)) or 1)
     to.obstacles = Obstacles(
         first=math.radians(-offset),
         step=math.radians(-step),
-        nearest=values["min_distance"] / 100.0,
-        farthest=farthest / 100.0,
-        distances=tuple(_distance(each, farthest) for each in distances[:count]),
+        distances=tuple(_distance(each, *limits) for each in distances[:count]),
     )
 
 
-def _distance(centimetres: int, farthest: int) -> float:
+def _distance(centimetres: int, nearest: int, farthest: int) -> float:
+    """A distance [m]; a 0 means that the obstacle touches the sensor."""
     if centimetres == _NOTHING_MEASURED:
         return math.nan
+    if centimetres < max(nearest, 1):
+        return -math.inf
     return centimetres / 100.0 if centimetres <= farthest else math.inf
 
 

@@ -92,7 +92,7 @@ class _SensorTables:
             except UNFIT as fault:
                 self._doubt(f"{topic} is not used: {fault}")
                 continue
-            if not group.nearest < group.farthest:
+            if not group.nearest <= group.farthest or not group.farthest:
                 self._doubt(f"{topic} is not used: its largest range is {group.farthest:g} m")
                 continue
             if beams + group.beams > MOST_BEAMS_IN_ALL or count == MOST_PARTS:

@@ -14,6 +14,7 @@ from hub.gcm.beams import beams_of
 from hub.gcm.body import RobotBody
 from hub.gcm.outline import exits
 from hub.modules.navigation.beam_rules import BeamRules
+from hub.modules.navigation.ground_memory import GroundMemory
 from hub.modules.navigation.obstacle_memory import CONE_S, LEAST_CELLS, RESOLUTION, ObstacleMemory
 from hub.pose import Pose
 from tests.hub.modules.navigation.bodies import HALF_LENGTH, HALF_WIDTH, LONG
@@ -163,3 +164,25 @@ def test_lines_that_miss_the_outline_have_no_exit() -> None:
     for body in (LONG, RobotBody(name="a", kind="b", radius=0.2)):
         away = exits(body, np.array([2.0, 2.0]), np.array([0.0, 0.0]), np.array([1.5, 0.0]))
         assert list(away) == [0.0, 0.0]
+
+
+def test_what_covers_a_laser_inside_the_outline_is_at_the_rim() -> None:
+    memory, seen = Memory(), ranges()
+    seen[LASER] = 0.0
+    memory.see(seen, 1.0)
+    bearings = [math.atan2(y, x - 0.3) for x, y in memory.held()]
+    assert max(np.diff(sorted(bearings))) < math.radians(3.0), "all around, of a full circle"
+    for x, y in memory.held():
+        assert abs(max(abs(x) - HALF_LENGTH, abs(y) - HALF_WIDTH)) < 0.02
+
+
+def test_what_stands_before_a_beam_to_the_ground_is_an_obstacle_unless_it_is_the_ground() -> None:
+    for along, found in ((0.1, 1), (0.4, 0), (math.nan, 0)):
+        ground = GroundMemory(LONG, BEAMS, step=0.05)
+        ways = np.full(len(BEAMS.kind), np.nan)
+        ways[BEAMS.groups["floor"]] = along
+        scan = BeamScan(pose=Pose(), ranges=ways, fresh=~np.isnan(ways), along=ways)
+        ground.scanned(scan, 1.0)
+        x, _ = ground.points(0.0, 0.0, 0.0, 3.0)
+        assert len(x) == found
+        assert (np.abs(x - HALF_LENGTH) < 0.02).all()

@@ -5,7 +5,8 @@ import math
 import pytest
 
 from hub.gcm.body import RangeGroup, RangeKind
-from hub.robots.mavlink.ranges import ranges_of
+from hub.gcm.ranges import scan_of
+from hub.robots.mavlink import ranges
 from hub.robots.mavlink.vehicle.telemetry import Telemetry
 from hub.robots.mavlink.wire.frames import FramePacker, FrameParser
 
@@ -26,6 +27,10 @@ def telemetry(name, /, **fields):
     (frame,) = FrameParser().feed(FramePacker(1, 1).pack(name, **fields))
     read.take(frame, NOW)
     return read
+
+
+def ranges_of(group, read, now):
+    return scan_of(group, ranges.ranges_of(group, read, now), 0.0).ranges
 
 
 def around(distances, **fields):
@@ -52,6 +57,21 @@ def test_old_ranges_are_none_and_far_ones_are_nothing_in_reach():
     read = telemetry("DISTANCE_SENSOR", current_distance=900, orientation=0)
     assert ranges_of(AHEAD, read, NOW + 0.9) == pytest.approx([math.inf])
     assert math.isnan(ranges_of(AHEAD, read, NOW + 1.1)[0])
+
+
+def test_what_is_nearer_than_a_sensor_can_measure_is_an_obstacle():
+    limits = {"min_distance": 20, "max_distance": 500, "orientation": 0}
+    group = RangeGroup(name="s", kind=RangeKind.SONAR, opening=0.4, nearest=0.2, farthest=5.0)
+    for said, ahead in ((19, 0.2), (0, 0.2), (20, 0.2), (300, 3.0), (501, math.inf)):
+        read = telemetry("DISTANCE_SENSOR", current_distance=said, **limits)
+        assert ranges_of(group, read, NOW) == pytest.approx([ahead])
+        read = telemetry("DISTANCE_SENSOR", current_distance=said, **(limits | {"orientation": 25}))
+        assert math.isfinite(read.below) == (20 <= said <= 500)
+    invalid = telemetry("DISTANCE_SENSOR", current_distance=100, signal_quality=1, **limits)
+    assert math.isnan(ranges_of(group, invalid, NOW)[0])
+    for said in (0, 19):
+        ring = ranges_of(RING, around([said] * 72), NOW)
+        assert (ring < 0.2).all(), "0: it touches the vehicle"
 
 
 def test_sectors_count_clockwise_from_ahead():

@@ -13,7 +13,7 @@ from hub.robots.ros.scans import RosRanges
 from hub.ros.values import NamedValue
 
 
-def group(beams=1, first=0.0, step=0.0, opening=0.0, farthest=12.0):
+def group(beams=1, first=0.0, step=0.0, opening=0.0, farthest=12.0, nearest=0.0):
     return RangeGroup(
         name="lidar",
         kind=RangeKind.LASER,
@@ -21,6 +21,7 @@ def group(beams=1, first=0.0, step=0.0, opening=0.0, farthest=12.0):
         first=first,
         step=step,
         opening=opening,
+        nearest=nearest,
         farthest=farthest,
     )
 
@@ -106,6 +107,43 @@ def test_a_single_range_is_that_of_a_sonar():
         },
     )
     assert read(group(opening=0.4), value) == pytest.approx([1.5])
+
+
+@pytest.mark.parametrize(
+    ("said", "ranges"),
+    [
+        ([-math.inf, 0.3, 0.44, 0.45, 2.0], [0.45, 0.45, 0.45, 0.45, 2.0]),
+        ([0.0, -1.0, math.nan, math.inf, 13.0], [math.nan, math.nan, math.nan, math.inf, math.inf]),
+    ],
+)
+def test_what_each_value_of_a_scan_means(said, ranges):
+    described = group(5, -0.4, 0.2, nearest=0.45)
+    assert read(described, scan(said, -0.4, 0.2)) == pytest.approx(ranges, nan_ok=True)
+
+
+def test_the_least_range_of_the_robot_file_decides():
+    seen = scan([-math.inf, 0.02, 0.07, 2.0], -0.4, 0.2)
+    assert read(group(4, -0.4, 0.2, nearest=0.05), seen) == pytest.approx([0.05, 0.05, 0.07, 2.0])
+    assert read(group(4, -0.4, 0.2), seen)[0] == pytest.approx(0.001), "0 is not measured"
+
+
+@pytest.mark.parametrize(
+    ("said", "means"), [(-math.inf, 0.1), (0.1, 0.1), (0.05, 0.1), (math.inf, math.inf)]
+)
+def test_a_range_sensor_with_a_fixed_distance_finds_something_or_nothing(said, means):
+    value = NamedValue(
+        "sensor_msgs/msg/Range",
+        {
+            "header": {"stamp": {"sec": 1, "nanosec": 0}, "frame_id": "cliff"},
+            "radiation_type": 1,
+            "field_of_view": 0.1,
+            "min_range": 0.1,
+            "max_range": 0.1,
+            "range": said,
+        },
+    )
+    found = read(group(opening=0.1, nearest=0.1, farthest=0.1), value)
+    assert found == pytest.approx([means])
 
 
 def test_other_messages_are_refused():
