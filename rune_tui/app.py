@@ -24,7 +24,7 @@ from rune_tui.model.effects import Effect, Notify
 from rune_tui.terminal.traits import Traits
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
-from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesReported
+from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, KeysDropped, ReleasesReported
 from rune_tui.ui.ending import force_end_later, run_on_termination
 from rune_tui.ui.frame_clock import FRAME_S, FrameClock
 from rune_tui.ui.input_events import InputEvents
@@ -179,9 +179,13 @@ class Console(CoveredApp, inherit_bindings=False):
             event.prevent_default()
             self.inputs.key(event)
 
+    def acts_at_once(self, key: events.Key) -> bool:
+        """Whether the driver must not hold a key back to see whether it is pasted."""
+        return self.inputs.names.acts_at_once(key)
+
     def stop_key(self, event: events.Key) -> str:
         """The name of a key that stops a robot; empty if it stops none."""
-        return self.inputs.stop_key(event)
+        return self.inputs.names.stops(event)
 
     def stop_below(self, name: str) -> None:
         """Stop the robots that the key of this name stops."""
@@ -207,9 +211,16 @@ class Console(CoveredApp, inherit_bindings=False):
         """Note that the terminal shows a frame."""
         await self._frames.answered(event)
 
-    def on_paste(self) -> None:
+    def on_paste(self, event: events.Paste) -> None:
         """Pasted text does not drive: release all inputs."""
-        self.inputs.release_all()
+        if not self.covered:
+            self.inputs.pasted(event.time)
+
+    def on_keys_dropped(self, event: KeysDropped) -> None:
+        """Keys that were not typed do not drive; a line over the view takes their text."""
+        self.inputs.keys_dropped(event)
+        if self.covered and event.text:
+            self.post_message(events.Paste(event.text))
 
     def on_app_focus(self) -> None:
         """Note that the terminal has the focus again."""

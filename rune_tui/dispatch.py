@@ -48,7 +48,9 @@ _WHEEL = MOUSE + "wheel"
 _WHEEL_LINES = 3
 """Lines that a page moves per notch of the mouse's wheel."""
 _YES = "enter"
-_STALE_KEY = "the console ignores keys typed while it was blocked: press it again"
+_STALE_KEY = (
+    "the console ignores keys typed while it was blocked or right after: pause, then press it again"
+)
 _STALE_CLICK = "that click only brought the terminal to the front: click again"
 
 
@@ -68,7 +70,7 @@ class Dispatch:
     | a page covers the view | only keys of stop, page, quit, list and shell work |
     | the operator begins to peek | release the held inputs that drive |
     | the operator peeks at another robot | no input commands a robot, but a stop |
-    | a key is stale | only keys of stop, help and quit work |
+    | a key is stale | only a stop works |
 
     The caller executes the effects in order. When it ends or loses sight of the keys, it executes
     `released` too.
@@ -206,11 +208,11 @@ class Dispatch:
         return (stay, ReleaseFirst(keys=frozenset({event.name}))) if driving else (stay,)
 
     def _stale(self, event: ControlEvent, state: ConsoleState) -> tuple[Effect, ...]:
-        """Effects of a key that may be old: only stop, help and quit work."""
+        """Effects of a key that may be old, or follows a dropped one: only a stop works."""
         waiting = self.listeners.named(event.name)
-        safe = [each for each in waiting if each.widget.rule.under_help]
-        if safe:
-            return self._run_widgets(event, safe, state)
+        stops = with_purpose(waiting, Purpose.STOP)
+        if stops:
+            return self._run_widgets(event, stops, state)
         meant = waiting or own_key(event.name) is not None
         text = _STALE_CLICK if event.name.startswith(MOUSE) else _STALE_KEY
         return (Notify.now(state, text),) if meant and not event.repeat else ()

@@ -40,6 +40,7 @@ import math
 from collections.abc import Callable, Collection, Iterable
 
 from hub.values import dataclass
+from rune_tui.controls.dropped_keys import DroppedKeys
 from rune_tui.controls.events import ControlEvent
 from rune_tui.controls.press_runs import PressRuns
 from rune_tui.controls.release_guard import GuardAction, GuardState, ReleaseGuard
@@ -114,6 +115,18 @@ class _Hold:
         self.live = self.live + 1 if read - self.last >= self.live_from else 0
         return self.live >= _LIVE_REPEATS
 
+    def reported(self, key: str, *, repeat: bool, fine: bool, stale: bool) -> ControlEvent:
+        """A press or repeat of a key as it was reported."""
+        return ControlEvent(
+            name=key,
+            pressed=True,
+            repeat=repeat,
+            fine=fine,
+            timed=not self.releases_reported,
+            must_release_first=self.must_release,
+            stale=stale,
+        )
+
     def proven_press(self, key: str) -> ControlEvent:
         """The press of a key that is shown to be down."""
         return ControlEvent(name=key, pressed=True, fine=self.fine, timed=True, proven=True)
@@ -130,6 +143,7 @@ class KeyboardHold:
         """Start without keys; `drives` says whether a key drives a robot."""
         self.drives = drives
         self._guard = ReleaseGuard()
+        self._dropped = DroppedKeys(self._guard)
         self._others = PressRuns(self._guard)
         """Keys that do not drive, where releases are not reported."""
         self._holds: dict[str, _Hold] = {}
@@ -170,13 +184,14 @@ class KeyboardHold:
             read: The time at which it was read, if that is not `now` [s].
             fine: Whether Shift is down.
             stale: Whether it may have been typed while the console paused; then it must be
-                released and pressed again to drive.
+                released and pressed again to drive. The same holds for a dropped key.
 
         Returns:
             The releases that are due, then its press or repeat.
         """
         key = canonical_key(key)
         read = now if read is None else read
+        stale = self._dropped.drops(read, stale=stale)
         due = [*self._due(now), *self._proven(read)]
         if not self.drives(key):
             return (*due, self._others.report(key, read, fine=fine, stale=stale))
@@ -201,18 +216,7 @@ class KeyboardHold:
             self._guard.saw(key, read)
         if hold.at_once >= _LATE_REPEATS and not hold.must_release:
             due += self._end_late(key, hold, now)
-        return (
-            *due,
-            ControlEvent(
-                name=key,
-                pressed=True,
-                repeat=True,
-                fine=fine,
-                timed=True,
-                must_release_first=hold.must_release,
-                stale=stale,
-            ),
-        )
+        return (*due, hold.reported(key, repeat=True, fine=fine, stale=stale))
 
     def down(
         self, key: str, now: float, *, repeat: bool, fine: bool = False, stale: bool = False
@@ -230,6 +234,7 @@ class KeyboardHold:
             stale: See `press`.
         """
         key = canonical_key(key)
+        stale = self._dropped.drops(now, stale=stale)
         due = list(self.expire(now))
         hold = self._holds.get(key)
         if hold is not None and not repeat:
@@ -250,17 +255,7 @@ class KeyboardHold:
         hold.ended = hold.ended or stale or (repeat and hold.must_release)
         self.heard(now)
         self._note_event(now, hold if repeat else None)
-        return (
-            *due,
-            ControlEvent(
-                name=key,
-                pressed=True,
-                repeat=repeat,
-                fine=fine,
-                must_release_first=hold.must_release,
-                stale=stale,
-            ),
-        )
+        return (*due, hold.reported(key, repeat=repeat, fine=fine, stale=stale))
 
     def up(self, key: str, now: float) -> tuple[ControlEvent, ...]:
         """Take a release."""
@@ -286,7 +281,8 @@ class KeyboardHold:
     def needs_answers(self) -> bool:
         """Whether a key is HELD, or waited for, until the terminal answers."""
         reported = any(hold.releases_reported for hold in self._holds.values())
-        return reported or self._guard.needs_answers or bool(self._others.keys)
+        waits = self._guard.needs_answers or self._dropped.dropping
+        return reported or waits or bool(self._others.keys)
 
     @property
     def hurries(self) -> bool:
@@ -309,6 +305,7 @@ class KeyboardHold:
 
     def expire(self, now: float) -> tuple[ControlEvent, ...]:
         """Releases that are due, the earliest first; then the press that is proven now, if any."""
+        self._dropped.update(now)
         return (*self._due(now), *self._others.expire(now), *self._proven(now))
 
     def _due(self, now: float) -> tuple[ControlEvent, ...]:
@@ -335,6 +332,10 @@ class KeyboardHold:
         self.stop(None, now)
         return (*self._ended(tuple(self._holds)), *self._others.release_all())
 
+    def drop(self, now: float) -> None:
+        """A key was dropped: drop all keys until they have been quiet; see `dropped_keys`."""
+        self._dropped.drop(now)
+
     def stop(self, keys: Collection[str] | None, now: float) -> None:
         """A robot was stopped or its owner changed: its keys that are down must be released.
 
@@ -357,14 +358,7 @@ class KeyboardHold:
         until, live_from = self._paused.pop(key, (read, math.inf))
         hold.live_from = math.inf if hold.must_release or read > until else live_from
         self._holds[key] = hold
-        return ControlEvent(
-            name=key,
-            pressed=True,
-            fine=fine,
-            timed=True,
-            must_release_first=hold.must_release,
-            stale=stale,
-        )
+        return hold.reported(key, repeat=False, fine=fine, stale=stale)
 
     def _end_late(self, key: str, hold: _Hold, now: float) -> tuple[ControlEvent, ...]:
         """End the hold of a late press."""

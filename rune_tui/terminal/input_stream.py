@@ -16,15 +16,19 @@ _LONGER_S: Final = 1.0
 no release in two pieces is lost."""
 _SEQUENCE: Final = re.compile(
     r"""\x1b\[M...                                     # X10 mouse: three characters follow
-    |   \x1b\[[0-?]*[\ -/]*[@-~]                       # CSI (ECMA-48, 5.4)
+    |   \x1b\[<[-\d;]*[Mm]                             # SGR mouse: beyond the edge it is negative
+    |   \x1b\[\[[A-E]                                 # F1 to F5 of the Linux console
+    |   \x1b\[[0-?]*[\ -/]*[@-Z\\-~]                     # CSI (ECMA-48, 5.4)
     |   \x1b[P\]^_X][^\x1b\x07]*(?:\x1b\\|\x07)        # DCS, OSC, PM, APC, SOS up to ST or BEL
     """,
     re.VERBOSE | re.DOTALL,
 )
 _BEGUN: Final = re.compile(
-    r"\x1b(?:\[(?:M.{0,2}|[0-?]*[ -/]*))?\Z|\x1b[P\]^_X][^\x1b\x07]*\x1b?\Z", re.DOTALL
+    r"\x1b(?:\[(?:M.{0,2}|<[-\d;]*|\[|[0-?]*[ -/]*))?\Z|\x1b[P\]^_X][^\x1b\x07]*\x1b?\Z", re.DOTALL
 )
 """The beginning of an unfinished sequence."""
+_ALT_KEY: Final = 2
+"""Most characters of Escape and of a key with Alt."""
 _CURSOR: Final = re.compile(r"\x1b\[(\d{1,5});(\d{1,5})R")
 _KEYBOARD: Final = re.compile(r"\x1b\[\?(\d{1,5})u")
 _KEY: Final = re.compile(
@@ -35,7 +39,14 @@ _KEY: Final = re.compile(
     re.VERBOSE,
 )
 """A key by the kitty keyboard protocol; F3 there does not look like a cursor report."""
-_PASTES: Final = ("\x1b[200~", "\x1b[201~")
+_PASTE_BEGINS: Final = "\x1b[200~"
+_PASTE_ENDS: Final = "\x1b[201~"
+_PASTING_S: Final = 2.0
+"""Longest wait for the end of a paste [s]: until then, no key counts."""
+_LONGEST_PASTE: Final = 1 << 16
+"""Longest paste [characters]."""
+_MUTILATED: Final = re.compile("\x1b[\\[P\\]^_X].+|\ufffd.*", re.DOTALL)
+"""A sequence without its end, and what follows it; or what no character is."""
 _REPORTS_RELEASES: Final = 2 | 8
 """Flags of the kitty keyboard protocol: events of keys, of those too that type text."""
 KEYPAD: Final = (
@@ -91,7 +102,25 @@ class KeyboardReport:
     reports_releases: bool
 
 
-InputPart = str | CursorReport | KeyReport | KeyboardReport
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Paste:
+    """Pasted text between its brackets.
+
+    Attributes:
+        text: The text.
+        whole: Whether its end came; if not, keys typed after it may be part of the text.
+    """
+
+    text: str
+    whole: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BrokenSequence:
+    """Part of an escape sequence or of a character was lost, and the rest left out."""
+
+
+InputPart = str | CursorReport | KeyReport | KeyboardReport | Paste | BrokenSequence
 
 
 class InputStream:
@@ -101,7 +130,7 @@ class InputStream:
     reports releases of some keys only, such as arrows, all keys count as without them. Reports of
     the cursor below the first row are answers; in the first row they are what xterm sends for F3
     with a modifier. Unknown sequences, such as late answers to other questions, are
-    left out: as keys, they would drive.
+    left out: as keys, they would drive. So is what remains of a mutilated sequence.
     """
 
     def __init__(self, understood: Callable[[str], bool]) -> None:
@@ -113,12 +142,15 @@ class InputStream:
         self._understood = understood
         self._held = ""
         self._held_since = 0.0
+        self._pasting = False
+        self._paste = ""
+        self._paste_since = 0.0
         self._reports_releases = False
 
     @property
     def holding(self) -> bool:
-        """Whether the beginning of a sequence waits for its end."""
-        return bool(self._held)
+        """Whether the beginning of a sequence or of a paste waits for its end."""
+        return bool(self._held) or self._pasting
 
     def feed(self, text: str, now: float) -> Iterator[InputPart]:
         """Answers and other input, in order.
@@ -130,29 +162,53 @@ class InputStream:
             now: The time [s].
         """
         held, self._held = self._held, ""
-        rest = []
         if held and now - self._held_since >= (_LONGER_S if self._reports_releases else HOLD_S):
-            rest.append(held)
+            yield _given_up(held)
             held = ""
         since = self._held_since if held else now
-        text, at = held + text, 0
+        text = held + text
+        while True:
+            if not self._pasting:
+                typed, begin, text = text.partition(_PASTE_BEGINS)
+                yield from self._typed(typed, since, ended=bool(begin))
+                if not begin:
+                    return
+                self._pasting, self._paste, self._paste_since = True, "", now
+            self._paste, end, text = (self._paste + text).partition(_PASTE_ENDS)
+            late = now - self._paste_since >= _PASTING_S or len(self._paste) > _LONGEST_PASTE
+            if not (end or late):
+                return
+            self._pasting = False
+            yield Paste(text=self._paste, whole=bool(end))
+            if not end:
+                return
+
+    def _typed(self, text: str, since: float, *, ended: bool) -> Iterator[InputPart]:
+        """The parts of input that is not pasted.
+
+        Args:
+            text: The input.
+            since: The time from which the beginning of a sequence waits for its end [s].
+            ended: Whether nothing can end a sequence that is begun here.
+        """
+        rest: list[str] = []
+        at = 0
         for found in _SEQUENCE.finditer(text):
-            rest.append(text[at : found.start()])
+            yield from _keys(text[at : found.start()], rest)
             at = found.end()
             report = self._report(found[0])
             if isinstance(report, str):
                 rest.append(report)
             elif report is not None:
-                yield from filter(None, ("".join(rest),))
-                rest.clear()
+                yield from _taken(rest)
                 yield report
             elif self._understood(found[0]):
                 rest.append(found[0])
-        begun = _BEGUN.search(text, at)
+        begun = None if ended else _BEGUN.search(text, at)
         if begun:
             self._held, self._held_since = begun[0], since
-        rest.append(text[at : begun.start() if begun else None])
-        yield from filter(None, ("".join(rest),))
+        yield from _keys(text[at : begun.start() if begun else None], rest)
+        yield from _taken(rest)
 
     def _report(self, sequence: str) -> InputPart | None:
         """The meaning of a sequence, if it is more than a key or the mouse, or its replacement."""
@@ -166,7 +222,7 @@ class InputStream:
             return None
         if key["code"] and not int(key["code"]):
             return None  # text of an input method, which never goes up
-        report = None if sequence in _PASTES else self._key(key)
+        report = None if sequence == _PASTE_ENDS else self._key(key)
         if self._reports_releases or report is None:
             return report
         return "" if report.move is KeyMove.RELEASE else report.press
@@ -184,3 +240,23 @@ class InputStream:
         number = int(code) - _FIRST_OF_KEYPAD if final == "u" else -1
         keypad = f"kp_{KEYPAD[number]}" if 0 <= number < len(KEYPAD) else ""
         return KeyReport(code=f"{code}{final}", move=move, press=press, keypad=keypad)
+
+
+def _given_up(held: str) -> InputPart:
+    """The meaning of the beginning of a sequence whose end never came."""
+    return held if len(held) <= _ALT_KEY else BrokenSequence()
+
+
+def _keys(text: str, rest: list[str]) -> Iterator[InputPart]:
+    """Add keys between sequences to the rest; a mutilated sequence hides which of them are keys."""
+    mutilated = _MUTILATED.search(text)
+    rest.append(text[: mutilated.start()] if mutilated else text)
+    if mutilated:
+        yield from _taken(rest)
+        yield BrokenSequence()
+
+
+def _taken(rest: list[str]) -> Iterator[str]:
+    """The rest so far as one part."""
+    yield from filter(None, ("".join(rest),))
+    rest.clear()

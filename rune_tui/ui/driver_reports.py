@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textual import events
 from textual.message import Message
 
 from rune_tui.terminal.input_stream import CursorReport, KeyMove
@@ -39,6 +40,26 @@ class KeyMoved(Message):
         self.character = character
         self.move = move
         self.keypad = keypad
+
+
+class KeysDropped(Message):
+    """Input was dropped because it was not typed key by key; other keys may follow it.
+
+    Attributes:
+        keys: The dropped keys; empty: they are not known.
+        pasted: Whether they came as fast as pasted text.
+    """
+
+    def __init__(self, keys: tuple[events.Key, ...] = (), *, pasted: bool = False) -> None:
+        """Prepare."""
+        super().__init__()
+        self.keys = keys
+        self.pasted = pasted
+
+    @property
+    def text(self) -> str:
+        """The text that they type."""
+        return "".join(key.character or "" for key in self.keys if key.is_printable)
 
 
 class ReleasesReported(Message):

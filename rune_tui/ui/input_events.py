@@ -6,7 +6,7 @@ Events that release all inputs:
 | --- | --- |
 | the console was paused | moves in the pause are unknown |
 | the terminal loses the focus, or stops to report releases | a release would be lost |
-| text is pasted | text must not drive |
+| text is pasted, or other keys are dropped | text must not drive |
 | a mouse button is held, and the terminal does not answer for 1 s | a release may be lost |
 | a mouse button is held, and the mouse moves with no button down | its release was lost |
 | another layout opens, or another arrangement below a held button | the button's target moved |
@@ -29,19 +29,20 @@ from rune_tui.controls.events import PAUSE_S, STALE_S, ControlEvent
 from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.joystick_sources import Sources
-from rune_tui.controls.keyboard import KeyboardHold, name_of_key, without_shift
+from rune_tui.controls.keyboard import KeyboardHold
 from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.files.recorder import Recorder
 from rune_tui.layout.key_notes import unreported_keys
-from rune_tui.layout.names import MOUSE, WAY_OUT
+from rune_tui.layout.names import JOYSTICK, MOUSE, WAY_OUT
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify
 from rune_tui.model.own_records import InputOutcome
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
-from rune_tui.ui.driver_reports import KeyMoved
+from rune_tui.ui.driver_reports import KeyMoved, KeysDropped
 from rune_tui.ui.input_record import input_record
+from rune_tui.ui.key_names import KeyNames
 from rune_tui.ui.painter import Painter
 from rune_tui.ui.waking import waker
 
@@ -49,6 +50,8 @@ _UNHEARD_S: Final = 1.0
 """Silence of an answering terminal that releases a held mouse button [s]."""
 _FOCUSING_S: Final = 0.3
 """Longest time from a focusing click to its report; the click has no other effect [s]."""
+_PASTED: Final = "pasted text presses no keys"
+_BROKEN: Final = "the terminal sent part of a key: pause, then press it again"
 _WITHHELD: Final = "control is withheld for now; only a stop works"
 _MOMENTARY: Final = (MOUSE + "wheel", MOUSE + "motion")
 """Inputs that are never released."""
@@ -58,6 +61,7 @@ class InputEvents:
     """Handles reports of the terminal and of joysticks.
 
     Attributes:
+        names: What keys mean.
         keyboard: The held keys.
         joysticks: The joysticks of the open layout.
         recorder: Records the inputs; None: nothing does.
@@ -88,7 +92,8 @@ class InputEvents:
         self._painter = painter
         self._state = state
         self._execute = execute
-        self.keyboard = KeyboardHold(self._drives)
+        self.names = KeyNames(current)
+        self.keyboard = KeyboardHold(self.names.drives)
         self.joysticks = Joysticks(
             current.layout.joysticks, Sources(local_devices.reader(), pads), CalibrationStore()
         )
@@ -109,38 +114,41 @@ class InputEvents:
         """Follow another layout."""
         self.joysticks.follow(self._current.layout.joysticks, time.monotonic())
 
-    def _drives(self, key: str) -> bool:
-        return self._current.dispatch.waits_for_hold(key)
-
     def key(self, event: events.Key) -> None:
         """Handle a press or repeat of a key."""
         now = self.time_now()
-        key, fine = self._named(event.key, event.character)
+        key, fine = self.names.named(event.key, event.character)
         stale = self.is_stale(now)
         pressed = self.keyboard.press(key, now, read=event.time, fine=fine, stale=stale)
         self._handle(pressed, event.time)
 
-    def stop_key(self, event: events.Key) -> str:
-        """The input name of a stop key; else empty."""
-        name, _ = self._named(event.key, event.character)
-        return name if self._current.dispatch.stops(name) else ""
+    def keys_dropped(self, event: KeysDropped) -> None:
+        """Release all inputs, as these keys were not typed; a stop among them counts."""
+        self.release_all()
+        self.keyboard.drop(event.time)
+        typed = self._app.covered and event.text
+        for name in dict.fromkeys(map(self.names.stops, () if typed else event.keys)):
+            if name:
+                self.stop(name)
+        if not typed:
+            self._notify(_PASTED if event.pasted else _BROKEN)
+
+    def pasted(self, when: float) -> None:
+        """Release all inputs: text was pasted, and keys may follow that belong to it."""
+        self.release_all()
+        self.keyboard.drop(when)
+        self._notify(_PASTED)
 
     def stop(self, name: str) -> None:
         """Run only the stop widgets of this input."""
         self._execute(self._current.dispatch.stopping(name, self._state()))
-
-    def _named(self, key: str, character: str | None) -> tuple[str, bool]:
-        """The input name of a key, and whether Shift makes it finer; a binding with Shift wins."""
-        name, plain = name_of_key(key, character), without_shift(key, character)
-        fine = bool(plain) and (name == plain or not self._current.dispatch.waits_for(name))
-        return (plain, True) if fine else (name, False)
 
     def key_moved(self, event: KeyMoved) -> None:
         """Handle a key's move, on a terminal that reports releases."""
         now = self.time_now()
         key, fine = event.keypad, False
         if not (key and self._current.dispatch.waits_for(key)):
-            key, fine = self._named(event.key, event.character)
+            key, fine = self.names.named(event.key, event.character)
         if event.move is KeyMove.RELEASE:
             self._handle(self.keyboard.up(key, now))
         elif self._app.covered or key == WAY_OUT:
@@ -223,6 +231,7 @@ class InputEvents:
         for each in expired:
             self._note(each, effects, state, now)
         self._execute(effects)
+        self.names.follow(state)
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._current.dispatch.button_held and unheard:
             self.release_all()  # a cut line brings no release
@@ -280,6 +289,8 @@ class InputEvents:
     def _withhold(self, event: ControlEvent, state: ConsoleState, read: float) -> None:
         """Let an input do nothing but stop, and say so."""
         dispatch = self._current.dispatch
+        if event.pressed and not event.name.startswith((MOUSE, JOYSTICK)):
+            self.keyboard.drop(read)
         effects = dispatch.stopping(event.name, state) if event.pressed else ()
         if effects:
             self._note(event, effects, state, read)

@@ -6,6 +6,8 @@
 | end of the terminal | reads forever |
 | a button's release beyond the upper left corner | loses it |
 | a mouse that moves faster than the console handles it | delays all keys |
+| a paste without brackets | takes each character for a key |
+| a paste whose end is lost | takes all keys for text, forever |
 """
 
 from __future__ import annotations
@@ -17,20 +19,25 @@ import re
 import selectors
 import time
 from collections.abc import Iterable
+from itertools import chain
 from typing import Final
 
 from textual import events
 from textual.message import Message
 
+from rune_tui.controls.typing_speed import TOGETHER_S, PastedKeys, Stroke, TypingSpeed
 from rune_tui.terminal.input_stream import (
     HOLD_S,
+    BrokenSequence,
     CursorReport,
+    InputPart,
     InputStream,
     KeyboardReport,
     KeyMove,
     KeyReport,
+    Paste,
 )
-from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, ReleasesReported
+from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, KeysDropped, ReleasesReported
 from rune_tui.ui.textual_inside import (
     InsideDriver,
     KeyParser,
@@ -55,6 +62,10 @@ _REPORT_RELEASES: Final = "\x1b[=2;2u\x1b[?u"
 """Kitty keyboard protocol: turn on reports of repeats and releases, and ask if they are on."""
 _MOST_DOWN: Final = 64
 """Most keys that are down together; one more means that the first one's release was lost."""
+_TYPES_TEXT: Final = ("enter", "tab")
+"""Keys of text that are not printable."""
+_MOST_PASTED: Final = 4096
+"""Most characters of a paste without its end that are looked at for stops."""
 _Key = tuple[str, str | None, str]
 """Textual's name of a key, the character it types, and its name on the keypad."""
 
@@ -88,6 +99,7 @@ class SturdyDriver(InsideDriver):
     lost: bool = False
     _down: dict[str, tuple[_Key, ...]]
     """Keys that are down, by the terminal's codes."""
+    _speed: TypingSpeed[events.Key]
     _ending: bool = False
     _dropped_move: events.MouseMove | None = None
     """The newest dropped move of the mouse."""
@@ -95,6 +107,7 @@ class SturdyDriver(InsideDriver):
     def start_application_mode(self) -> None:
         """Enter the terminal, and turn on reports of releases."""
         self._down = {}
+        self._speed = TypingSpeed()
         super().start_application_mode()
         self.write(_REPORT_RELEASES)
 
@@ -119,12 +132,18 @@ class SturdyDriver(InsideDriver):
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():
                 data = b""
-                if selector.select(HOLD_S / 2 if stream.holding else _READ_S):
+                if selector.select(self._longest_wait(stream)):
                     data = self._read()
                     if not data:
                         self._app.call_later(self._app.action_quit)
                         return
                 parser = self.take(parser, stream, decode(data))
+
+    def _longest_wait(self, stream: InputStream) -> float:
+        """Longest time without input until something is due [s]."""
+        if self._speed.waits:
+            return TOGETHER_S
+        return HOLD_S / 2 if stream.holding else _READ_S
 
     def _read(self) -> bytes:
         try:
@@ -136,28 +155,61 @@ class SturdyDriver(InsideDriver):
         """Post the events in `text`; returns the parser for the next text."""
         try:
             for part in stream.feed(text, time.monotonic()):
-                match part:
-                    case CursorReport():
-                        self.process_message(FrameAnswered(part, time.monotonic()))
-                    case KeyReport():
-                        self._post_key(parser, part)
-                    case KeyboardReport():
-                        self.process_message(ReleasesReported(reported=part.reports_releases))
-                    case str():
-                        self._read_events(parser, _STALE.sub("", part))
+                self._take_part(parser, part)
+            self._type(self._speed.idle(time.monotonic()))
             for event in parser.tick():
                 self._post(event)
             if self._dropped_move is not None:
                 self._post(self._dropped_move)
         except Exception:  # no input of a terminal may end the console
             _logger.exception("input %r could not be read", text[:80])
+            self._drop()
             return SturdyParser(self._debug)
         return parser
 
+    def _take_part(self, parser: SturdyParser, part: InputPart) -> None:
+        match part:
+            case CursorReport():
+                self.process_message(FrameAnswered(part, time.monotonic()))
+            case KeyReport():
+                self._post_key(parser, part)
+            case KeyboardReport():
+                self.process_message(ReleasesReported(reported=part.reports_releases))
+            case Paste(text=text, whole=True):
+                self._post(events.Paste(text.replace("\x00", "")))
+            case Paste(text=text):
+                keys = map(parser.keys_of, text[:_MOST_PASTED])
+                self._drop(tuple(chain.from_iterable(keys)), pasted=True)
+            case BrokenSequence():
+                self._drop()
+            case str():
+                self._read_events(parser, _STALE.sub("", part))
+
     def _read_events(self, parser: SturdyParser, text: str) -> None:
-        for event in parser.feed(text) if text else ():
-            for meant in parser.meant(event):
-                self._post(meant)
+        """Post what a read brought: keys after those of the paste that they may belong to."""
+        found = parser.feed(text) if text else ()
+        read = [meant for event in found for meant in parser.meant(event)]
+        strokes = [self._stroke(each) for each in read if isinstance(each, events.Key)]
+        for event in read:
+            if not isinstance(event, events.Key):
+                self._post(event)
+        self._type(self._speed.take(strokes, time.monotonic()))
+
+    def _stroke(self, key: events.Key) -> Stroke[events.Key]:
+        text = key.is_printable or key.key in _TYPES_TEXT
+        acts_at_once = getattr(self._app, "acts_at_once", None)
+        at_once = acts_at_once is not None and acts_at_once(key)
+        return Stroke(key=key.key, text=text, at_once=at_once, event=key)
+
+    def _type(self, strokes: Iterable[Stroke[events.Key] | PastedKeys[events.Key]]) -> None:
+        for each in strokes:
+            if isinstance(each, Stroke):
+                self._post(each.event)
+            else:
+                self._drop(tuple(stroke.event for stroke in each.strokes), pasted=True)
+
+    def _drop(self, keys: tuple[events.Key, ...] = (), *, pasted: bool = False) -> None:
+        self.process_message(KeysDropped(keys, pasted=pasted))
 
     def _post_key(self, parser: SturdyParser, report: KeyReport) -> None:
         """Post a key's move, with the name from its press: Shift may change while a key is down."""

@@ -31,6 +31,8 @@ DELAY_S = 0.25
 _ASKED = re.compile(rb"\x1b\[(\d+);(\d+)H\x1b\[6n")
 _QUESTION_BYTES = 16
 """A question is no longer, and may come in two pieces."""
+_QUIET_S = 0.5
+"""Time without a key after which the console takes keys again, and some more [s]."""
 _IGNORED = "ignores keys typed"
 """What the console says of a key that may be old; then how often, on this line or the next two."""
 _TIMES = re.compile(r"\((\d+) times\)")
@@ -146,6 +148,9 @@ class TerminalProcess:
         On a busy machine the console blocks at times, and ignores a key that may be old.
         """
         if _ONE_KEY.fullmatch(self._typed) and self._said_ignored() > self._ignored:
+            again = time.monotonic() + _QUIET_S
+            while time.monotonic() < again:
+                self.pump()
             self.type(self._typed)
 
     def _said_ignored(self) -> int:

@@ -112,7 +112,9 @@ def test_who_asks_is_given_control_and_the_robot_stands_until_they_drive(
     alice.wait(lambda: "bob ASKS FOR CONTROL" in alice.text, 10.0)
     assert "P hands it over, B keeps it" in alice.text
     drive(alice, observer)
-    alice.type("wp")
+    alice.type("w")
+    observer.wait(lambda: alice.pump(0.02) or observer.truth.commanded_linear > 0.0, 10.0)
+    alice.type("p")
     wait_owner(observer, "bob")
     expect_stop(observer)
     alice.hold("w", HELD_S)

@@ -216,6 +216,8 @@ def _copied(keyboard: KeyboardHold) -> KeyboardHold:
     """As `copy.deepcopy`, many times faster."""
     made, guard = copy.copy(keyboard), copy.copy(keyboard._guard)
     made._guard = guard
+    made._dropped = copy.copy(keyboard._dropped)
+    made._dropped._guard = guard
     made._holds = {key: copy.copy(hold) for key, hold in keyboard._holds.items()}
     made._paused = dict(keyboard._paused)
     made._rate = copy.copy(keyboard._rate)
@@ -250,6 +252,7 @@ def _frozen(keyboard: KeyboardHold, now: float) -> tuple[Any, ...]:
         tuple((key, at(until), apart) for key, (until, apart) in keyboard._paused.items()),
         tuple(round(each, 4) for each in keyboard._rate.intervals),
         keyboard._resumable,
+        (keyboard._dropped.dropping, at(keyboard._dropped._last)),
         (guard.state.value, guard._candidate, min(guard._repeats, 3), guard._needed),
         (at(guard._last), at(guard._stopped)),
         (frozenset(guard._down), frozenset(guard._reported), frozenset(guard._timed)),

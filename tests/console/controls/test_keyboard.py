@@ -214,11 +214,8 @@ def test_a_key_that_may_have_been_typed_long_ago_says_so_until_it_was_silent():
     keyboard = KeyboardHold()
     for number in range(40):
         (event,) = keyboard.press("w", number * RATE, stale=number < 6)
-        assert (event.must_release_first, event.repeat, event.stale) == (
-            True,
-            number > 0,
-            number < 6,
-        )
+        assert (event.must_release_first, event.repeat) == (True, number > 0)
+        assert event.stale, "it has not been quiet since"
         assert keyboard.held == ()
     keyboard.expire(39 * RATE + 0.73)
     assert_drives_when_proven(keyboard, "w", 39 * RATE + 0.73)
@@ -442,7 +439,7 @@ def test_a_key_that_does_not_drive_is_down_until_the_terminal_answers(*, stale: 
     assert keyboard.press("t", 1.3) == (press("t"),)
 
 
-@for_each("gap", [0.05, 0.3, 1.09])
+@for_each("gap", [0.33, 0.6, 1.09])
 def test_a_press_soon_after_one_from_a_pause_counts(gap: float):
     keyboard = KeyboardHold(silent)
     (ignored,) = keyboard.press("t", 0.0, stale=True)
@@ -454,9 +451,9 @@ def test_a_press_soon_after_one_from_a_pause_counts(gap: float):
 def test_a_key_held_since_a_pause_never_counts():
     keyboard = KeyboardHold(silent)
     keyboard.press("t", 0.0, stale=True)
-    keyboard.press("t", 0.01, stale=True)
-    for at in (0.04, 0.07):
-        assert keyboard.press("t", at) == (repeat("t"),)
+    for number in range(1, 9):
+        (event,) = keyboard.press("t", number * RATE)
+        assert (event.repeat, event.stale) == (True, True)
     assert keyboard.expire(5.0) == ()
 
 

@@ -8,12 +8,14 @@ from hypothesis import strategies as st
 
 from rune_tui.terminal.input_stream import (
     HOLD_S,
+    BrokenSequence,
     CursorReport,
     InputPart,
     InputStream,
     KeyboardReport,
     KeyMove,
     KeyReport,
+    Paste,
 )
 from tests.support.cases import for_each
 
@@ -167,11 +169,69 @@ def test_a_lone_escape_is_held_until_nothing_follows() -> None:
     assert not stream.holding
 
 
-def test_a_letter_with_alt_does_not_keep_back_the_keys_that_follow() -> None:
+def test_a_letter_with_alt_is_a_key_when_nothing_follows() -> None:
+    for letter in "P[]w":
+        stream = InputStream(KEYS.__contains__)
+        fed = [*stream.feed(f"\x1b{letter}", 0.0), *stream.feed("", HOLD_S)]
+        assert fed == [f"\x1b{letter}"]
+
+
+@for_each(
+    "pieces",
+    [
+        ("\x1b[1;5", "\x1b[Aq"),
+        ("\x1b[1;5\x02w\x1b[A",),
+        ("\x1b[1;5é",),
+        ("\x1bP1$r0w\x1b[A",),
+        ("\ufffdw",),
+    ],
+)
+def test_what_remains_of_a_mutilated_sequence_presses_no_key(pieces: tuple[str, ...]) -> None:
+    parts = split("t", *pieces)
+    assert parts[:2] == ["t", BrokenSequence()]
+    assert not {"1", "5", ";", "P", "$", "w"} & set(joined(parts[2:]))
+
+
+@for_each("begun", ["\x1b[1;5", "\x1bP1$r", "\x1b]11;rgb", "\x1b[<0;5"])
+def test_a_sequence_whose_end_never_comes_presses_no_key(begun: str) -> None:
     stream = InputStream(KEYS.__contains__)
-    assert list(stream.feed("\x1bP", 0.0)) == []
-    assert list(stream.feed("w", 0.03)) == []
-    assert list(stream.feed("w", HOLD_S)) == ["\x1bPww"]
+    assert list(stream.feed(begun, 0.0)) == []
+    assert list(stream.feed("", HOLD_S)) == [BrokenSequence()]
+    assert list(stream.feed("w", HOLD_S)) == ["w"]
+
+
+def test_function_keys_of_the_linux_console_are_no_letters() -> None:
+    stream = InputStream({"\x1b[[A", "\x1b[[E"}.__contains__)
+    assert list(stream.feed("\x1b[[A", 0.0)) == ["\x1b[[A"]
+    assert [*stream.feed("\x1b[", 0.0), *stream.feed("[", 0.01), *stream.feed("E", 0.02)] == [
+        "\x1b[[E"
+    ]
+
+
+BEGINS, ENDS = "\x1b[200~", "\x1b[201~"
+
+
+def test_a_paste_is_one_text_however_it_is_cut() -> None:
+    text = f"w{BEGINS}qe\x1b[A t{ENDS}s"
+    for at in range(len(text)):
+        parts = split(text[:at], text[at:])
+        assert [part for part in parts if isinstance(part, Paste)] == [
+            Paste(text="qe\x1b[A t", whole=True)
+        ]
+        assert joined([part for part in parts if isinstance(part, str)]) == "ws"
+    assert split(ENDS, "w") == ["w"]
+
+
+def test_a_paste_whose_end_is_lost_takes_the_keys_for_two_seconds_only() -> None:
+    stream = InputStream(KEYS.__contains__)
+    assert list(stream.feed(f"{BEGINS}ab", 0.0)) == []
+    assert list(stream.feed(" ", 1.9)) == []
+    assert stream.holding
+    assert list(stream.feed(" ", 2.0)) == [Paste(text="ab  ", whole=False)]
+    assert list(stream.feed(" ", 2.1)) == [" "]
+    (long,) = stream.feed(BEGINS + 100_000 * "a", 3.0)
+    assert isinstance(long, Paste)
+    assert not long.whole
 
 
 @given(st.lists(PIECES, max_size=12), st.data())
@@ -190,6 +250,10 @@ def test_nothing_that_comes_is_too_odd(pieces: list[str]) -> None:
     assert len(joined(parts)) <= len("".join(pieces))
 
 
-def joined(parts: list[str | CursorReport]) -> str:
+def joined(parts: list[InputPart]) -> str:
     """Everything in one text, a cursor report as its place."""
-    return "".join(p if isinstance(p, str) else f"{p.row},{p.column}" for p in parts)
+    return "".join(
+        part if isinstance(part, str) else f"{part.row},{part.column}"
+        for part in parts
+        if isinstance(part, str | CursorReport)
+    )

@@ -10,8 +10,9 @@ from textual import events
 from textual.app import App
 from textual.message import Message
 
+from rune_tui.controls.typing_speed import TypingSpeed
 from rune_tui.terminal.input_stream import InputStream
-from rune_tui.ui.driver_reports import KeyMoved
+from rune_tui.ui.driver_reports import KeyMoved, KeysDropped
 from rune_tui.ui.sturdy_driver import SturdyDriver, SturdyParser, understood
 from tests.support.cases import for_each
 
@@ -27,6 +28,9 @@ class Waiting(App[None]):
     def message_queue_size(self) -> int:
         return self.waiting
 
+    def acts_at_once(self, key: events.Key) -> bool:
+        return key.key in {"w", "d", "a", "space"}
+
 
 class Told(SturdyDriver):
     """Notes what it tells the console."""
@@ -35,6 +39,7 @@ class Told(SturdyDriver):
         super().__init__(app)
         self.told: list[Message] = []
         self._down = {}
+        self._speed = TypingSpeed()
 
     def send_message(self, message: Message) -> None:
         self.told.append(message)
@@ -55,6 +60,8 @@ def heard(*pieces: tuple[str, int]) -> list[str]:
         if isinstance(event, events.MouseEvent)
         else _moved(event)
         if isinstance(event, KeyMoved)
+        else f"dropped {event.text}".rstrip()
+        if isinstance(event, KeysDropped)
         else type(event).__name__
         for event in asyncio.run(play())
     ]
@@ -113,7 +120,7 @@ def test_keys_of_a_terminal_that_tells_releases_of_some_come_as_from_one_that_te
 
 
 def test_releases_press_nothing_where_nobody_asked_for_them() -> None:
-    assert heard(("\x1b[119;1:3u\x1b[1;1:3A x", 0)) == ["Key", "Key"]
+    assert heard(("\x1b[119;1:3u\x1b[1;1:3A\x1b[B ", 0)) == ["Key", "Key"]
 
 
 def test_answers_to_frames_are_told_and_other_answers_press_no_keys() -> None:
@@ -136,7 +143,7 @@ def test_a_button_that_goes_up_beyond_the_upper_left_corner_is_heard(place: str)
 def test_a_console_that_is_behind_hears_of_every_button_and_key_but_of_few_moves() -> None:
     moves = "".join(f"\x1b[<35;{column};3M" for column in range(1, 80))
     wheel = "\x1b[<64;9;9M" * 50
-    told = heard((f"{moves}{wheel}\x1b[<0;5;5M{moves}\x1b[<0;6;6m x", 9))
+    told = heard((f"{moves}{wheel}\x1b[<0;5;5M{moves}\x1b[<0;6;6m w", 9))
     assert [event.split()[0] for event in told] == ["MouseDown", "MouseUp", "Key", "Key"]
 
 
@@ -151,3 +158,24 @@ def test_of_moves_that_come_together_the_last_is_told_and_buttons_keep_their_pla
     moves = "".join(f"\x1b[<35;{column};3M" for column in range(1, 80))
     told = heard((f"{moves}\x1b[<0;5;5M\x1b[<32;6;5M\x1b[<32;7;5M\x1b[<0;7;5m", 0))
     assert told == ["MouseMove 78,2", "MouseDown 4,4", "MouseMove 6,4", "MouseUp 6,4"]
+
+
+def test_text_without_brackets_is_dropped_whole_also_in_pieces() -> None:
+    address = "https://example.org/w"
+    assert heard((address, 0)) == [f"dropped {address}"]
+    assert heard(("wasd\r\x1b[A", 0), (" e", 0)) == ["dropped wasd", "dropped  e"]
+    pieces = heard(("q", 0), ("e", 0), ("\x10", 0))
+    assert pieces == ["dropped qe", "dropped"], "none of them was passed on"
+
+
+def test_keys_that_act_at_once_wait_for_nothing_and_two_fingers_drive() -> None:
+    assert heard(("w", 0)) == ["Key"]
+    assert heard(("wwwww d", 0))[:1] == ["dropped wwwww d"]
+    assert heard(("wd", 0)) == ["Key", "Key"]
+    assert heard(("www", 0), ("www ", 0)) == ["Key"] * 7
+    assert heard(("t", 0)) == []
+
+
+def test_input_that_cannot_be_read_is_told_as_dropped() -> None:
+    assert heard(("\x1b[1;5\x02w", 0)) == ["dropped"]
+    assert heard(("\x1b[200~w q\x1b[201~", 0)) == ["Paste"]

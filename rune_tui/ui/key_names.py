@@ -1,0 +1,48 @@
+"""What the keys of a terminal mean in the open layout."""
+
+from __future__ import annotations
+
+from textual import events
+
+from rune_tui.controls.keyboard import name_of_key, without_shift
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.control import Standing, standing
+from rune_tui.ui.current_layout import CurrentLayout
+
+
+class KeyNames:
+    """Names of keys in the open layout, and which of them drive or stop."""
+
+    def __init__(self, current: CurrentLayout) -> None:
+        """Take the open layout."""
+        self._current = current
+        self._takes_control = True
+
+    def follow(self, state: ConsoleState) -> None:
+        """Note whether a key that drives may take control of a robot."""
+        robots = state.robots.values()
+        self._takes_control = any(standing(each) is Standing.FREE for each in robots)
+
+    def named(self, key: str, character: str | None) -> tuple[str, bool]:
+        """The input name of a key, and whether Shift makes it finer; a binding with Shift wins."""
+        name, plain = name_of_key(key, character), without_shift(key, character)
+        fine = bool(plain) and (name == plain or not self._current.dispatch.waits_for(name))
+        return (plain, True) if fine else (name, False)
+
+    def drives(self, name: str) -> bool:
+        """Whether an input acts while it is held."""
+        return self._current.dispatch.waits_for_hold(name)
+
+    def stops(self, key: events.Key) -> str:
+        """The input name of a stop key; else empty."""
+        name, _ = self.named(key.key, key.character)
+        return name if self._current.dispatch.stops(name) else ""
+
+    def acts_at_once(self, key: events.Key) -> bool:
+        """Whether a key drives or stops, so that it must not wait for the next one.
+
+        The driver's thread calls this too. A key that may take control waits.
+        """
+        name, _ = self.named(key.key, key.character)
+        drives = self.drives(name) and not self._takes_control
+        return drives or self._current.dispatch.stops(name)
