@@ -91,6 +91,11 @@ class RosTable:
     base_frame: str = key(_frame, "base_link", "name of the frame of the base")
     map_frame: str = key(_frame, "map", "name of the frame of its own map")
     battery: str = key(ros_name, "", "topic of its battery, a BatteryState", without="none")
+    battery_percent: bool = key(
+        truth,
+        default=False,
+        meaning="whether the battery's `percentage` counts to 100; BatteryState has 0 to 1",
+    )
     imu: str = key(ros_name, "", "topic of tilt and turn rates, an Imu", without="none")
     joints: str = key(ros_name, "", "topic of its joints, a JointState", without="none")
     pressure: str = key(ros_name, "", "topic of the pressure, a FluidPressure", without="none")

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.errors import RosMessageError
-from hub.gcm.battery import BatteryState, PowerSupplyStatus
 from hub.gcm.body import MOST_BEAMS, MOST_PARTS, RangeGroup, RangeKind
 from hub.gcm.diagnostics import MOST_PROBLEMS, Diagnostics, DiagnosticStatus, Severity
 from hub.gcm.fields import FARTHEST_M
@@ -40,25 +39,6 @@ def header(value: RosValue) -> Header:
     return Header(stamp=time, frame_id=str(value.get("frame_id"))[:_NAME])
 
 
-def battery(value: RosValue) -> BatteryState:
-    """A sensor_msgs/BatteryState; a percentage up to 100 is one of 100."""
-    share = _number(value, "percentage", 0.0, 100.0)
-    status = int(value.get("power_supply_status"))
-    return BatteryState(
-        header=header(value.get("header")),
-        voltage=_number(value, "voltage", -1000.0, 1000.0),
-        temperature=_number(value, "temperature", -300.0, 1000.0),
-        current=_number(value, "current", -1e5, 1e5),
-        charge=_number(value, "charge", -1e6, 1e6),
-        capacity=_number(value, "capacity", -1e6, 1e6),
-        percentage=share / 100.0 if share > 1.0 else share,
-        power_supply_status=PowerSupplyStatus(
-            status if 0 <= status <= PowerSupplyStatus.FULL else 0
-        ),
-        present=bool(value.get("present")) or math.isfinite(_number(value, "voltage", 1e-3, 1e3)),
-    )
-
-
 def imu(value: RosValue, mount: FramePlace = HERE) -> Imu:
     """A sensor_msgs/Imu, turned from its own frame into that of the body."""
     spin = mount.turn @ _vector(value.get("angular_velocity"), 100.0)
@@ -87,7 +67,7 @@ def imu(value: RosValue, mount: FramePlace = HERE) -> Imu:
 
 def fluid_pressure(value: RosValue) -> FluidPressure:
     """A sensor_msgs/FluidPressure."""
-    pressure = _number(value, "fluid_pressure", 0.0, 1e9)
+    pressure = known_number(value, "fluid_pressure", 0.0, 1e9)
     if math.isnan(pressure):
         text = "a pressure is not measured"
         raise RosMessageError(text)
@@ -175,8 +155,8 @@ def single_range(
 ) -> tuple[RangeGroup, LaserScan]:
     """A sensor_msgs/Range and its sensor; as for `laser_scan`."""
     infrared = int(value.get("radiation_type")) == _INFRARED
-    far = _number(value, "max_range", 0.0, 1000.0)
-    near = _number(value, "min_range", 0.0, 1000.0)
+    far = known_number(value, "max_range", 0.0, 1000.0)
+    near = known_number(value, "min_range", 0.0, 1000.0)
     if math.isnan(far) or math.isnan(near):
         text = "a range sensor has no limits"
         raise RosMessageError(text)
@@ -305,8 +285,8 @@ def _covariance(value: RosValue, name: str) -> npt.NDArray[np.float64]:
     return made
 
 
-def _number(value: RosValue, name: str, least: float, most: float) -> float:
-    """A number within its limits; NaN: not known."""
+def known_number(value: RosValue, name: str, least: float, most: float) -> float:
+    """A number of a message within its limits; NaN: not known."""
     number = float(value.get(name))
     return number if least <= number <= most else math.nan
 

@@ -15,6 +15,7 @@ from typing import Final
 from hub.gcm.diagnostics import Severity
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
+from hub.recording.ros.batteries import battery_readers
 from hub.recording.ros.topic_roles import RosRole
 from hub.recording.ros.topic_values import TopicMessages, TopicValues
 from hub.ros import messages
@@ -82,6 +83,7 @@ class _BagEvents:
             for each in values.of_role(role)
         }
         self.channels = self._readers.keys()
+        self._batteries = battery_readers(bag, values)
         self._faulty: set[tuple[int, str]] = set()
         self._written: dict[str, int] = {}
         self._low: set[int] = set()
@@ -116,7 +118,10 @@ class _BagEvents:
             self._note(message.stamp, EventKind.ALARM, text)
 
     def _battery(self, message: LoggedMessage, value: RosValue) -> None:
-        share = messages.battery(value).percentage
+        reader = self._batteries[message.channel]
+        doubted, share = bool(reader.doubt), reader.read(value).percentage
+        if reader.doubt and not doubted:
+            self._note(message.stamp, EventKind.ALARM, f"battery: {reader.doubt}")
         if share >= _CHARGED:
             self._low.discard(message.channel)
         elif share < LOW_BATTERY and message.channel not in self._low:

@@ -51,7 +51,9 @@ def mount(values: TopicValues, frames: FrameTree, value: RosValue) -> FramePlace
     return frames.place(frame, base_frame(values, frames)) or HERE
 
 
-def robot_state(values: TopicValues, frames: FrameTree, fixed: str) -> ShownMessage | None:
+def robot_state(
+    values: TopicValues, frames: FrameTree, fixed: str, battery: ShownMessage | None
+) -> ShownMessage | None:
     """Where the robot is in the fixed frame, how fast it moves, its charge; None: not known."""
     odometry = values.first(whole, RosRole.ODOMETRY)
     place, stamp = _place(values, frames, odometry, fixed)
@@ -59,7 +61,6 @@ def robot_state(values: TopicValues, frames: FrameTree, fixed: str) -> ShownMess
     forward = left = up = turning = 0.0
     if odometry is not None:
         forward, left, up, turning = messages.planar(odometry.value.get("twist.twist"))
-    battery = values.first(messages.battery, RosRole.BATTERY)
     others = (each.stamp for each in (odometry, battery) if each is not None)
     stamp = max(stamp, commanded, *others)
     if stamp < 0:

@@ -30,6 +30,7 @@ from hub.gcm.ranges import RANGES, LaserScan, RangeReadings
 from hub.plain_text import plain
 from hub.recording.chunks import LoggedMessage
 from hub.recording.ros import motion
+from hub.recording.ros.batteries import battery_readers
 from hub.recording.ros.topic_roles import RosRole
 from hub.recording.ros.topic_values import ShownMessage, TopicMessages, TopicValues
 from hub.ros import messages
@@ -46,7 +47,6 @@ _MOST_BACK: Final = 2_000
 _MOST_CHANGES: Final = 5_000
 _USUAL_FOV: Final = math.radians(60.0)
 _SIMPLE: Final[Mapping[RosRole, tuple[str, Callable[[RosValue], Any]]]] = {
-    RosRole.BATTERY: (BATTERY.name, messages.battery),
     RosRole.PRESSURE: (FLUID_PRESSURE.name, messages.fluid_pressure),
     RosRole.JOINTS: (JOINT_STATES.name, messages.joint_states),
 }
@@ -118,6 +118,7 @@ class RosRobot:
         self._changes = self._channels_of_changes()
         self._body_known: RobotBody | None = None
         self._frames = FrameTree()
+        self._batteries = battery_readers(bag, self.values)
         self._waiting: list[LoggedMessage] = []
         self._map: ShownMessage | None = None
         self._map_frame = ""
@@ -134,6 +135,8 @@ class RosRobot:
         if moving:
             back = self._bag.messages(max(0, stamp - _BACK_NS), stamp, moving, reverse=True)
             self._waiting += [*itertools.islice(back, _MOST_BACK)][::-1]
+        for reader in self._batteries.values():
+            reader.restart()
         self._find_map(stamp)
 
     def take(self, message: LoggedMessage) -> None:
@@ -160,7 +163,8 @@ class RosRobot:
             lambda value: messages.imu(value, motion.mount(values, self._frames, value)),
             RosRole.IMU,
         )
-        made[ROBOT_STATE.name] = motion.robot_state(values, self._frames, fixed)
+        made[BATTERY.name] = battery = self._battery()
+        made[ROBOT_STATE.name] = motion.robot_state(values, self._frames, fixed, battery)
         made[NAVIGATION_STATUS.name] = values.first(
             lambda value: motion.path_ahead(value, self._frames, fixed), RosRole.PATH
         )
@@ -178,6 +182,11 @@ class RosRobot:
             pictures=pictures,
             map=self._map,
         )
+
+    def _battery(self) -> ShownMessage | None:
+        """The newest message of the preferred battery."""
+        found = (self.values.shown(each, by.read) for each, by in self._batteries.items())
+        return next((each for each in found if each is not None), None)
 
     def _channels_of_changes(self) -> set[int]:
         """The topics with changes of the shown map."""

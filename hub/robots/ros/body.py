@@ -19,7 +19,7 @@ from hub.robots.ros.diagnosis import RosDiagnosis
 from hub.robots.ros.goals.own_goals import OwnGoals, goal_tag
 from hub.robots.ros.line import RosLine, RosMessage
 from hub.robots.ros.newest import Newest
-from hub.robots.ros.problems import line_problems
+from hub.robots.ros.problems import battery_problems, line_problems
 from hub.robots.ros.robot_claim import RobotClaim
 from hub.robots.ros.scans import RosRanges
 from hub.robots.ros.services import RosServices
@@ -29,6 +29,7 @@ from hub.robots.ros.topic_reader import TopicReader
 from hub.robots.ros.velocities import RosVelocities
 from hub.robots.ros.whereabouts import RosWhereabouts
 from hub.ros import messages
+from hub.ros.battery import BatteryReader
 from hub.ros.goal_messages import GoalPlace
 from hub.ros.values import RosValue
 
@@ -67,7 +68,8 @@ class RosBody:
         self._services = RosServices(line)
         self._settings = RosSettings(robot, line, self._services)
         self._ranges = tuple(RosRanges(each.sensors) for each in robot.ranges)
-        self._battery = Newest(messages.battery, _BATTERY_S)
+        self._charge = BatteryReader(percent=table.battery_percent)
+        self._battery = Newest(self._charge.read, _BATTERY_S)
         self._imu = Newest(messages.imu, _IMU_S)
         self._pressure = Newest(messages.fluid_pressure, _SLOW_S)
         self._joints = Newest(messages.joint_states, _SLOW_S)
@@ -264,6 +266,7 @@ class RosBody:
         if self._line.state.up:
             for text in self._velocities.problems(now):
                 yield DiagnosticStatus(level=Severity.WARN, name="velocities", message=text)
+        yield from battery_problems(self._charge, scaled=self._table.battery_percent)
         for topic, why in self._reader.faults.items():
             text = f"messages of {topic} cannot be used: {why}"
             yield DiagnosticStatus(level=Severity.WARN, name=topic[:64], message=text)

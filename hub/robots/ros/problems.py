@@ -6,6 +6,7 @@
 | odometry | ERROR | its place is not known |
 | odometry | WARN | places come late |
 | own map | WARN | no frames join its own map with its odometry |
+| battery | WARN | its charge jumped; it counts to 100, and the robot file does not say so |
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from hub.plain_text import plain
 from hub.robots.ros.line import RosLine
 from hub.robots.ros.odometry import FRESH_S
 from hub.robots.ros.whereabouts import RosWhereabouts
+from hub.ros.battery import BatteryReader
 
 _LATE_S: Final = 0.2
 """Delay of places from which on the line is too slow to drive well [s]."""
@@ -48,6 +50,23 @@ def line_problems(
     if state.up and places.lacks_map(now):
         text = "the robot's own map is not used: its frames do not say where it is on it"
         yield DiagnosticStatus(level=Severity.WARN, name="own map", message=text)
+
+
+def battery_problems(charge: BatteryReader, *, scaled: bool) -> Iterator[DiagnosticStatus]:
+    """What is wrong with the charge of the battery.
+
+    Args:
+        charge: Its reader.
+        scaled: Whether the robot file says that it counts to 100.
+    """
+    if charge.doubt:
+        yield DiagnosticStatus(level=Severity.WARN, name="battery", message=charge.doubt)
+    elif charge.percent and not scaled:
+        text = (
+            "its battery counts to 100: write battery_percent = true under [ros], "
+            "else a hub that starts with an empty battery takes 1 % for a full one"
+        )
+        yield DiagnosticStatus(level=Severity.WARN, name="battery", message=text)
 
 
 def _unknown(line: RosLine, places: RosWhereabouts, now: float) -> str:

@@ -201,7 +201,7 @@ def _origin(to: Telemetry, values: Mapping[str, Any]) -> None:
 
 def _status(to: Telemetry, values: Mapping[str, Any]) -> None:
     voltage, left = values["voltage_battery"], values["battery_remaining"]
-    to.voltage = voltage / 1e3 if voltage != _NO_VOLTAGE else math.nan
+    to.voltage = voltage / 1e3 if voltage not in (0, _NO_VOLTAGE) else math.nan
     to.charge = left / 100.0 if 0 <= left <= 100 else math.nan
     to.armable = bool(values["onboard_control_sensors_health"] & _PREARM)
 

@@ -19,7 +19,9 @@ from hub.robots.ros.asking.stopping import Stopping, stopping
 from hub.robots.ros.asking.tables import BodyTables
 from hub.robots.ros.goals.goal_actions import driving_nodes
 from hub.robots.ros.own_nodes import foreign
+from hub.robots.ros.topic_reader import UNFIT
 from hub.robots.urdf import UrdfModel
+from hub.ros.battery import counts_to_100
 from hub.values import dataclass
 
 _MOST_NAMED: Final = 4
@@ -96,6 +98,15 @@ class RosProposal:
     def name(self) -> str:
         """A name for it."""
         return limits.name_of(self.found) or "ros-robot"
+
+    @property
+    def battery_percent(self) -> bool:
+        """Whether its battery counts to 100, not to 1."""
+        value = self.found.of(self.parts.single["battery"]).value
+        try:
+            return value is not None and counts_to_100(value)
+        except UNFIT:
+            return False
 
     def lights(self) -> dict[str, str]:
         """Topics and services that switch lights, by a name for each."""
@@ -182,6 +193,8 @@ class RosProposal:
         if len(doubts) > _MOST_DOUBTS:
             more = len(doubts) - _MOST_DOUBTS
             yield f"{more} more sensors are not used, or their place is not known"
+        if self.battery_percent:
+            yield "its battery counts to 100, where ROS has 0 to 1: `battery_percent = true`"
         fault = self.outline[1]
         if fault:
             yield f"its outline is not known: {plain(fault)[:300]}"

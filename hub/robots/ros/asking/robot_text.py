@@ -83,6 +83,8 @@ def _ros(proposal: RosProposal, certificates: str) -> Iterator[str]:
     for key, topic in parts.single.items():
         if topic and (key != "map" or found.of(topic).value is not None):
             yield f"{key} = {_value(topic)}"
+            if key == "battery" and proposal.battery_percent:
+                yield "battery_percent = true    # it counts to 100"
         elif topic:
             yield f"# {key} = {_value(topic)}    # nothing came on it"
         elif key == "diagnostics":

@@ -140,6 +140,14 @@ def test_percentages_of_both_kinds_are_read(tmp_path: Path, given: float, share:
     assert math.isnan(read.voltage)
 
 
+def test_a_battery_that_counts_to_100_does_so_in_the_whole_recording(tmp_path: Path) -> None:
+    said = [("/b", make("sensor_msgs/msg/BatteryState", percentage=each)) for each in (3.0, 1.0)]
+    for number, share in enumerate((0.03, 0.01)):
+        scene = scene_of(tmp_path, *said, at=START + number - len(said))
+        assert value(scene, BATTERY.name).percentage == pytest.approx(share)
+        assert value(scene, ROBOT_STATE.name).battery_fraction == pytest.approx(share)
+
+
 def test_other_readings_are_known(tmp_path: Path) -> None:
     scene = scene_of(
         tmp_path,

@@ -69,6 +69,15 @@ def test_a_robot_gets_its_file(name: str, tmp_path: Path) -> None:
     assert load_robot_table(str(tmp_path / "robot.toml")).robot.kind == "ros"
 
 
+@pytest.mark.parametrize("counts", [True, False])
+def test_the_file_says_that_a_battery_counts_to_100(*, counts: bool) -> None:
+    said_of = {"percentage": 57.0 if counts else 0.57}
+    battery = {"type": "sensor_msgs/msg/BatteryState", "by": ("/base",), "said": said_of}
+    robot = found({"/cmd_vel": TAKEN, "/odom": ODOM, "/battery": battery})
+    assert read(RosProposal(robot))["ros"].get("battery_percent", False) is counts
+    assert ("battery_percent" in said(robot)) is counts
+
+
 def test_a_scan_gets_its_place_above_the_ground_and_its_beams() -> None:
     (table,) = read(RosProposal(turtlebot_4()))["range"]
     assert (table["topic"], table["beams"], table["spread_deg"]) == ("/scan", 720, 360.0)
