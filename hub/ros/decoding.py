@@ -3,13 +3,14 @@
 | encoding | definition | by |
 | --- | --- | --- |
 | cdr | ros2msg, ros2idl, none | a format of Rune, whose codec makes arrays without a copy |
-| ros1 | ros1msg | `ros1` |
+| ros1 | ros1msg, none | `ros1` |
 | protobuf | protobuf | `protobuf` |
 | json | jsonschema, none | `plain_json`; the schema is not needed |
 """
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable, Mapping
 from typing import Final, Protocol
@@ -18,15 +19,16 @@ from hub.errors import CodecError, RosMessageError
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codec import Codec
 from hub.ros import foxglove
+from hub.ros.known_types import known_texts
 from hub.ros.plain_json import json_values
 from hub.ros.protobuf import ProtobufReader
 from hub.ros.ros1 import ros1_values
-from hub.ros.schema import NUMBERS, RosField, RosType, ros_type
+from hub.ros.schema import NUMBERS, RosField, RosType, full_name, ros_type, ros_version
 from hub.ros.values import NamedValue, RosValue, TypedValue
 
 READABLE: Final[Mapping[str, tuple[str, ...]]] = {
     "cdr": ("ros2msg", "ros2idl", ""),
-    "ros1": ("ros1msg",),
+    "ros1": ("ros1msg", ""),
     "protobuf": ("protobuf",),
     "json": ("jsonschema", ""),
 }
@@ -66,6 +68,7 @@ class RosDecoder:
     """Decodes the messages of one topic.
 
     Attributes:
+        name: The name of their type.
         type: Their type; None: only the messages themselves have it.
         fields: Number of fields of their type, with those of all types within it; 0: not known.
     """
@@ -75,7 +78,7 @@ class RosDecoder:
     ) -> None:
         self.type = kind
         self.fields = 0 if kind is None else kind.all_fields
-        self._name = name
+        self.name = name
         self._read = read
 
     @classmethod
@@ -105,7 +108,7 @@ class RosDecoder:
             return self._read(payload)
         except (CodecError, RosMessageError) as error:
             reason = error.__cause__ if isinstance(error, CodecError) else None
-            text = f"a message does not fit {self._name}: {reason or error}"
+            text = f"a message does not fit {self.name}: {reason or error}"
             raise RosMessageError(text) from error
 
     def as_ros(self, payload: Payload) -> RosValue:
@@ -114,7 +117,7 @@ class RosDecoder:
         Raises:
             RosMessageError: The payload is no message of this type.
         """
-        return foxglove.as_ros(self._name, self.decode(payload))
+        return foxglove.as_ros(self.name, self.decode(payload))
 
 
 _Description = tuple[str, str, str, bytes]
@@ -163,11 +166,39 @@ def _decoder(name: str, encoding: str, schema_encoding: str, schema: bytes) -> R
     except UnicodeDecodeError as error:
         refusal = f"the definition of {name[:80]} is no text"
         raise RosMessageError(refusal) from error
-    kind = ros_type(name, schema_encoding, text)
+    if text or schema_encoding == "ros2idl":
+        return _typed(ros_type(name, schema_encoding, text), encoding)
+    language = "ros1msg" if encoding == "ros1" else "ros2msg"
+    known = known_texts(ros_version(encoding)).get(full_name(name), ("",))
+    found = [_typed(ros_type(name, language, each), encoding) for each in known]
+    return _of_any_distribution(found) if len(found) > 1 else found[0]
+
+
+def _typed(kind: RosType, encoding: str) -> RosDecoder:
+    """The decoder of a type, for the encoding "cdr" or "ros1"."""
     if encoding == "ros1":
-        return RosDecoder(name, lambda payload: TypedValue(kind, ros1_values(kind, payload)), kind)
+        return RosDecoder(
+            kind.name, lambda payload: TypedValue(kind, ros1_values(kind, payload)), kind
+        )
     codec = Codec(format_of(kind))
     return RosDecoder(kind.name, lambda payload: TypedValue(kind, codec.decode(payload)), kind)
+
+
+def _of_any_distribution(decoders: list[RosDecoder]) -> RosDecoder:
+    """The decoder of a type whose fields differ between distributions: a payload fits one only."""
+    first = decoders[0]
+
+    def read(payload: Payload) -> RosValue:
+        for each in tuple(decoders):
+            with contextlib.suppress(RosMessageError):
+                found = each.decode(payload)
+                if each is not decoders[0]:  # the robot has this one
+                    decoders.remove(each)
+                    decoders.insert(0, each)
+                return found
+        return first.decode(payload)
+
+    return RosDecoder(first.name, read, first.type)
 
 
 def format_of(kind: RosType) -> formats.Struct:

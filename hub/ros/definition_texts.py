@@ -1,7 +1,6 @@
 """Writes definitions of known types with all types that they use, as bridges send them.
 
-ROS 1 spells some parts in another way: its header has a number, a time is no type of its own, and
-the matrices of a camera have capitals.
+In ROS 1 a time is no type of its own.
 """
 
 from __future__ import annotations
@@ -16,9 +15,7 @@ from hub.ros.schema import NUMBERS, TEXT, full_name
 
 _LINE: Final = "=" * 80
 _FIRST_WORD: Final = re.compile(r"^([A-Za-z]\w*(?:/\w+)*)", re.MULTILINE)
-_HEADER: Final = "uint32 seq\ntime stamp\nstring frame_id\n"
 _TIMES: Final = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
-_CAPITALS: Final = re.compile(r"(?<=\] )([dkrp])$", re.MULTILINE)
 
 _NONE: Final[Mapping[str, str]] = {}
 
@@ -53,15 +50,12 @@ def short_name(name: str) -> str:
 
 
 def _text(name: str, more: Mapping[str, str], *, old: bool) -> str:
-    if old and name == "std_msgs/msg/Header":
-        return _HEADER
-    text = more.get(name) or known_text(name)
+    text = more.get(name) or known_text(name, 1 if old else 2)
     if text is None:
         refusal = f"{name[:80]} is no type that Rune knows"
         raise RosMessageError(refusal)
     if old:
         text = _FIRST_WORD.sub(lambda found: _TIMES.get(found[1], found[1]), text)
-        text = _CAPITALS.sub(lambda found: found[1].upper(), text) if "CameraInfo" in name else text
     return text
 
 

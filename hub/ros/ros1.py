@@ -36,7 +36,10 @@ def ros1_values(kind: RosType, payload: bytes | memoryview) -> tuple[Any, ...]:
     Raises:
         RosMessageError: The payload is no message of this type.
     """
-    return _Ros1Reader(payload).message(kind)
+    reader = _Ros1Reader(payload)
+    values = reader.message(kind)
+    reader.end()
+    return values
 
 
 class _Ros1Reader:
@@ -47,6 +50,11 @@ class _Ros1Reader:
 
     def message(self, kind: RosType) -> tuple[Any, ...]:
         return tuple(self._field(each) for each in kind.fields)
+
+    def end(self) -> None:
+        """Refuse a payload with more bytes than the message."""
+        if self._at < len(self._data):
+            self._refuse(f"it has {len(self._data)} bytes, and a message ends at {self._at}")
 
     def _field(self, each: RosField) -> Any:  # noqa: ANN401 - fields have any type
         if each.name == EMPTY:  # only ROS 2 writes a byte for a type without fields

@@ -1,4 +1,4 @@
-"""Reads definitions of ROS 2 types, as recordings carry them: the encodings ros2msg and ros2idl.
+"""Reads definitions of ROS types, as recordings carry them: ros2msg, ros2idl and ros1msg.
 
 A definition comes with a file of others, so every size is limited. Types that a definition uses and
 does not have are looked up in `known_types`.
@@ -129,7 +129,12 @@ def ros_type(name: str, encoding: str, text: str) -> RosType:
     if len(text) > MOST_TEXT:
         _refuse(name, f"is longer than {MOST_TEXT} characters")
     found = dict(_definitions(full_name(name), encoding, text))
-    return _TypeResolver(found).build(full_name(name))
+    return _TypeResolver(found, ros_version(encoding)).build(full_name(name))
+
+
+def ros_version(encoding: str) -> int:
+    """The version of ROS, 1 or 2, of an encoding of messages or of definitions."""
+    return 1 if encoding in ("ros1", "ros1msg") else 2
 
 
 def msg_fields(text: str) -> Iterator[FieldText]:
@@ -182,8 +187,8 @@ def _definitions(
 class _TypeResolver:
     """Resolves the names of types."""
 
-    def __init__(self, found: Mapping[str, tuple[FieldText, ...]]) -> None:
-        self._found = found
+    def __init__(self, found: Mapping[str, tuple[FieldText, ...]], version: int) -> None:
+        self._found, self._version = found, version
         self._done: dict[str, tuple[RosType, int, int]] = {}
         self._open: list[str] = []
 
@@ -200,7 +205,7 @@ class _TypeResolver:
             _refuse(self._open[0], f"has types within types deeper than {MOST_DEPTH}")
         fields = self._found.get(name)
         if fields is None:
-            fields = _known(name)
+            fields = _known(name, self._version)
         if fields is None:
             _refuse(self._open[0] if self._open else name, f"lacks the definition of {name[:80]}")
         self._open.append(name)
@@ -225,16 +230,16 @@ class _TypeResolver:
         if "/" not in spelt:
             package = owner.rpartition("/")[0]
             beside = f"{package}/{spelt}"
-            known = beside in self._found or _known(beside) is not None
+            known = beside in self._found or _known(beside, self._version) is not None
             spelt = "std_msgs/msg/Header" if spelt == "Header" and not known else beside
         return self._type(full_name(spelt))
 
 
-def _known(name: str) -> tuple[FieldText, ...] | None:
-    """The fields of a type that all systems with ROS 2 have; None: it is none of them."""
+def _known(name: str, version: int) -> tuple[FieldText, ...] | None:
+    """The fields of a type that all systems with this ROS have; None: it is none of them."""
     from hub.ros.known_types import known_text
 
-    text = known_text(name)
+    text = known_text(name, version)
     return None if text is None else tuple(msg_fields(text))
 
 

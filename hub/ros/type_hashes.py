@@ -11,7 +11,7 @@ import json
 from typing import Any, Final
 
 from hub.errors import RosMessageError
-from hub.ros.known_types import known_text
+from hub.ros.known_types import known_text, known_texts
 from hub.ros.schema import EMPTY, FieldText, full_name, msg_fields
 
 _NUMBERS: Final = (
@@ -20,8 +20,6 @@ _NUMBERS: Final = (
 )
 _FIRST, _ARRAY, _SEQUENCE = 2, 48, 144
 """Identities of types: of the first number, and the difference for arrays and sequences."""
-_ADDED: Final = {"sensor_msgs/msg/Range": "float32 variance\n"}
-"""Fields that types got after ROS 2 Humble, whose types `known_types` has."""
 
 
 def type_hash(name: str) -> str:
@@ -40,15 +38,15 @@ def later_definition(name: str, hash_text: str) -> str:
         name: Such as "sensor_msgs/msg/Range".
         hash_text: The hash with which a node has it.
     """
-    added = _ADDED.get(name, "")
-    return f"{known_text(name)}{added}" if added and hash_text == _hash(name, added) else ""
+    later = known_texts().get(name, ())[1:]
+    return next((text for text in later if _hash(name, text) == hash_text), "")
 
 
 @functools.cache
-def _hash(name: str, added: str) -> str:
+def _hash(name: str, text: str) -> str:
     found: dict[str, Any] = {}
     try:
-        _describe(name, found, added)
+        _describe(name, found, text)
     except RosMessageError:
         return ""
     whole = {
@@ -58,15 +56,15 @@ def _hash(name: str, added: str) -> str:
     return f"RIHS01_{hashlib.sha256(json.dumps(whole).encode()).hexdigest()}"
 
 
-def _describe(name: str, found: dict[str, Any], added: str = "") -> None:
-    """Add a type and those within it."""
-    text = known_text(name)
+def _describe(name: str, found: dict[str, Any], text: str | None = None) -> None:
+    """Add a type with these fields, or those that are known, and those within it."""
+    text = text or known_text(name)
     if text is None or "<=" in text:  # `msg_fields` leaves limits out
         refusal = f"the hash of {name[:80]} is not known"
         raise RosMessageError(refusal)
     described: dict[str, Any] = {"type_name": name}
     found[name] = described
-    fields = tuple(msg_fields(text + added)) or (FieldText("uint8", EMPTY, None),)
+    fields = tuple(msg_fields(text)) or (FieldText("uint8", EMPTY, None),)
     described["fields"] = [_field(each, name.rpartition("/")[0], found) for each in fields]
 
 

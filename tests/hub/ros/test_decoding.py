@@ -28,6 +28,8 @@ from hub.ros.values import RosValue
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 """Types and messages that others make."""
 KNOWN = sorted(set(known_texts()) & set(STORE.fielddefs))
+STORE_OF_ROS_1 = get_typestore(Stores.ROS1_NOETIC)
+KNOWN_OF_ROS_1 = sorted(set(known_texts(1)) & set(STORE_OF_ROS_1.fielddefs))
 PACKAGES = ("std_msgs", "geometry_msgs", "sensor_msgs", "nav_msgs", "tf2_msgs", "diagnostic_msgs")
 SECTION = "=" * 80 + "\n"
 HEAD = b"\0\1\0\0"
@@ -37,16 +39,16 @@ def topic(text: str, name: str = "a/msg/A", encoding: str = "ros2msg") -> Record
     return RecordedTopic("/a", name, encoding, text.encode())
 
 
-def made(name: str, chance: random.Random) -> Any:
+def made(name: str, chance: random.Random, store: Any = STORE) -> Any:
     """A message of the type with random values."""
-    values = [field(desc, chance) for _, desc in STORE.fielddefs[name][1]]
-    return STORE.types[name](*values)
+    values = [field(desc, chance, store) for _, desc in store.fielddefs[name][1]]
+    return store.types[name](*values)
 
 
-def field(desc: Any, chance: random.Random) -> Any:
+def field(desc: Any, chance: random.Random, store: Any) -> Any:
     kind, inner = desc
     if kind == Nodetype.NAME:
-        return made(inner, chance)
+        return made(inner, chance, store)
     if kind == Nodetype.BASE:
         return number(inner[0], chance)
     element, most = inner
@@ -55,7 +57,7 @@ def field(desc: Any, chance: random.Random) -> Any:
         values = [number(element[1][0], chance) for _ in range(count)]
         kind = {"byte": "uint8", "char": "uint8", "octet": "uint8"}.get(*[element[1][0]] * 2)
         return np.array(values, kind)
-    return [field(element, chance) for _ in range(count)]
+    return [field(element, chance, store) for _ in range(count)]
 
 
 def number(kind: str, chance: random.Random) -> Any:
@@ -73,16 +75,17 @@ def number(kind: str, chance: random.Random) -> Any:
     return chance.choice([int(info.min), int(info.max), chance.randint(info.min, info.max)])
 
 
-def plain(value: Any) -> Any:
+def plain(value: Any, store: Any = STORE) -> Any:
     """A value of theirs or ours as lists."""
     if isinstance(value, RosValue):
-        return [plain(each) for _, each in value.fields()]
+        return [plain(each, store) for _, each in value.fields()]
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, list | tuple):
-        return [plain(each) for each in value]
+        return [plain(each, store) for each in value]
     if hasattr(value, "__msgtype__"):
-        return [plain(getattr(value, name)) for name, _ in STORE.fielddefs[value.__msgtype__][1]]
+        fields = store.fielddefs[value.__msgtype__][1]
+        return [plain(getattr(value, name), store) for name, _ in fields]
     return value
 
 
@@ -99,6 +102,46 @@ def test_messages_of_others_are_read_as_they_wrote_them(seed: int, order: str) -
                 continue
             read = RosDecoder.of(topic(schema, name)).decode(payload)
             assert plain(read) == plain(message), name
+
+
+@pytest.mark.parametrize("schema_encoding", ["ros1msg", ""])
+def test_types_of_ros_1_that_are_known_by_name_only_are_those_of_ros_1(
+    schema_encoding: str,
+) -> None:
+    """A bridge without a package of messages names its types, and does not define them."""
+    chance = random.Random(1)
+    for name in KNOWN_OF_ROS_1:
+        message = made(name, chance, STORE_OF_ROS_1)
+        payload = bytes(STORE_OF_ROS_1.serialize_ros1(message, name))
+        read = RosDecoder.of(RecordedTopic("/a", name, schema_encoding, b"", "ros1"))
+        if payload:
+            assert plain(read.decode(payload)) == plain(message, STORE_OF_ROS_1), name
+        for wrong in (payload + b"\0", payload[:-1]) if payload else ():
+            with pytest.raises(RosMessageError, match="bytes"):
+                read.decode(wrong)
+    assert len(KNOWN_OF_ROS_1) > 100
+
+
+def test_a_type_that_differs_between_distributions_is_read_as_the_robot_has_it() -> None:
+    later = get_typestore(Stores.ROS2_JAZZY)
+    name = "sensor_msgs/msg/Range"
+    for store in (later, STORE, later):
+        message = made(name, random.Random(2), store)
+        read = RosDecoder.of(topic("", name)).decode(bytes(store.serialize_cdr(message, name)))
+        assert plain(read) == plain(message, store)
+    name = "sensor_msgs/msg/BatteryState"  # before Noetic it had no temperatures
+    message = made(name, random.Random(3), STORE_OF_ROS_1)
+    message.cell_temperature = np.zeros(0, np.float32)
+    payload = bytes(STORE_OF_ROS_1.serialize_ros1(message, name))
+    after_header = 16 + len(message.header.frame_id.encode())
+    cells = after_header + 31 + 4 + 4 * len(message.cell_voltage)
+    old = payload[: after_header + 4] + payload[after_header + 8 : cells] + payload[cells + 4 :]
+    battery = RosDecoder.of(RecordedTopic("/a", name, "ros1msg", b"", "ros1"))
+    for each in (payload, old, payload):
+        read = battery.decode(each)
+        assert read.get("serial_number") == message.serial_number
+        assert read.get("percentage") == message.percentage
+        assert (read.field("temperature") is None) == (each is old)
 
 
 def test_numbers_of_pictures_are_not_copied() -> None:
@@ -272,8 +315,9 @@ def test_other_encodings_are_named() -> None:
 
 
 def test_known_types_are_those_of_ros() -> None:
-    for name in KNOWN:
-        ours = RosDecoder.of(topic("", name)).type
-        theirs = [each for each, _ in STORE.fielddefs[name][1]]
-        assert [each.name for each in ours.fields] == theirs
+    for store, encoding, names in ((STORE, "cdr", KNOWN), (STORE_OF_ROS_1, "ros1", KNOWN_OF_ROS_1)):
+        for name in names:
+            ours = RosDecoder.of(RecordedTopic("/a", name, "", b"", encoding)).type
+            theirs = [each for each, _ in store.fielddefs[name][1]]
+            assert [each.name for each in ours.fields] == theirs, name
     assert len(KNOWN) > 130
