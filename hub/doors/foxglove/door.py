@@ -14,6 +14,7 @@ from hub import files
 from hub.command_output import put
 from hub.doors.foxglove.layout import LAYOUT, layout_of
 from hub.doors.panels.serving import body_of, serve
+from hub.doors.panels.wishes import SenderKind
 from hub.errors import DoorError
 from hub.gcm.body import RobotBody
 from hub.ipc.client import Client
@@ -22,7 +23,12 @@ from hub.ros.panel_door_name import panel_door_name
 if TYPE_CHECKING:
     from hub.doors.foxglove.tool_server import ServerSettings
 
-_OPERATOR: Final = "a panel of Foxglove"
+_SENDER: Final = SenderKind(
+    owner="a panel of Foxglove",
+    noun="panel",
+    release="release it",
+    rate="set its publish rate to 10 Hz",
+)
 _INSTALL: Final = "foxglove-sdk is missing; install it with pip install 'robot-user-nexus[tools]'"
 
 
@@ -62,7 +68,7 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
         def announce() -> None:
             _announce(opened[0].address, settings, options)
 
-        serve(client, options, open_server, operator=_OPERATOR, announce=announce)
+        serve(client, options, open_server, sender=_SENDER, announce=announce)
     return 0
 
 

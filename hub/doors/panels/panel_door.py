@@ -10,7 +10,7 @@ from typing import Final
 from hub.doors.panels.hub_topics import HubTopics, PictureWishes
 from hub.doors.panels.panel_drive import PanelDrive
 from hub.doors.panels.parameters import parameters_of
-from hub.doors.panels.wishes import TopicServer
+from hub.doors.panels.wishes import SenderKind, TopicServer
 from hub.errors import HubError
 from hub.gcm.body import RobotBody
 from hub.gcm.capability import Capability
@@ -32,7 +32,7 @@ class PanelDoor:
         open_server: Callable[[Callable[[], None]], TopicServer],
         pictures: PictureWishes,
         *,
-        operator: str = "",
+        sender: SenderKind | None = None,
         keys: Path | None = None,
     ) -> None:
         """Open it.
@@ -41,13 +41,13 @@ class PanelDoor:
             client: A connected client for this alone.
             open_server: Opens the server; it calls its argument when panels want something else.
             pictures: What they get of cameras.
-            operator: Who has control while a panel drives; empty: panels do not drive.
+            sender: Who drives; None: nobody does.
             keys: File of the key of `client`.
 
         Raises:
             HubError: The server cannot be opened, or the hub does not answer.
         """
-        self._client, self._drives = client, bool(operator)
+        self._client, self._drives = client, sender is not None
         self._driven = False
         self._linked = True
         self._wanted: frozenset[str] = frozenset()
@@ -55,11 +55,11 @@ class PanelDoor:
         self._topics = HubTopics(client, self._server, pictures, self._described)
         self._driver: Client | None = None
         self._drive: PanelDrive | None = None
-        if operator:
+        if sender is not None:
             # Control belongs to a client; this one subscribes to its state.
             found = read_client_keys(keys) if keys else None
             driver = Client(f"{client.name}-drive", client.endpoint, loop=client.loop, keys=found)
-            self._driver, self._drive = driver, PanelDrive(driver, operator, self._server.say)
+            self._driver, self._drive = driver, PanelDrive(driver, sender, self._server.say)
             driver.wait_connected(_CONNECT_S)
         client.define(CAPABILITY_WANTS)
         client.every(_WANT_EVERY_S, self._want)

@@ -23,7 +23,7 @@ from typing import Final
 
 from hub.control_gate import follow_control
 from hub.doors.panels.panel_twist import twist_of
-from hub.doors.panels.wishes import Panel, PanelCommand
+from hub.doors.panels.wishes import Panel, PanelCommand, SenderKind
 from hub.errors import CodecError, QueryError, RosMessageError
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import (
@@ -56,7 +56,6 @@ _SAY_EVERY_S = 0.2
 or the other panels [s]."""
 _UNREADABLE_S = 60.0
 """Least time between two sentences about commands that cannot be read [s]."""
-_SLOW = "the panel sends too slowly to drive: set its publish rate to 10 Hz"
 
 
 class PanelDrive:
@@ -66,16 +65,16 @@ class PanelDrive:
         refused: Number of commands that were not followed, by reason.
     """
 
-    def __init__(self, client: Client, operator: str, say: Callable[[str], None]) -> None:
+    def __init__(self, client: Client, sender: SenderKind, say: Callable[[str], None]) -> None:
         """Begin.
 
         Args:
             client: A client for this alone: control belongs to it.
-            operator: Who has control then, for people: "a panel of Foxglove".
+            sender: What the panels are, for people.
             say: Shows a sentence to the people at the panels; empty: takes it away.
         """
         self.refused: Counter[str] = Counter()
-        self._operator = operator
+        self._sender = sender
         self._client, self._say, self._clock = client, say, client.loop.clock
         self._state = ControlState()
         self._was_mine = False
@@ -136,7 +135,9 @@ class PanelDrive:
         if now >= self._unreadable_due:
             self._unreadable_due = now + _UNREADABLE_S
             number = self.refused["unreadable"]
-            self._fault = f"a command of a panel cannot be read ({number} so far): {error}"
+            self._fault = (
+                f"a command of a {self._sender.noun} cannot be read ({number} so far): {error}"
+            )
         self._show(self._fault)
 
     def _drive(self, panel: Panel, twist: Twist, now: float) -> None:
@@ -152,7 +153,8 @@ class PanelDrive:
     def _begin(self, panel: Panel) -> None:
         """Start with a panel that was silent, or whose command is the first."""
         self._panel, self._count = panel, 0
-        self._show(_SLOW if self._lone >= _MOST_LONE else "")
+        too_slow = f"the {self._sender.noun} sends too slowly to drive: {self._sender.rate}"
+        self._show(too_slow if self._lone >= _MOST_LONE else "")
         now = self._clock()
         if not self.mine and not self._asked and now - self._asked_at >= _ASK_EVERY_S:
             self._asked, self._asked_at = True, now
@@ -178,7 +180,7 @@ class PanelDrive:
             self._send(Twist())
             self._ready = self._clock() + NEUTRAL_S
         elif self._was_mine and not self.mine and self._panel is not None:
-            self._show(f"the panel drives no more: {state.why}")
+            self._show(f"the {self._sender.noun} drives no more: {state.why}")
         self._was_mine = self.mine
         if self.mine and self._panel is None:
             self._hand_over()
@@ -187,7 +189,8 @@ class PanelDrive:
         """Wait until the panel is released."""
         if self._panel is not None:
             self._ready = math.inf
-            self._show(f"the robot was stopped ({stop.reason}): release the panel first")
+            noun, release = self._sender.noun, self._sender.release
+            self._show(f"the robot was stopped ({stop.reason}): to drive by this {noun}, {release}")
 
     def _show(self, text: str) -> None:
         self._text = text
@@ -219,15 +222,16 @@ class PanelDrive:
     def _request(self, action: ControlAction) -> None:
         def answered(result: CommonResult, _info: MessageInfo) -> None:
             if not result.done and action is ControlAction.TAKE:
-                self._show(f"the panel cannot drive: {result.text}")
+                self._show(f"the {self._sender.noun} cannot drive: {result.text}")
 
         def failed(error: QueryError) -> None:
             if action is ControlAction.TAKE:
-                self._show(f"the panel cannot drive, release it and try again: {error}")
+                noun, release = self._sender.noun, self._sender.release
+                self._show(f"the {noun} cannot drive; {release} and try again: {error}")
 
         self._client.query_notify(
             CONTROL_REQUEST,
-            ControlRequest(action=action, operator=self._operator),
+            ControlRequest(action=action, operator=self._sender.owner),
             COMMON_RESULT,
             timeout=_ANSWER_S,
             answered=answered,

@@ -30,7 +30,7 @@ def twist_of(encoding: str, schema_name: str, data: bytes) -> Twist:
     kind = full_name(schema_name)
     stamped = kind == TwistStamped.ros_type
     if not stamped and kind != Twist.ros_type:
-        text = f"{schema_name!r} is no velocity; panels send geometry_msgs/Twist or TwistStamped"
+        text = f"{schema_name!r} is no velocity; send geometry_msgs/Twist or TwistStamped"
         raise RosMessageError(text)
     if encoding == "cdr":
         return _STAMPED.decode(data).twist if stamped else _PLAIN.decode(data)

@@ -11,7 +11,7 @@ from typing import Final
 from hub.command_output import stdin_ended
 from hub.doors.panels.hub_topics import PictureWishes
 from hub.doors.panels.panel_door import PanelDoor
-from hub.doors.panels.wishes import TopicServer
+from hub.doors.panels.wishes import SenderKind, TopicServer
 from hub.errors import QueryError
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.ipc.client import Client
@@ -33,7 +33,7 @@ def serve(
     options: argparse.Namespace,
     open_server: Callable[[Callable[[], None]], TopicServer],
     *,
-    operator: str,
+    sender: SenderKind,
     announce: Callable[[], None],
 ) -> None:
     """Open a door, and serve until a signal, or the end of standard input.
@@ -42,7 +42,7 @@ def serve(
         client: A connected client for this alone.
         options: Those that all doors have.
         open_server: Opens the server; it calls its argument when panels want something else.
-        operator: Who has control while a panel drives, if the options let it drive.
+        sender: Who drives, if the options let somebody drive.
         announce: Says that the door is open.
     """
     width_px, height_px = options.size
@@ -50,7 +50,7 @@ def serve(
         client,
         open_server,
         PictureWishes(rate=options.pictures, width_px=width_px, height_px=height_px),
-        operator=operator if options.drive else "",
+        sender=sender if options.drive else None,
         keys=options.keys,
     )
     with contextlib.closing(door):

@@ -10,6 +10,24 @@ from hub.values import dataclass
 Panel = tuple[int, int]
 """A panel that sends commands: the numbers of its program and of its channel."""
 
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SenderKind:
+    """What the senders of a door's velocities are, in words.
+
+    Attributes:
+        owner: Who has control while one of them drives: "a panel of Foxglove".
+        noun: One of them: "panel".
+        release: What to do to end its velocities: "release it".
+        rate: How to make it send fast enough: "set its publish rate to 10 Hz".
+    """
+
+    owner: str
+    noun: str
+    release: str
+    rate: str
+
+
 CMD_VEL: Final = "/cmd_vel"
 """The topic on which panels drive."""
 LARGEST_COMMAND: Final = 4096

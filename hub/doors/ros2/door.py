@@ -12,14 +12,19 @@ from typing import Final
 
 from hub.command_output import put
 from hub.doors.panels.serving import body_of, serve
-from hub.doors.panels.wishes import CMD_VEL
+from hub.doors.panels.wishes import CMD_VEL, SenderKind
 from hub.doors.ros2.node_server import NodeSettings, RosNodeServer
 from hub.errors import DoorError
 from hub.ipc.client import Client
 from hub.zenoh.router_tls import tls_settings
 from hub.zenoh.session import open_session
 
-_OPERATOR: Final = "a node of ROS 2"
+_SENDER: Final = SenderKind(
+    owner="a node of ROS 2",
+    noun="node",
+    release="end its velocities for 0.3 s",
+    rate="publish velocities at 10 Hz or faster",
+)
 _NAMESPACE: Final = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)*", re.ASCII)
 
 
@@ -49,7 +54,7 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
             client,
             options,
             lambda changed: RosNodeServer(session, settings, changed),
-            operator=_OPERATOR,
+            sender=_SENDER,
             announce=lambda: _announce(client, settings, options),
         )
     return 0

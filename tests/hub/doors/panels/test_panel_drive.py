@@ -6,13 +6,13 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 import pytest
 
 from hub.doors.panels.panel_drive import PanelDrive
-from hub.doors.panels.wishes import Panel, PanelCommand
+from hub.doors.panels.wishes import Panel, PanelCommand, SenderKind
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import (
     CONTROL_REQUEST,
@@ -28,6 +28,8 @@ from hub.ipc.security.publish_rights import ROBOMON
 from tests.support.waiting import until
 
 ONE, OTHER = (1, 1), (2, 1)
+PANEL = SenderKind(owner="a panel", noun="panel", release="release it", rate="set 10 Hz")
+NODE = SenderKind(owner="a node", noun="node", release="end its velocities", rate="send 10 Hz")
 
 
 class Site:
@@ -40,7 +42,7 @@ class Site:
         refusal: Why control is refused; empty: it is given.
     """
 
-    def __init__(self, endpoint: str) -> None:
+    def __init__(self, endpoint: str, sender: SenderKind) -> None:
         self.sent: list[float] = []
         self.asked: list[ControlAction] = []
         self.said: list[str] = []
@@ -52,7 +54,7 @@ class Site:
         self.daemon.subscribe(
             VELOCITY_COMMAND, lambda value, _: self.sent.append(value.twist.linear.x), queue=100
         )
-        self.drive = PanelDrive(self.client, "a panel", self.said.append)
+        self.drive = PanelDrive(self.client, sender, self.said.append)
         for each in (self.daemon, self.client):
             each.wait_connected(5.0)
             each.wait_subscribed(5.0)
@@ -91,8 +93,14 @@ class Site:
 
 @pytest.fixture
 def site(tmp_path: Path) -> Iterator[Site]:
-    with closing(Central([f"ipc://{tmp_path}/c"])) as central:
-        made = Site(central.endpoints[0])
+    with opened(tmp_path, PANEL) as made:
+        yield made
+
+
+@contextmanager
+def opened(folder: Path, sender: SenderKind) -> Iterator[Site]:
+    with closing(Central([f"ipc://{folder}/c"])) as central:
+        made = Site(central.endpoints[0], sender)
         with closing(made.daemon), closing(made.client):
             yield made
 
@@ -216,3 +224,26 @@ def test_commands_that_cannot_be_read_are_counted_and_said_once(site: Site) -> N
     assert [each for each in site.said if each] == site.said[:1]
     assert "cannot be read (1 so far): x of a velocity in JSON is no number" in site.said[0]
     assert (site.sent, site.asked) == ([], [])
+
+
+def test_every_sentence_names_the_kind_of_sender(tmp_path: Path) -> None:
+    with opened(tmp_path, NODE) as site:
+        site.press(math.nan)
+        site.wait(lambda: site.said)
+        for _ in range(4):
+            site.press(0.5)
+            end = time.monotonic() + 0.3
+            site.wait(lambda: time.monotonic() > end)  # noqa: B023 - called in this turn only
+        site.wait(lambda: site.sent and site.sent[-1] == 0.5, held=0.5)
+        site.daemon.publish(STOP, Stop(reason="a child"))
+        site.wait(lambda: any("a child" in each for each in site.said), held=0.5)
+        site.press(0.0)
+        site.state(owner=site.daemon.number, why="alice took control")
+        site.wait(lambda: not site.drive.mine)
+        site.refusal = "alice has control"
+        site.wait(lambda: any("alice has" in each for each in site.said), held=0.5)
+        assert not any("panel" in each for each in site.said)
+        for words in ("a node cannot be read", "the node sends too slowly to drive: send 10 Hz"):
+            assert any(words in each for each in site.said), words
+        assert any("a child): to drive by this node, end its vel" in each for each in site.said)
+        assert any("the node cannot drive: alice has control" in each for each in site.said)
