@@ -81,7 +81,7 @@ def add_adopt(commands: Commands) -> None:
         type=_namespace,
         default="",
         metavar="/NAME",
-        help="of several robots, the one whose topics begin so",
+        help="of several robots, the one whose topics begin so; /: the one without a name",
     )
 
 
@@ -113,8 +113,8 @@ def _robot_file(usual_name: str) -> CommandParser:
 def _namespace(text: str) -> str:
     from hub.robots.ros_table import ros_name
 
-    if not text:
-        return ""
+    if not text.strip("/"):
+        return text[:1]
     try:
         return str(ros_name(f"/{text.strip('/')}"))
     except RefusedError as fault:

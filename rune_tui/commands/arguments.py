@@ -182,7 +182,7 @@ def _add_drive(commands: Commands) -> CommandParser:
         "--namespace",
         default="",
         metavar="/NAME",
-        help="of several robots with ROS, the one whose topics begin so",
+        help="of several robots with ROS, the one whose topics begin so; /: the one without a name",
     )
     drive.add_argument(
         "--tls",

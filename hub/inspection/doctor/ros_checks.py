@@ -14,7 +14,7 @@ from hub.robots.body_tables import ROBOTS_OWN
 from hub.robots.description import RobotDescription
 from hub.robots.ros.address import ros_address
 from hub.robots.ros.asking.findings import RosFindings
-from hub.robots.ros.asking.proposal import RosProposal, open_way_of
+from hub.robots.ros.asking.proposal import RosProposal, open_way_of, refused_command
 from hub.robots.ros.asking.stopping import stopping
 from hub.robots.ros.asking.survey import look_at
 from hub.robots.ros.goals.goal_actions import (
@@ -78,9 +78,7 @@ def _driving(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
     if command is None:
         yield problem(f"the robot has no topic {name}", "correct [ros], key 'cmd_vel'")
         return
-    if not found.takes:
-        advice = f"give it the capability clientPublish, and {name} in client_topic_whitelist"
-        yield problem("the bridge takes no messages, so the robot cannot be driven", advice)
+    yield from _taking(found, command)
     if found.graph.whole and not foreign(command.subscribers):
         advice = "start the node that drives, or correct [ros], key 'cmd_vel'"
         yield warning(f"no node subscribes to {name}: the robot will not move", advice)
@@ -102,6 +100,18 @@ def _driving(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
         yield warning(text, remedy)
     else:
         yield warning(stop.words, remedy)
+
+
+def _taking(found: RosFindings, command: RosTopic) -> Iterator[Finding]:
+    """Whether the bridge takes velocities."""
+    if not found.takes:
+        advice = (
+            f"give it the capability clientPublish, and {command.name} in client_topic_whitelist"
+        )
+        yield problem("the bridge takes no messages, so the robot cannot be driven", advice)
+    if refused := refused_command(found, command):
+        text, _, advice = refused.partition(": ")
+        yield problem(f"{text}, so the robot cannot be driven", advice)
 
 
 def _odometry(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:

@@ -13,6 +13,7 @@ from hub.gcm.joints import JointState, JointStates
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.own_navigation import DriveGoal, OwnNavigation
 from hub.gcm.vehicle import LightState, VehicleState
+from hub.plain_text import plain
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import FileLoop, Sensors
 from hub.robots.ros.diagnosis import RosDiagnosis
@@ -270,6 +271,14 @@ class RosBody:
         for topic, why in self._reader.faults.items():
             text = f"messages of {topic} cannot be used: {why}"
             yield DiagnosticStatus(level=Severity.WARN, name=topic[:64], message=text)
+        for name, why in self._line.state.refusals.items():
+            drives = name == self._table.cmd_vel
+            text = f"the robot's bridge does not serve {name}: {plain(why)[:200]}"
+            if drives:
+                text = f"the robot cannot be driven: {text}"
+            if name not in self._services.failed:
+                level = Severity.ERROR if drives else Severity.WARN
+                yield DiagnosticStatus(level=level, name=name[:64], message=text)
         for service, why in self._services.failed.items():
             text = f"the service {service} failed: {why}"
             yield DiagnosticStatus(level=Severity.ERROR, name=service[:64], message=text)

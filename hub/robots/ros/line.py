@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import field
 from typing import Final, Protocol
 
 from hub.robots.interfaces import FileLoop
@@ -122,6 +123,8 @@ class RosLineState:
         dropped: Messages that could not leave at once.
         faults: Messages of the other end that made no sense.
         notes: What the other end said of itself, the newest sentences.
+        refusals: Why it does not serve a topic or a service that is used here, in its own words,
+            by the name of it.
     """
 
     up: bool
@@ -132,6 +135,7 @@ class RosLineState:
     dropped: int = 0
     faults: int = 0
     notes: tuple[str, ...] = ()
+    refusals: Mapping[str, str] = field(default_factory=dict)
 
 
 class RosLine(Protocol):

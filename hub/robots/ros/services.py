@@ -54,7 +54,8 @@ class RosServices:
         encoding = self._encoding
 
         def answered(payload: Payload | None, why: str) -> None:
-            words = why if payload is None else refusal(type_name, payload, encoding)
+            said = self._line.state.refusals.get(name, "")  # older bridges say it so
+            words = said or why if payload is None else refusal(type_name, payload, encoding)
             if payload is not None and not words:
                 self.failed.pop(name, None)
             else:

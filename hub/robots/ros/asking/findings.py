@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import field
 from typing import Final
 
 from hub.errors import RosMessageError
@@ -53,7 +54,9 @@ class RosFindings:
         parameters: Its parameters by name.
         takes: Whether it takes messages of others.
         notes: Sentences of the bridge.
+        refusals: Why the bridge does not serve a topic that was tried, by its name.
         namespace: Only what is below this name counts; empty: all does.
+        others: What is below these namespaces does not count: they are other robots.
     """
 
     address: RosAddress
@@ -63,7 +66,9 @@ class RosFindings:
     parameters: Mapping[str, object]
     takes: bool = True
     notes: tuple[str, ...] = ()
+    refusals: Mapping[str, str] = field(default_factory=dict)
     namespace: str = ""
+    others: tuple[str, ...] = ()
 
     def of(self, topic: str) -> HeardTopic:
         """The messages of a topic."""
@@ -83,7 +88,7 @@ class RosFindings:
 
     def counts(self, name: str) -> bool:
         """Whether a name is one of ROS, within the namespace or of the whole system."""
-        if not is_name(name):
+        if not is_name(name) or name.startswith(tuple(f"{each}/" for each in self.others)):
             return False
         inside = name.startswith(f"{self.namespace}/")
         return inside or (name.count("/") == 1 and not name.endswith("cmd_vel"))

@@ -104,9 +104,7 @@ class RosParts:
 
 def parts_of(found: RosFindings) -> RosParts:
     """The parts of a robot."""
-    known = [each for each in found.topics_of(*COMMAND_TYPES) if _takes(each, found)]
-    # A bridge that knows the nodes knows whether one listens to velocities without a type.
-    assumed = _assumed(found) if not known or found.graph.whole else []
+    known, assumed = command_topics(found)
     commands = sorted((*known, *assumed), key=_command_rank(found))
     command = commands[0] if commands else None
     home = command.name.rpartition("/")[0] if command is not None else ""
@@ -131,6 +129,13 @@ def parts_of(found: RosFindings) -> RosParts:
         stop_service=_stop_service(found, rank),
         navigation=_navigation(found, rank),
     )
+
+
+def command_topics(found: RosFindings) -> tuple[list[RosTopic], list[RosTopic]]:
+    """Topics that take velocities: those whose type is known, and those whose type is assumed."""
+    known = [each for each in found.topics_of(*COMMAND_TYPES) if _takes(each, found)]
+    # A bridge that knows the nodes knows whether one listens to velocities without a type.
+    return known, _assumed(found) if not known or found.graph.whole else []
 
 
 Rank = Callable[[str], Any]

@@ -15,9 +15,11 @@ from hub.robots.ros.asking import limits, tables
 from hub.robots.ros.asking.findings import RosFindings, is_name, plain_type
 from hub.robots.ros.asking.limits import RosLimits
 from hub.robots.ros.asking.parts import READ, RosParts, parts_of
+from hub.robots.ros.asking.robots import namespaces_of
 from hub.robots.ros.asking.stopping import Stopping, stopping
 from hub.robots.ros.asking.tables import BodyTables
 from hub.robots.ros.goals.goal_actions import driving_nodes
+from hub.robots.ros.line import RosTopic
 from hub.robots.ros.own_nodes import foreign
 from hub.robots.ros.topic_reader import UNFIT
 from hub.robots.urdf import UrdfModel
@@ -168,6 +170,9 @@ class RosProposal:
         found, command = self.found, self.parts.command
         if not found.graph.topics:
             return "it has no topics: no node runs, or its bridge hides all of them"
+        if len(names := namespaces_of(found)) > 1:
+            listed = _listed(tuple(each or "/" for each in names))
+            return f"{len(names)} robots: {listed}; choose one with --namespace"
         if command is None:
             return "no topic of it takes velocities (geometry_msgs Twist or TwistStamped)"
         if not found.takes:
@@ -175,6 +180,8 @@ class RosProposal:
                 "its bridge takes no messages: give it the capability clientPublish, and "
                 f"{command.name} in client_topic_whitelist"
             )
+        if refused := refused_command(found, command):
+            return refused
         if not self.parts.odometry and not self.parts.transforms:
             return "it has no odometry and no frames: nothing says where it is"
         return ""
@@ -258,6 +265,18 @@ class RosProposal:
         ]
         if left:
             yield f"not understood: {_listed(tuple(sorted(left)))}"
+
+
+def refused_command(found: RosFindings, command: RosTopic) -> str:
+    """Why the bridge does not publish the velocities, and what to do; empty: it does."""
+    words = found.refusals.get(command.name)
+    if words is None:
+        return ""
+    package = plain_type(command.schema_name).partition("/")[0] or "geometry_msgs"
+    return (
+        f"its bridge cannot publish {command.name}: install {plain(package)[:64]} where the bridge "
+        f"runs, and start the bridge again. It says: {plain(words)[:200]}"
+    )
 
 
 def open_way_of(found: RosFindings) -> str:

@@ -15,6 +15,7 @@ bridge takes messages, and given up again.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import time
 from collections.abc import Mapping, Sequence
@@ -25,12 +26,15 @@ from hub.robots.refusals import REFUSED_S
 from hub.robots.ros.address import RosAddress
 from hub.robots.ros.asking.findings import HeardTopic, RosFindings
 from hub.robots.ros.asking.parts import TRANSFORMS, parts_of
+from hub.robots.ros.asking.robots import namespaces_of
 from hub.robots.ros.line import RosLine, RosMessage
 from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.topic_reader import TopicReader
 from hub.ros.frame_tree import FrameTree
 from hub.ros.values import RosValue
 
+ROOT: Final = "/"
+"""Stands for the robot without a namespace, among others."""
 _LEAST_S: Final = 2.0
 """Time in which a robot shows what it has, and how often [s]."""
 _NODES_S: Final = 3.5
@@ -64,7 +68,8 @@ class RosSurvey:
         Args:
             line: It is not closed here.
             address: Where the robot is.
-            namespace: Only what is below this name counts; empty: all does.
+            namespace: Only what is below this name counts; empty: all does; `ROOT`: what is below
+                that of no other robot.
             also: Further topics to listen to.
         """
         self._line, self._address, self._namespace = line, address, namespace
@@ -83,7 +88,7 @@ class RosSurvey:
     @property
     def findings(self) -> RosFindings:
         """What was found."""
-        return RosFindings(
+        found = RosFindings(
             address=self._address,
             graph=self._line.graph,
             heard={name: self._heard(name, arrived) for name, arrived in self._read.items()},
@@ -91,8 +96,13 @@ class RosSurvey:
             parameters=self._parameters or {},
             takes=self._takes,
             notes=self._line.state.notes,
-            namespace=self._namespace,
+            refusals=dict(self._line.state.refusals),
+            namespace=self._namespace if self._namespace != ROOT else "",
         )
+        if self._namespace != ROOT:
+            return found
+        others = tuple(each for each in namespaces_of(found) if each)
+        return dataclasses.replace(found, others=others)
 
     def advance(self, now: float) -> bool:
         """Look on; returns whether all was seen [s, monotonic]."""
@@ -115,7 +125,8 @@ class RosSurvey:
 
     def _is_whole(self, now: float) -> bool:
         quiet = (name for name, arrived in self._read.items() if not arrived)
-        waits = any(name not in self._reader.faults for name in quiet)
+        explained = self._reader.faults.keys() | self._line.state.refusals.keys()
+        waits = any(name not in explained for name in quiet)
         least = _LEAST_S if self._line.graph.whole else _NODES_S
         return now - self.begun >= least and self._parameters is not None and not waits
 
@@ -168,7 +179,7 @@ class RosSurvey:
             rate_hz=(len(arrived) - 1) / span if span > 0.0 else math.nan,
             age=self._ages.get(name, math.nan),
             value=self._values.get(name),
-            fault=self._reader.faults.get(name, ""),
+            fault=self._reader.faults.get(name) or self._line.state.refusals.get(name, ""),
         )
 
 
@@ -186,7 +197,7 @@ def look_at(
         loop: The loop of a line to it.
         address: Where it is.
         seconds: Longest time for a connection, and then for its messages [s].
-        namespace: Only what is below this name counts; empty: all does.
+        namespace: As in `RosSurvey`.
         also: Further topics to listen to.
 
     Raises:

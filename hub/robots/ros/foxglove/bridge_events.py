@@ -78,10 +78,12 @@ class BridgeStatus:
     Attributes:
         text: The sentence.
         id: Names it; empty: it is not taken back.
+        is_error: Whether it is an error, no hint and no warning.
     """
 
     text: str
     id: str
+    is_error: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,6 +18,7 @@ from hub.robots.ros.foxglove.ages import LineAges
 from hub.robots.ros.foxglove.bridge_graph import BridgeTopics
 from hub.robots.ros.foxglove.connection import FoxgloveConnection
 from hub.robots.ros.foxglove.questions import OpenQuestions
+from hub.robots.ros.foxglove.refusals import BridgeRefusals
 from hub.robots.ros.foxglove.subscriptions import TopicSubscriptions
 from hub.robots.ros.line import (
     Payload,
@@ -62,6 +63,8 @@ class FoxgloveLine:
         self._statuses: collections.deque[events.BridgeStatus] = collections.deque(
             maxlen=_MOST_STATUSES
         )
+        self._refusals = BridgeRefusals()
+        self._called: dict[str, None] = {}
         self._fault_note = ""
         self._simulated = False  # whether the robot's times are those of a simulation
         self._dropped = self._faults = 0
@@ -82,6 +85,7 @@ class FoxgloveLine:
             dropped=self._dropped,
             faults=self._faults,
             notes=tuple(text for text in said if text),
+            refusals=self._refusals.words,
         )
 
     @property
@@ -96,6 +100,7 @@ class FoxgloveLine:
     def unsubscribe(self, topic: str) -> None:
         """Have no more of them."""
         self._subscriptions.drop(topic)
+        self._refusals.drop(topic)
 
     def advertise(self, topic: str, type_name: str) -> None:
         """Be a publisher of a topic from now on."""
@@ -108,6 +113,7 @@ class FoxgloveLine:
     def unadvertise(self, topic: str) -> None:
         """Be one no more."""
         number, _ = self._published.pop(topic, (0, ""))
+        self._refusals.drop(topic)
         if number and self._encoding:
             self._say(wire.unadvertise(number))
 
@@ -138,6 +144,8 @@ class FoxgloveLine:
             answered(None, "too many calls wait for their answers")
         else:
             number, known = found
+            self._called[service] = None
+            self._refusals.drop(service)
             name = next(self._numbers)
             self._calls.add(name, answered, self._now + timeout)
             encoding = known.encoding or self._encoding
@@ -203,6 +211,8 @@ class FoxgloveLine:
             age=math.nan if self._simulated else self._ages.age(data.time_ns, self._now),
             time_ns=data.time_ns,
         )
+        if self._refusals.words:
+            self._refusals.drop(wanted.topic.name)  # the bridge serves it
         wanted.take(message)
 
     def _note(self, event: events.BridgeEvent) -> None:
@@ -216,8 +226,11 @@ class FoxgloveLine:
             case events.BridgeStatus():
                 self._forget_statuses((event.id,))
                 self._statuses.append(event)
+                named = (*self._subscriptions.names, *self._called)
+                self._refusals.note(event, self._published, named)
             case events.GoneStatuses():
                 self._forget_statuses(event.ids)
+                self._refusals.take_back(event.ids)
             case _:
                 self._change(event)
 
@@ -289,5 +302,7 @@ class FoxgloveLine:
         self._topics.clear()
         self._subscriptions.clear()
         self._statuses.clear()
+        self._refusals.clear()
+        self._called.clear()
         self._calls.fail("the line was lost")
         self._questions.fail("the line was lost")

@@ -53,6 +53,11 @@ class TopicSubscriptions:
         if wanted is not None:
             self._end(wanted)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The topics that are wanted."""
+        return tuple(self._wanted)
+
     def of(self, number: int) -> WantedTopic | None:
         """The subscription of a number; None: it has ended."""
         return self._by_number.get(number)

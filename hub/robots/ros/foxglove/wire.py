@@ -58,6 +58,8 @@ _MOST_VALUES: Final = 200_000
 """Most values of a text, about; reading them keeps the driver for some 0.2 s."""
 _MOST_TEXT: Final = 300
 """Longest sentence of a bridge that is shown; the rest is cut off."""
+_ERROR: Final = 2
+"""Level of sentences that are errors."""
 _MOST_NODES: Final = 100
 """Most publishers or subscribers of a topic that are kept."""
 
@@ -187,7 +189,11 @@ def _gone_services(values: dict[str, Any], refuse: Refuse) -> GoneServices:
 
 
 def _status(values: dict[str, Any], _: Refuse) -> BridgeStatus:
-    return BridgeStatus(text=_cut(values.get("message")), id=_cut(values.get("id")))
+    return BridgeStatus(
+        text=_cut(values.get("message")),
+        id=_cut(values.get("id")),
+        is_error=values.get("level") == _ERROR,
+    )
 
 
 def _gone_statuses(values: dict[str, Any], _: Refuse) -> GoneStatuses:

@@ -1,5 +1,6 @@
 """The body of a robot with ROS on a line in memory: what it measures, follows and says."""
 
+import dataclasses
 import math
 import struct
 from typing import Any
@@ -248,6 +249,20 @@ def test_payloads_that_make_no_sense_are_named_and_change_nothing(robot):
     assert "cannot be used" in robot.problem("/odom")[0]
     robot.odometry(x=1.0)
     assert not robot.problem("/odom")
+
+
+def test_what_the_bridge_does_not_serve_is_a_problem_in_its_words(robot):
+    refusals = {"/cmd_vel": "no type Twist", "/scan": "no library", "/e_stop": "it hangs"}
+    robot.line.state = dataclasses.replace(robot.line.state, refusals=refusals)
+    driving = (
+        "the robot cannot be driven: the robot's bridge does not serve /cmd_vel: no type Twist"
+    )
+    assert robot.problem("/cmd_vel") == [driving]
+    assert "no library" in robot.problem("/scan")[0]
+    robot.line.services["/e_stop"] = RosService(name="/e_stop", type="std_srvs/srv/Trigger")
+    robot.body.stop()
+    robot.line.called[-1][2](None, "no answer in 1 s")
+    assert robot.problem("/e_stop") == ["the service /e_stop failed: it hangs"]
 
 
 def test_a_line_that_is_away_is_a_problem_with_its_reason(robot):

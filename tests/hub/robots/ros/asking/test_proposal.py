@@ -15,6 +15,7 @@ from hub.robots.ros.address import ros_address
 from hub.robots.ros.asking.findings import RosFindings
 from hub.robots.ros.asking.proposal import RosProposal
 from hub.robots.ros.asking.robot_text import robot_file
+from hub.robots.ros.asking.robots import namespaces_of
 from tests.support.ros_findings import (
     OPTICAL,
     ROBOTS,
@@ -136,6 +137,60 @@ def test_of_several_robots_the_one_in_the_namespace_is_taken() -> None:
     assert (table["cmd_vel"], table["odom"]) == ("/two/cmd_vel", "/two/odom")
     assert proposal.parts.commands == ()
     assert proposal.name == "two"
+
+
+BRIDGE = "Failed to retrieve type information of data type 'geometry_msgs/Twist'"
+
+
+def test_velocities_that_the_bridge_cannot_publish_are_a_refusal_with_the_remedy() -> None:
+    robot = found({"/cmd_vel": TAKEN, "/odom": ODOM}, refusals={"/cmd_vel": BRIDGE})
+    refusal = RosProposal(robot).refusal()
+    assert "its bridge cannot publish /cmd_vel: install geometry_msgs where the bridge" in refusal
+    assert BRIDGE in refusal
+    other = found({"/cmd_vel": TAKEN, "/odom": ODOM}, refusals={"/scan": BRIDGE})
+    assert not RosProposal(other).refusal()
+
+
+FRAMES = {"type": "tf2_msgs/msg/TFMessage", "by": ("/base",)}
+
+
+@pytest.mark.parametrize(
+    ("topics", "robots"),
+    [
+        ({"/one/cmd_vel": TAKEN, "/one/odom": ODOM, "/two/cmd_vel": TAKEN, "/two/odom": ODOM}, 2),
+        ({f"/fleet/{n}/{k}": v for n in "abc" for k, v in (("cmd_vel", TAKEN), ("tf", FRAMES))}, 3),
+        ({"/cmd_vel": TAKEN, "/odom": ODOM}, 1),
+        ({"/cmd_vel": TAKEN, "/one/odom": ODOM}, 1),
+        # a controller has topics of its own within the robot
+        ({"/cmd_vel": TAKEN, "/odom": ODOM, "/w/cmd_vel": TAKEN, "/w/odom": ODOM}, 1),
+        ({"/r/cmd_vel": TAKEN, "/r/base/cmd_vel": TAKEN, "/r/base/odom": ODOM, "/r/tf": FRAMES}, 1),
+        # a robot without a namespace beside one with
+        (
+            {
+                "/cmd_vel": TAKEN, "/odom": ODOM,
+                "/two/cmd_vel": TAKEN, "/two/odom": ODOM, "/two/tf": FRAMES,
+            },
+            2,
+        ),
+        # one node drives all of them
+        ({"/cmd_vel": TAKEN, "/one/cmd_vel": TAKEN, "/one/odom": ODOM, "/two/odom": ODOM}, 1),
+        ({"/one/cmd_vel": {**TAKEN, "to": ()}, "/one/odom": ODOM, "/two/odom": ODOM}, 1),
+    ],
+)  # fmt: skip
+def test_several_robots_are_counted_and_one_has_to_be_chosen(
+    topics: dict[str, Any], robots: int
+) -> None:
+    refusal = RosProposal(found(topics)).refusal()
+    if robots == 1:
+        assert "robots:" not in refusal
+        return
+    assert refusal.startswith(f"{robots} robots: ")
+    assert refusal.endswith("; choose one with --namespace")
+    for name in namespaces_of(found(topics)):
+        assert (name or "/") in refusal
+        chosen = found(topics, namespace=name, others=() if name else ("/two",))
+        assert not RosProposal(chosen).refusal(), name
+        assert RosProposal(chosen).parts.command.name == f"{name}/cmd_vel"
 
 
 def test_a_topic_of_measured_velocities_takes_none() -> None:

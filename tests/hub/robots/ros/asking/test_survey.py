@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 from hub.robots.ros.address import ros_address
-from hub.robots.ros.asking.survey import RosSurvey
+from hub.robots.ros.asking.survey import ROOT, RosSurvey
 from hub.robots.ros.line import TakeParameters
 from hub.ros.standard_types import CompressedImage
 from tests.support.memory_ros_line import MemoryLine, cdr
@@ -54,3 +56,29 @@ def test_a_large_picture_is_read() -> None:
     line.give("/camera/image_raw/compressed", cdr(picture), 0.1)
     found = survey.findings.of("/camera/image_raw/compressed")
     assert (found.fault, found.messages) == ("", 1)
+
+
+def test_the_robot_without_a_namespace_is_chosen_among_others() -> None:
+    line = MemoryLine()
+    for name in ("", "/two"):
+        line.topic(f"{name}/cmd_vel", "geometry_msgs/msg/Twist")
+        line.topic(f"{name}/odom", "nav_msgs/msg/Odometry")
+    line.topic("/two/tf", "tf2_msgs/msg/TFMessage")
+    survey = RosSurvey(line, ros_address(ADDRESS), ROOT)
+    assert not survey.advance(0.0)
+    found = survey.findings
+    assert (found.namespace, found.others) == ("", ("/two",))
+    assert line.advertised == {"/cmd_vel": "geometry_msgs/msg/Twist"}
+
+
+def test_what_the_bridge_does_not_serve_is_found_and_not_waited_for() -> None:
+    line = SlowLine(whole=True)
+    line.topic("/cmd_vel", "geometry_msgs/msg/Twist")
+    line.topic("/odom", "nav_msgs/msg/Odometry", publishers=("/base",))
+    survey = RosSurvey(line, ros_address(ADDRESS))
+    assert not survey.advance(0.0)
+    assert not survey.advance(3.0)
+    line.state = dataclasses.replace(line.state, refusals={"/odom": "no type", "/cmd_vel": "none"})
+    assert survey.advance(3.1)
+    assert survey.findings.of("/odom").fault == "no type"
+    assert survey.findings.refusals["/cmd_vel"] == "none"
