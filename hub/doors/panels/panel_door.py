@@ -41,7 +41,7 @@ class PanelDoor:
             client: A connected client for this alone.
             open_server: Opens the server; it calls its argument when panels want something else.
             pictures: What they get of cameras.
-            sender: Who drives; None: nobody does.
+            sender: What drives; None: no panel does.
             keys: File of the key of `client`.
 
         Raises:

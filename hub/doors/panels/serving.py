@@ -42,7 +42,7 @@ def serve(
         client: A connected client for this alone.
         options: Those that all doors have.
         open_server: Opens the server; it calls its argument when panels want something else.
-        sender: Who drives, if the options let somebody drive.
+        sender: What drives, if the options allow it.
         announce: Says that the door is open.
     """
     width_px, height_px = options.size

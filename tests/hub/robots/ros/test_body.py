@@ -1,6 +1,5 @@
 """The body of a robot with ROS on a line in memory: what it measures, follows and says."""
 
-import dataclasses
 import math
 import struct
 from typing import Any
@@ -11,93 +10,18 @@ import pytest
 from hub.gcm.battery import BatteryState
 from hub.gcm.diagnostics import Diagnostics, DiagnosticStatus, Severity
 from hub.gcm.geometry import (
-    Point3D,
-    Pose3D,
-    PoseWithCovariance,
     Quaternion,
     Twist,
-    TwistWithCovariance,
 )
 from hub.gcm.imu import Imu
 from hub.gcm.joints import JointState, JointStates
-from hub.gcm.odometry import Odometry
 from hub.gcm.ranges import LaserScan
 from hub.gcm.standard import Header, Time
 from hub.gcm.transforms import Transform, Transforms, TransformStamped, Translation
 from hub.robots.interfaces import BodyJoints, BodyLights, BodyStops, BodyWakes
-from hub.robots.ros.body import RosBody
 from hub.robots.ros.line import RosService, RosTopic
-from tests.support.memory_ros_line import ROS1, MemoryLine, cdr, ros_robot
-
-ZERO, AHEAD = Twist(), Twist.planar(0.4, 0.1)
-TWIST, STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
-ROBOT = """
-[limits]
-linear = 0.6
-angular = 1.5
-[ros]
-address = "ws://127.0.0.1:8765"
-stop_service = "/e_stop"
-battery = "/battery"
-imu = "/imu"
-joints = "/joint_states"
-[[range]]
-name = "lidar"
-kind = "laser"
-beams = 8
-first_deg = -180.0
-farthest = 10.0
-topic = "/scan"
-[[light]]
-name = "lamp"
-topic = "/lamp"
-[[joint]]
-name = "pan"
-lowest_deg = -90.0
-highest_deg = 90.0
-topic = "/pan/angle"
-"""
-
-
-class Robot:
-    """A body, its line, and the time."""
-
-    def __init__(self, tmp_path, more=ROBOT, velocities=TWIST, encoding="cdr"):
-        self.now = 100.0
-        self.line = MemoryLine(encodings=encoding)
-        if velocities:
-            self.line.topic("/cmd_vel", velocities)
-        self.line.topic("/odom", "nav_msgs/msg/Odometry")
-        self.body = RosBody(ros_robot(tmp_path, more), self.line, lambda: self.now)
-        self.body.advance(0.0)
-
-    def run(self, seconds, tick=0.01):
-        for _ in range(round(seconds / tick)):
-            self.now += tick
-            self.body.advance(tick)
-
-    def drive(self, twist=AHEAD):
-        self.body.command(ZERO)
-        self.body.command(twist)
-
-    def odometry(self, x=0.0, theta=0.0, speed=0.0, age=0.0, clock=0.0, waited=None):
-        """`waited`: how long it was in the robot before its middleware had it [s]."""
-        stamp = Time.of(self.now + clock - (waited or 0.0))
-        time_ns = 0 if waited is None else int((self.now + 500.0) * 1e9)
-        pose = Pose3D(position=Point3D(x=x), orientation=Quaternion.of(0.0, 0.0, theta))
-        value = Odometry(
-            header=Header(stamp=stamp, frame_id="odom"),
-            pose=PoseWithCovariance(pose=pose),
-            twist=TwistWithCovariance(twist=Twist.planar(speed, 0.0)),
-        )
-        self.line.give("/odom", cdr(value), self.now, age, time_ns)
-
-    @property
-    def sensors(self):
-        return self.body.sensors(1e9)
-
-    def problem(self, name):
-        return [each.message for each in self.sensors.diagnostics if each.name == name]
+from tests.support.memory_ros_body import AHEAD, ROBOT, STAMPED, TWIST, ZERO, RobotInMemory
+from tests.support.memory_ros_line import ROS1, cdr
 
 
 @pytest.fixture(autouse=True)
@@ -108,7 +32,7 @@ def runtime_folder(tmp_path, monkeypatch):
 
 @pytest.fixture
 def robot(tmp_path):
-    return Robot(tmp_path)
+    return RobotInMemory(tmp_path)
 
 
 def test_it_is_all_that_its_robot_file_may_describe(robot):
@@ -118,10 +42,10 @@ def test_it_is_all_that_its_robot_file_may_describe(robot):
 
 def test_a_twist_or_a_stamped_one_is_sent_as_the_robot_takes_it(tmp_path):
     numbers = struct.pack("<6d", 0.4, 0.0, 0.0, 0.0, 0.0, 0.1)
-    flat = Robot(tmp_path)
+    flat = RobotInMemory(tmp_path)
     flat.drive()
     assert flat.line.sent("/cmd_vel") == [b"\0\1\0\0" + numbers]
-    stamped = Robot(tmp_path, velocities=STAMPED)
+    stamped = RobotInMemory(tmp_path, velocities=STAMPED)
     stamped.drive()
     (payload,) = stamped.line.sent("/cmd_vel")
     assert payload[:12] == b"\0\1\0\0" + bytes(8)  # the stamp is 0
@@ -130,7 +54,7 @@ def test_a_twist_or_a_stamped_one_is_sent_as_the_robot_takes_it(tmp_path):
 
 @pytest.mark.parametrize("kind", [TWIST, STAMPED])
 def test_a_robot_with_ros_1_reads_the_same_velocity(tmp_path, kind):
-    robot = Robot(tmp_path, velocities=kind, encoding="ros1")
+    robot = RobotInMemory(tmp_path, velocities=kind, encoding="ros1")
     robot.drive()
     (payload,) = robot.line.sent("/cmd_vel")
     read: Any = ROS1.deserialize_ros1(payload, kind)
@@ -251,20 +175,6 @@ def test_payloads_that_make_no_sense_are_named_and_change_nothing(robot):
     assert not robot.problem("/odom")
 
 
-def test_what_the_bridge_does_not_serve_is_a_problem_in_its_words(robot):
-    refusals = {"/cmd_vel": "no type Twist", "/scan": "no library", "/e_stop": "it hangs"}
-    robot.line.state = dataclasses.replace(robot.line.state, refusals=refusals)
-    driving = (
-        "the robot cannot be driven: the robot's bridge does not serve /cmd_vel: no type Twist"
-    )
-    assert robot.problem("/cmd_vel") == [driving]
-    assert "no library" in robot.problem("/scan")[0]
-    robot.line.services["/e_stop"] = RosService(name="/e_stop", type="std_srvs/srv/Trigger")
-    robot.body.stop()
-    robot.line.called[-1][2](None, "no answer in 1 s")
-    assert robot.problem("/e_stop") == ["the service /e_stop failed: it hangs"]
-
-
 def test_a_line_that_is_away_is_a_problem_with_its_reason(robot):
     robot.line.lose("nobody listens at 127.0.0.1:8765")
     assert robot.problem("ros") == [
@@ -343,7 +253,7 @@ def test_problems_of_its_nodes_are_shown_until_they_end_or_are_not_repeated(robo
 
 
 def test_velocities_of_a_type_that_the_bridge_does_not_say(tmp_path):
-    robot = Robot(tmp_path, velocities="")
+    robot = RobotInMemory(tmp_path, velocities="")
     robot.line.topics["/cmd_vel"] = RosTopic(name="/cmd_vel", subscribers=("/base",))
     robot.run(3.0, tick=0.1)
     (problem,) = robot.problem("velocities")
@@ -352,7 +262,7 @@ def test_velocities_of_a_type_that_the_bridge_does_not_say(tmp_path):
 
 
 def test_velocities_of_ros_1_are_twist_where_the_bridge_does_not_say_their_type(tmp_path):
-    robot = Robot(tmp_path, velocities="", encoding="ros1")
+    robot = RobotInMemory(tmp_path, velocities="", encoding="ros1")
     robot.line.topics["/cmd_vel"] = RosTopic(name="/cmd_vel", subscribers=("/base",))
     robot.line.whole = True
     robot.run(3.0, tick=0.1)
@@ -362,7 +272,7 @@ def test_velocities_of_ros_1_are_twist_where_the_bridge_does_not_say_their_type(
 
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_named_type_of_velocities_needs_no_topic_of_the_bridge(tmp_path, whole):
-    robot = Robot(
+    robot = RobotInMemory(
         tmp_path, velocities="", more=ROBOT.replace("[ros]", '[ros]\ncmd_vel_type = "Twist"')
     )
     robot.line.whole = whole
@@ -372,7 +282,7 @@ def test_a_named_type_of_velocities_needs_no_topic_of_the_bridge(tmp_path, whole
 
 
 def test_another_publisher_and_a_missing_subscriber_are_named(tmp_path):
-    robot = Robot(tmp_path, velocities="")
+    robot = RobotInMemory(tmp_path, velocities="")
     robot.run(3.0, tick=0.1)
     assert "nothing on the robot subscribes to /cmd_vel" in robot.problem("velocities")[0]
     robot.line.whole = True
@@ -385,7 +295,7 @@ def test_another_publisher_and_a_missing_subscriber_are_named(tmp_path):
 
 
 def test_a_topic_of_velocities_of_another_type_is_named_and_not_used(tmp_path):
-    robot = Robot(tmp_path, velocities="ackermann_msgs/msg/AckermannDrive")
+    robot = RobotInMemory(tmp_path, velocities="ackermann_msgs/msg/AckermannDrive")
     robot.drive()
     robot.run(3.0, tick=0.1)
     assert not robot.line.published
@@ -467,7 +377,7 @@ def transforms(*poses, stamp=5.0):
 
 
 def test_without_odometry_the_frames_say_where_it_is(tmp_path):
-    robot = Robot(tmp_path)
+    robot = RobotInMemory(tmp_path)
     del robot.line.topics["/odom"]
     robot.run(3.0, tick=0.1)
     robot.line.topic("/tf", "tf2_msgs/msg/TFMessage")
@@ -488,7 +398,7 @@ def test_without_odometry_the_frames_say_where_it_is(tmp_path):
 
 
 def test_with_a_map_of_its_own_it_is_in_the_frame_of_that_map(tmp_path):
-    robot = Robot(tmp_path, ROBOT.replace("[ros]", '[ros]\nmap = "/map"'))
+    robot = RobotInMemory(tmp_path, ROBOT.replace("[ros]", '[ros]\nmap = "/map"'))
     robot.line.topic("/tf", "tf2_msgs/msg/TFMessage")
     robot.odometry(x=1.0)
     assert not robot.sensors.known

@@ -28,8 +28,8 @@ from hub.robots.ros.topic_reader import MOST_BYTES, TopicReader
 from hub.ros.decoding import RosDecoder
 from hub.ros.definition_texts import definition_text
 from hub.ros.schema import ros_type
-from tests.hub.robots.ros.test_body import ROBOT
 from tests.misbehaving.strange_ros import StrangeMessages, lie, strange_json
+from tests.support.memory_ros_body import ROBOT
 from tests.support.memory_ros_line import MemoryLine, ros_robot
 
 TYPES = {

@@ -11,7 +11,7 @@ from hub.robots.ros.address import ros_address
 from hub.robots.ros.body import RosBody
 from hub.robots.ros.robot_claim import RobotClaim
 from hub.robots.ros_table import RosTable
-from tests.hub.robots.ros.test_body import ROBOT, TWIST
+from tests.support.memory_ros_body import ROBOT, TWIST
 from tests.support.memory_ros_line import MemoryLine, ros_robot
 from tests.support.ports import free_port
 

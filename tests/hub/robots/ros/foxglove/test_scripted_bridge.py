@@ -20,47 +20,8 @@ from hub.robots.ros.foxglove.connection import MOST_MESSAGE
 from hub.robots.ros.line import RosMessage
 from hub.robots.ros.opening import line_to
 from hub.ros.panel_door_name import panel_door_name
-from tests.hub.robots.ros.foxglove.scripted_bridge import GREETING, ScriptedBridge, channel
+from tests.hub.robots.ros.foxglove.scripted_bridge import GREETING, channel
 from tests.support.waiting import until
-
-
-class Both:
-    """A scripted bridge and a line to it, with a clock that the test moves."""
-
-    def __init__(self, bridge):
-        self.bridge, self.now = bridge, 1000.0
-        self.line = line_to(ros_address(bridge.url))
-
-    def advance(self, seconds=0.0):
-        self.now += seconds
-        self.line.advance(self.now)
-        self.bridge.turn()
-
-    def wait(self, condition):
-        until(condition, 20.0, lambda: f"{self.line.state}", meanwhile=self.advance)
-
-    def meet(self, *topics):
-        """Connect, and subscribe to topics; returns the numbers of the subscriptions."""
-        self.wait(lambda: self.line.state.up)
-        self.bridge.say(
-            {"op": "advertise", "channels": [channel(*each) for each in enumerate(topics)]}
-        )
-        self.wait(lambda: len(self.bridge.subscriptions()) == len(topics))
-        return [self.bridge.subscriptions()[each] for each in range(len(topics))]
-
-
-@pytest.fixture
-def both():
-    made = []
-
-    def make(**options):
-        made.append(Both(ScriptedBridge(**options)))
-        return made[-1]
-
-    yield make
-    for each in made:
-        each.line.close()
-        each.bridge.close()
 
 
 def test_the_door_of_a_hub_is_no_robot_and_gets_no_velocities(both):
@@ -104,62 +65,6 @@ def test_a_bridge_of_ros_1_gets_its_encoding_and_its_names(both):
     pair.bridge.send(struct.pack("<BIII", 3, service, call, length) + b"ros1" + b"\1")
     pair.wait(lambda: answers)
     assert answers == [(b"\1", "")]
-
-
-def test_the_errors_of_a_bridge_are_those_of_the_topics_that_they_name(both):
-    """Each in the words of a bridge for ROS 1 or ROS 2."""
-    pair = both(greeting={**GREETING, "supportedEncodings": ["ros1"]})
-    pair.line.advertise("/cmd_vel", "geometry_msgs/msg/Twist")
-    pair.line.advertise("/light", "std_msgs/msg/Bool")
-    pair.line.advertise("/arm", "std_msgs/msg/Float64")
-    pair.wait(lambda: pair.line.state.up)
-    topics = [channel(number, name) for number, name in enumerate(("/odom", "/scan"))]
-    pair.bridge.say({"op": "advertise", "channels": topics})
-    found = []
-    for name in ("/odom", "/scan"):
-        pair.line.subscribe(name, lambda message: found.append(message.topic.name))
-    pair.wait(lambda: len(pair.bridge.subscriptions()) == 2)
-    pair.bridge.say(
-        {"op": "advertiseServices", "services": [{"id": 3, "name": "/e_stop", "type": "a/B"}]}
-    )
-    pair.wait(lambda: "/e_stop" in pair.line.graph.services)
-    answers = []
-    pair.line.call("/e_stop", b"", lambda _, why: answers.append(why), 5.0)
-    own = {
-        each["topic"]: each["id"]
-        for text in pair.bridge.texts
-        if text["op"] == "advertise"
-        for each in text["channels"]
-    }
-    words = {
-        "/cmd_vel": "Failed to retrieve type information of data type 'geometry_msgs/Twist'. "
-        "Unable to advertise topic /cmd_vel",
-        "/light": "Failed to create publisher: no type support for std_msgs/msg/Bool",
-        "/arm": f"Client channel {own['/arm']} is not served",
-        "/odom": "Failed to subscribe to topic /odom (nav_msgs/msg/Odometry): no library",
-        "/e_stop": "Failed to call service /e_stop: it is not there",
-    }
-    for level, text, name in (
-        *((2, each, "") for each in words.values()),
-        (1, "/scan is slow", ""),
-        (2, "Failed to subscribe to topic /scan/raw, and to /front/scan", ""),
-        (2, "the disk is full", "disk"),
-    ):
-        pair.bridge.say({"op": "status", "level": level, "message": text, "id": name})
-    pair.wait(lambda: "the disk is full" in pair.line.state.notes)
-    assert dict(pair.line.state.refusals) == words
-
-    pair.bridge.send(pair.bridge.data(pair.bridge.subscriptions()[0], b"x"))
-    pair.wait(lambda: found == ["/odom"])
-    pair.line.unadvertise("/light")
-    assert pair.line.state.refusals.keys() == words.keys() - {"/odom", "/light"}
-    pair.bridge.say({"op": "status", "level": 2, "message": "no more of /scan", "id": "s"})
-    pair.wait(lambda: "/scan" in pair.line.state.refusals)
-    pair.bridge.say({"op": "removeStatus", "statusIds": ["s"]})
-    pair.wait(lambda: "/scan" not in pair.line.state.refusals)
-    pair.bridge.hang_up()
-    pair.wait(lambda: not pair.line.state.up)
-    assert not pair.line.state.refusals
 
 
 @pytest.mark.parametrize("subprotocol", ["foxglove.sdk.v1", "foxglove.websocket.v1"])
