@@ -230,11 +230,11 @@ def _surroundings(robot: RobotState, pose: Pose) -> Surroundings:
     navigation, measured, near = robot.navigation, robot.newest(RANGES), False
     if navigation is not None and measured is not None and robot.picture is not None:
         value, then = navigation.value, robot.picture.measured
-        turned = math.remainder(value.theta - pose.theta, math.tau)
         near = (
             max(abs(each.measured - then) for each in (navigation, measured)) < _SAME_MOMENT_S
             and math.hypot(value.x - pose.x, value.y - pose.y) < _SAME_PLACE_M
-            and abs(turned) < _SAME_HEADING
+            and math.isfinite(value.theta)
+            and abs(math.remainder(value.theta - pose.theta, math.tau)) < _SAME_HEADING
         )
     off = (navigation.value.position_off, navigation.value.heading_off) if navigation else (0, 0)
     return Surroundings(

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hub.gcm.autonomy import AUTONOMY_STATE
@@ -86,7 +86,19 @@ def robots(draw: st.DrawFn) -> RobotState:
     )
 
 
+def turned(theta: float) -> RobotState:
+    """A robot with a picture, ranges and everything else, whose heading is this [rad]."""
+    camera = camera_state(robot_x=0.0, robot_y=0.0, robot_theta=0.0)
+    navigation = dataclasses.replace(robot_state(), theta=theta)
+    everything = {each.name: received(value) for each, value in known.everything().items()}
+    picture = Picture(pixels=np.zeros((6, 8, 3), np.uint8), camera=camera)
+    return Made().robot(
+        navigation=received(navigation), picture=received(picture), messages=everything
+    )
+
+
 @pytest.mark.filterwarnings("ignore:.*encountered in:RuntimeWarning")
+@example(robot=turned(math.inf), size=(40, 30))
 @given(robot=robots(), size=st.sampled_from(SIZES))
 def test_every_visualizer_draws_whatever_is_taken(robot: RobotState, size: tuple[int, int]) -> None:
     for function in VISUALIZERS:
