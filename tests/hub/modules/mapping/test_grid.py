@@ -98,28 +98,38 @@ def test_one_beam_of_any_body_is_free_to_its_echo_and_nothing_beside_it(
     beams = beams_of(body)
     beam = data.draw(st.integers(0, len(beams.kind) - 1))
     away = data.draw(st.floats(0.2, 2.5).filter(lambda value: value < beams.farthest[beam]))
+    check_beam(beams, beam, away, Pose(x=x, y=y, theta=theta))
+
+
+def test_an_echo_at_the_edge_of_a_cell_marks_one_of_the_cells_there() -> None:
+    check_beam(one_beam(RangeKind.SONAR, farthest=1.0), 0, 0.5, Pose(theta=6.103515625e-05))
+
+
+def check_beam(beams: Beams, beam: int, away: float, pose: Pose) -> None:
+    """Check what an echo of one beam at a distance [m] does to an empty grid."""
     ranges = np.full(len(beams.kind), np.nan, np.float32)
     ranges[beam] = away
     grid = OccupancyGrid(0.05, 8.0, beams)
-    pose = Pose(x=x, y=y, theta=theta)
     assert grid.add(pose, ranges)
     origin = pose.outward(float(beams.x[beam]), float(beams.y[beam]))
+    bearing = pose.theta + beams.bearing[beam]
     cells_x, cells_y, values = known(grid)
     distance = np.hypot(cells_x - origin[0], cells_y - origin[1])
     direction = np.arctan2(cells_y - origin[1], cells_x - origin[0])
-    aside = np.abs(
-        np.remainder(direction - theta - beams.bearing[beam] + math.pi, math.tau) - math.pi
-    )
+    aside = np.abs(np.remainder(direction - bearing + math.pi, math.tau) - math.pi)
     # A cell is 5 cm wide: its middle is up to 3.6 cm from the point of a ray in it.
     assert (np.abs(distance[values > 0.0] - away) <= 0.036).all()
     assert (distance <= away + 0.036).all()
     outside = np.clip(aside - beams.opening[beam] / 2.0, 0.0, math.pi / 2.0)
     assert (np.sin(outside) * distance <= 0.036).all()
-    echo = Pose(x=origin[0], y=origin[1], theta=theta + beams.bearing[beam])
+    towards = Pose(x=origin[0], y=origin[1], theta=bearing)
     if beams.farthest[beam] <= FARTHEST and beams.opening[beam] * away < 1.0:
-        assert at(grid, *echo.outward(away, 0.0)) > 0.0
+        # At an edge it belongs to either cell, by rounding.
+        echo_x, echo_y = towards.outward(away, 0.0)
+        around = np.maximum(np.abs(cells_x - echo_x), np.abs(cells_y - echo_y)) < 0.0251
+        assert (values[around] > 0.0).any()
     for share in (0.1, 0.5, 0.8):
-        probe_x, probe_y = echo.outward(away * share, 0.0)
+        probe_x, probe_y = towards.outward(away * share, 0.0)
         near = np.hypot(cells_x - probe_x, cells_y - probe_y) < 0.05
         assert (values[near] < 0.0).any() or (1.0 - share) * away < 0.1
 
