@@ -110,7 +110,7 @@ def inputs(layout: LayoutSpec, random: Random) -> Iterator[ControlEvent]:
 
 
 @pytest.mark.filterwarnings("ignore:.*encountered in:RuntimeWarning")
-@pytest.mark.timeout(7200 if ROUNDS > 100 else 25)
+@pytest.mark.timeout(7200 if ROUNDS > 100 else 300)
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_layout_takes_whatever_robots_say(name: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.WARNING)

@@ -18,6 +18,8 @@ from typing import Any
 
 import pytest
 
+from tests.support.waiting import Limit
+
 DEVICES = Path(__file__).parents[1] / "data" / "hid"
 MISSING = "libumockdev is not installed (Debian: apt-get install umockdev): NO VIRTUAL JOYSTICK"
 _PRELOAD = "libumockdev-preload.so.0"
@@ -140,9 +142,9 @@ class VirtualDevice:
 
     def send(self, report: bytes, timeout: float = 10.0) -> None:
         """One report, as soon as the program has read the one before."""
-        end = time.monotonic() + timeout
+        limit = Limit(timeout)
         while self.unread:
-            assert time.monotonic() < end, f"nobody reads {self._name}"
+            assert not limit.over, f"nobody reads {self._name}"
             time.sleep(0.0005)
         os.write(self._master, report)
 

@@ -32,6 +32,7 @@ from pathlib import Path
 from typing import IO, Any, Final, NoReturn
 
 from hub.robomon.fork_server import preload, show_command
+from tests.support.waiting import Limit
 
 _MODULES: Final = ("driver", "navigation", "vision", "mapping", "autonomy")
 _IMPORTS: Final = (
@@ -104,12 +105,11 @@ class WarmProcess:
         Raises:
             subprocess.TimeoutExpired: It runs after `timeout` [s].
         """
-        end = time.monotonic() + (_ANSWER_S if timeout is None else timeout)
+        limit = Limit(_ANSWER_S if timeout is None else timeout)
         while self.poll() is None:
-            left = end - time.monotonic()
-            if left <= 0:
+            if limit.over:
                 raise subprocess.TimeoutExpired(str(self.pid), timeout or _ANSWER_S)
-            self._server.listen(left)
+            self._server.listen(0.5)
         code = self.returncode
         assert code is not None
         return code

@@ -19,7 +19,7 @@ from hub.zenoh.attachment import CLOCK, Attachment
 from hub.zenoh.fleet_keys import FleetKey, KeyKind
 from hub.zenoh.fleet_line import ZenohFleetLine
 from hub.zenoh.settings import CertificateFiles, RouterPlace, client_settings
-from tests.support.waiting import until
+from tests.support.waiting import Limit, until
 
 _SESSIONS = itertools.count(1000)
 
@@ -134,9 +134,9 @@ class FleetOperator:
 
     def drive_until(self, condition: Callable[[], object], speed: float = 0.3) -> None:
         """Command at 20 Hz, neutral first, with heartbeats, as a console does."""
-        due, end, begin = 0.0, time.monotonic() + 30.0, time.monotonic() + 0.5
+        due, limit, begin = 0.0, Limit(30.0), time.monotonic() + 0.5
         while not condition():
-            assert time.monotonic() < end, f"the robot does not drive; {self.refusals}"
+            assert not limit.over, f"the robot does not drive; {self.refusals}"
             self.loop.listen(0.01)
             now = time.monotonic()
             if now >= due:

@@ -21,7 +21,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
 from tests.support import warm_start
-from tests.support.waiting import until
+from tests.support.waiting import Limit, until
 from tests.system.terminal_process import TerminalProcess
 
 ROBOT_FILE = """
@@ -109,7 +109,10 @@ class HubProcess:
         assert pipe is not None
         with selectors.DefaultSelector() as selector:
             selector.register(pipe, selectors.EVENT_READ)
-            while selector.select(20.0):
+            limit = Limit(20.0)
+            while not limit.over:
+                if not selector.select(0.5):
+                    continue
                 line = pipe.readline()
                 assert line, f"the hub ended: {self.log.read_text()}"
                 said: dict[str, Any] = json.loads(line)

@@ -38,6 +38,7 @@ from rune_tui.terminal.questions import Answers
 from rune_tui.terminal.traits import traits_of
 from rune_tui.ui.driver_reports import KeyMoved, ReleasesReported
 from rune_tui.visualizers.video.picture_frame import FIT, PictureFrame
+from tests.support.waiting import Limit
 from tests.system.harness import HubProcess
 
 COMMANDS: Final = (VELOCITY_COMMAND, CAMERA_COMMAND, POINT_COMMAND, STOP)
@@ -173,9 +174,9 @@ class Operator:
         """Fields of view of all pictures that the console had of each robot [degrees]."""
 
     async def until(self, condition: Callable[[], object], why: str = "") -> None:
-        end = time.monotonic() + _TIMEOUT_S
+        limit = Limit(_TIMEOUT_S)
         while not condition():
-            assert time.monotonic() < end, f"{why}: {self.notices}"
+            assert not limit.over, f"{why}: {self.notices}"
             await self.look()
 
     async def look(self) -> None:
@@ -198,9 +199,9 @@ class Operator:
 
     async def hold_until(self, key: str, condition: Callable[[], object]) -> None:
         """Hold a key; press it again where that does nothing, as a person does."""
-        end = time.monotonic() + _TIMEOUT_S
+        limit = Limit(_TIMEOUT_S)
         while not condition():
-            assert time.monotonic() < end, f"{key} does nothing: {self.notices}"
+            assert not limit.over, f"{key} does nothing: {self.notices}"
             let_go = time.monotonic() + _HELD_S
             self.move(key, KeyMove.PRESS)
             while not condition() and time.monotonic() < let_go:

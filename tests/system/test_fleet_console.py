@@ -72,7 +72,6 @@ def _refuse(site: Site, why: str) -> None:
         session.put(key, why.encode(), None, FleetWay.STATE)
 
 
-@pytest.mark.timeout(120)
 @pytest.mark.parametrize("victim", ["mirror", *in_soak("console", "router", "paused mirror")])
 def test_robot_stops_and_needs_neutral_when_one_between_is_killed_or_paused(
     site: Site, console: ConsoleProcess, victim: str
@@ -125,7 +124,6 @@ def test_auto_names_who_is_there_and_makes_a_layout(site: Site, tmp_path: Path) 
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(120)
 def test_robot_that_joins_later_is_named_and_a_key_shows_it_beside_the_driven_one(
     site: Site, tmp_path: Path
 ) -> None:

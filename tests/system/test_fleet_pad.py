@@ -22,7 +22,6 @@ _STOPPED_S = 1.0
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(120)
 @needs_virtual_devices
 def test_gamepad_at_the_robots_hub_drives_by_a_console_of_the_fleet_until_it_dies(
     tmp_path: Path,

@@ -61,7 +61,6 @@ def _drives_on(observer: Observer) -> bool:
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(120)
 @pytest.mark.parametrize("victim", ["console", "router", "paused router", "gateway"])
 def test_no_motion_is_commanded_after_the_bar(site: Site, victim: str) -> None:
     observer = site.observer

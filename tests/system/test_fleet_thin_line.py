@@ -32,7 +32,6 @@ _RATE_BIT_S = 100_000.0
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(120)
 def test_states_are_fresh_again_on_a_line_that_is_too_thin_for_all_of_them(tmp_path: Path) -> None:
     port = free_port()
     place = RouterPlace(scheme="tcp", host="127.0.0.1", port=port)

@@ -18,7 +18,6 @@ _STOPPED_S = 3.0
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(120)
 def test_console_with_a_certificate_drives_until_it_is_removed(tmp_path: Path) -> None:
     certificates = Certificates(tmp_path / "authority")
     for name, role in (("localhost", "router"), ("rover", "robot"), ("alice", "operate")):

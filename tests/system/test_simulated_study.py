@@ -72,7 +72,6 @@ def check(
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(240)
 def test_a_session_is_played_by_keys_and_measured(tmp_path: Path) -> None:
     metrics = simulated(tmp_path, "console", participants=1, seconds=16)
     folder = tmp_path / "simulated-on-console"
@@ -84,7 +83,6 @@ def test_a_session_is_played_by_keys_and_measured(tmp_path: Path) -> None:
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(240)
 def test_trials_on_hubs_are_measured(tmp_path: Path) -> None:
     metrics = simulated(tmp_path, "hubs", participants=1, seconds=16)
     check(metrics, rows(tmp_path / "simulated-on-hubs" / "truth.csv"), trials=2, seconds=16)

@@ -87,7 +87,6 @@ def robot(tmp_path: Path) -> Iterator[HubProcess]:
     hub.close()
 
 
-@pytest.mark.timeout(150)
 def test_a_real_robot_is_stopped_in_a_freeze_and_at_the_end_and_never_paused(
     folder: Path, robot: HubProcess
 ) -> None:
@@ -131,7 +130,6 @@ LOST = {
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(150)
 @pytest.mark.parametrize("part", [*list(LOST)[:2], *in_soak("run")])
 def test_a_trial_without_one_of_its_parts_begins_again_and_says_why(
     folder: Path, part: str
@@ -160,7 +158,6 @@ def killed(session: ConsoleProcess, command: str) -> None:
 
 
 @pytest.mark.soak  # it waits for ten seconds
-@pytest.mark.timeout(150)
 def test_a_robot_that_says_nothing_ends_the_session_with_a_sentence(folder: Path) -> None:
     robot = HubProcess(folder, modules=("driver",))  # without navigation nothing says where it is
     session = begun(folder, 60.0, "--hub", robot.endpoint)

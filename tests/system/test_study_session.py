@@ -96,7 +96,6 @@ def shows(session: ConsoleProcess, text: str) -> None:
     session.wait(lambda: text in session.text, 40.0, f"{text} is not on the screen")
 
 
-@pytest.mark.timeout(150)
 def test_a_trial_is_driven_recorded_and_asked_about(folder: Path) -> None:
     session = begun(folder, 3.0)
     try:
@@ -124,7 +123,6 @@ def test_a_trial_is_driven_recorded_and_asked_about(folder: Path) -> None:
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(150)
 def test_a_session_that_is_killed_in_a_trial_leaves_nothing_and_goes_on(folder: Path) -> None:
     session = begun(folder, 60.0)
     try:
@@ -152,7 +150,6 @@ def test_a_session_that_is_killed_in_a_trial_leaves_nothing_and_goes_on(folder: 
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(150)
 def test_freezes_withheld_control_and_the_secondary_task_interrupt_a_trial(folder: Path) -> None:
     session = begun(folder, 9.0, INTERRUPTED)
     try:
@@ -202,7 +199,6 @@ truth = "collisions"
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(150)
 def test_answers_at_a_freeze_are_scored_by_the_truth_of_that_moment(folder: Path) -> None:
     (folder / "questionnaires" / "sagat.toml").write_text(SAGAT)
     session = begun(folder, 6.0, "[freeze]\nnot_before_s = 3\nnot_after_s = 3\n")
@@ -247,7 +243,6 @@ def test_answers_at_a_freeze_are_scored_by_the_truth_of_that_moment(folder: Path
     assert [each.text for each in frozen] == ["t1 frozen", "t1 unfrozen"]
 
 
-@pytest.mark.timeout(150)
 def test_who_does_not_agree_ends_the_session_for_good(folder: Path) -> None:
     session = begun(folder, 3.0, steps='"consent", "trials"')
     try:
@@ -272,7 +267,6 @@ def test_who_does_not_agree_ends_the_session_for_good(folder: Path) -> None:
     assert [each.what for each in records(folder)] == ["session", "begin", "declined"]
 
 
-@pytest.mark.timeout(150)
 def test_practice_that_is_quit_too_early_says_so(folder: Path) -> None:
     practice = '[practice]\ncriterion = "distance >= 500"\n'
     session = begun(folder, 3.0, practice, steps='"practice", "trials"')
@@ -297,7 +291,6 @@ def test_practice_that_is_quit_too_early_says_so(folder: Path) -> None:
     assert done.data["result"]["passed"] is False
 
 
-@pytest.mark.timeout(150)
 def test_practice_ends_when_a_metric_of_its_last_part_is_reached(folder: Path) -> None:
     criterion = "command_rate <= 1 and driven < 1 and bumps <= 0 and seconds >= 2"
     practice = f'[practice]\ncriterion = "{criterion}"\nwindow_s = 2\nmost_s = 60\n'
@@ -318,7 +311,6 @@ def test_practice_ends_when_a_metric_of_its_last_part_is_reached(folder: Path) -
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(150)
 def test_teleoperation_without_assistance_refuses_goals_and_drives(folder: Path) -> None:
     limits = '[defaults]\narena = "empty"\nautonomy = "teleoperation"\nassistance = "off"'
     text = STUDY.format(seconds=15.0, more="", steps='"trials"').replace(

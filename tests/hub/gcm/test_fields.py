@@ -94,7 +94,7 @@ def misfits(value: Any, hint: Any, where: str) -> list[str]:
     return found
 
 
-@pytest.mark.timeout(1800 if EACH > 100 else 60)
+@pytest.mark.timeout(1800 if EACH > 100 else 300)
 @by_definition
 def test_nothing_passes_that_is_not_as_declared(definition: MessageDefinition[Any]) -> None:
     passed = 0

@@ -71,7 +71,7 @@ def steps(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 @pytest.mark.filterwarnings("ignore:.*encountered in:RuntimeWarning")
 @pytest.mark.usefixtures("steps")
-@pytest.mark.timeout(3600 if EACH > 100 else 60)
+@pytest.mark.timeout(3600 if EACH > 100 else 300)
 @pytest.mark.parametrize(
     ("module", "body"),
     [
