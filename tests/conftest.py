@@ -9,27 +9,21 @@ import json
 import math
 import os
 import sys
+import tempfile
 import threading
 from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
 import psutil
 import pytest
-from hypothesis import settings
 
-from tests.support import warm_start
+from tests.support import examples, own_environment, warm_start
 from tests.support.sharing_out import shared_out
 from tests.support.waiting import until
 
-# As the commands do: NumPy's own threads cost each process that a test starts time at its start.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+own_environment.enter()
 warm_start.use()
-
-# A busy machine is no failure. Other examples are tried each time, and `make soak` tries twenty
-# times as many.
-settings.register_profile("patient", deadline=None, max_examples=20)
-settings.register_profile("thorough", deadline=None, max_examples=400)
-settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "patient"))
+examples.choose()
 
 
 @pytest.hookimpl(wrapper=True)
@@ -56,6 +50,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         )
 
 
+@pytest.fixture(scope="session", autouse=True)
+def own_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Home and folder of sockets of all tests of this process."""
+    with tempfile.TemporaryDirectory(prefix="rune-") as sockets:  # a short path, as they need
+        os.environ["HOME"] = str(tmp_path_factory.mktemp("home"))
+        os.environ["XDG_RUNTIME_DIR"] = sockets
+        yield
+
+
 _numbers = itertools.count()
 
 
@@ -63,9 +66,8 @@ _numbers = itertools.count()
 def own_folders(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
     """Logs and sockets go into the test's own folders; who writes into them makes them."""
     own = tmp_path_factory.getbasetemp() / f"own-{next(_numbers)}"
-    for variable in ("XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"):
+    for variable in ("XDG_STATE_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME"):
         monkeypatch.setenv(variable, str(own / variable.lower()))
-    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
 
 
 @pytest.fixture(autouse=True)

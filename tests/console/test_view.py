@@ -44,7 +44,7 @@ DESIGN = (160, 96)
 
 def test_every_terminal_size_shows_something_of_that_size() -> None:
     sizes = list(itertools.product(range(1, 61), range(1, 21)))
-    for columns, rows in random.sample(sizes, repetitions(90, len(sizes))):
+    for columns, rows in random.Random(1).sample(sizes, repetitions(90, len(sizes))):
         cells = shown(EVERYTHING, columns, rows)
         assert cells.pixels.shape == (2 * rows, columns, 4)
         assert cells.glyphs.shape == (rows, columns)

@@ -19,7 +19,7 @@ from typing import Any
 import pyte
 
 from tests.support import warm_start
-from tests.support.waiting import until
+from tests.support.waiting import Limit, until
 
 _TERMINAL = {"TERM": "xterm-256color", "COLORTERM": "truecolor"}
 _CLOSED = -1
@@ -120,7 +120,7 @@ class TerminalProcess:
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process = warm_start.start(
             command,
-            environment={**_surroundings(), **_TERMINAL, **(environment or {})},
+            environment={**os.environ, **_TERMINAL, **(environment or {})},
             stdin=inner,
             stdout=inner,
             stderr=inner,
@@ -237,7 +237,7 @@ class TerminalProcess:
         Where it does not, let go for a moment and press again, as a person does: on a machine that
         is busy, commands can fall silent for long enough that the robot wants neutral first.
         """
-        end = time.monotonic() + timeout
+        limit = Limit(timeout)
         while True:
             let_go = time.monotonic() + 2.5
             with self.holding(keys):
@@ -245,7 +245,7 @@ class TerminalProcess:
                     self.pump(0.1)
                     if condition():
                         return
-            assert time.monotonic() < end, f"holding {keys!r} does nothing\n{self.text}"
+            assert not limit.over, f"holding {keys!r} does nothing\n{self.text}"
             self.pump(1.0)
 
     @property
@@ -280,9 +280,9 @@ class TerminalProcess:
 
     def quit(self) -> int:
         """Press its quit key until it ends; it ignores keys typed while it was blocked."""
-        end = time.monotonic() + 30.0
+        limit = Limit(30.0)
         while self.process.poll() is None:
-            assert time.monotonic() < end, f"it did not end\n{self.text}"
+            assert not limit.over, f"it did not end\n{self.text}"
             with contextlib.suppress(OSError):  # it has just closed its end
                 self.type("q")
             again = time.monotonic() + 1.0
@@ -306,9 +306,3 @@ class TerminalProcess:
                 self.process.wait()
         if self.terminal != _CLOSED:
             self.hang_up()
-
-
-def _surroundings() -> dict[str, str]:
-    """This process's environment, but for what it says of its own terminal."""
-    own = ("NO_COLOR", "COLUMNS", "LINES")
-    return {name: value for name, value in os.environ.items() if name not in own}

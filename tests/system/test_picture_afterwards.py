@@ -163,10 +163,6 @@ DELAY_S = 1.5
 """Commands come 5 times a second at least; nobody may wait this long for one [s]."""
 
 
-NOT_WITHIN = {"TMUX": ""}
-"""Where the tests themselves run in one."""
-
-
 class ConsoleInTmux(ConsoleProcess):
     """Keys come to it whether or not anybody is attached."""
 
@@ -175,7 +171,7 @@ class ConsoleInTmux(ConsoleProcess):
 
     def __init__(self, tmux: Sequence[str], layout: Path) -> None:
         self._tmux = tmux
-        super().__init__(["run", str(layout)], environment=NOT_WITHIN, within=[*tmux, "new"])
+        super().__init__(["run", str(layout)], within=[*tmux, "new"])
 
     def type(self, keys: str) -> None:
         subprocess.run([*self._tmux, "send-keys", "-l", keys], check=True)
@@ -194,7 +190,6 @@ def tmux() -> Iterator[list[str]]:
 
 
 @pytest.mark.soak
-@pytest.mark.timeout(120)
 def test_the_picture_is_right_and_no_command_late_after_tmux_was_left_and_attached_again(
     hub: HubProcess,
     tmux: list[str],
@@ -217,7 +212,7 @@ def test_the_picture_is_right_and_no_command_late_after_tmux_was_left_and_attach
     def attach() -> None:
         assert console.process.poll() is not None, "it is still attached"
         command = [*tmux, "attach"]
-        other = TerminalProcess(command, columns=80, rows=24, environment=NOT_WITHIN)
+        other = TerminalProcess(command, columns=80, rows=24)
         ends.append(stack.enter_context(closing(other)))
 
     def told() -> bool:

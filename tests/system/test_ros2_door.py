@@ -251,8 +251,10 @@ def test_bytes_of_anyone_move_nothing_and_end_nothing(
     good = twist(TWIST, 0.3)
     for number in range(count):
         size = chance.choice((0, 32, 33, 33, 77))
-        payload = chance.choice((os.urandom(52), b"", good, good + good, os.urandom(9000)))
-        attached = os.urandom(size) if payload is not good else os.urandom(size)[:20]
+        payload = chance.choice(
+            (chance.randbytes(52), b"", good, good + good, chance.randbytes(9000))
+        )
+        attached = chance.randbytes(size) if payload is not good else chance.randbytes(size)[:20]
         teleop.node.put(chance.choice(keys), payload, attached)
         if number < 200:
             parts = chance.choices(["MP", "MS", "%", "ä", "0", ".."], k=11)

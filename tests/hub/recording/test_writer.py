@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import itertools
-import os
 import random
 import shutil
 import signal
@@ -81,17 +80,17 @@ def test_a_killed_writer_loses_half_a_second(tmp_path: Path, seed: int) -> None:
 
 def test_a_full_disk_ends_the_recording_and_is_counted(tmp_path: Path) -> None:
     program = textwrap.dedent("""
-        import os, sys
+        import random, sys
         from pathlib import Path
         from hub.recording.anchor import TimeAnchor
         from hub.recording.reader import Recording
         from hub.recording.topics import RecordedTopic
         from hub.recording.writer import RecordingWriter, WriterLimits
-        path = Path(sys.argv[1]) / "x.mcap"
+        path, chance = Path(sys.argv[1]) / "x.mcap", random.Random(1)
         limits = WriterLimits(least_free=0, chunk_bytes=20_000)
         writer = RecordingWriter(path, TimeAnchor(10**18, 0.0), {}, limits)
         for number in range(1, 4001):
-            writer.add(RecordedTopic("/t"), os.urandom(1000), number / 100, 0.0, number)
+            writer.add(RecordedTopic("/t"), chance.randbytes(1000), number / 100, 0.0, number)
         writer.close()
         state = writer.state
         with Recording.open(path) as recording:
@@ -127,10 +126,11 @@ def test_a_full_disk_ends_the_recording_and_is_counted(tmp_path: Path) -> None:
 
 def test_a_file_that_may_not_grow_keeps_its_complete_parts(tmp_path: Path) -> None:
     path = tmp_path / "x.mcap"
+    chance = random.Random(1)
     with files_no_longer_than(100_000):
         writer = RecordingWriter(path, ANCHOR, {}, WriterLimits(least_free=0, chunk_bytes=10_000))
         for number in range(1, 201):
-            writer.add(TOPIC, os.urandom(1000), 50 + number / 100, 50.0, number)
+            writer.add(TOPIC, chance.randbytes(1000), 50 + number / 100, 50.0, number)
         writer.close()
     state = writer.state
     with Recording.open(path) as recording:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import random
 import selectors
 import struct
@@ -346,8 +345,10 @@ def test_bytes_of_anyone_are_counted_said_once_and_harm_nothing(
         )
     for number in range(count):
         size = chance.choice((0, 1, 32, 33, 34, 77, 400))
-        attached = None if size == 400 else os.urandom(size)
-        robot.put(key + chance.choice(("x", STORE.hash_rihs01(TWIST))), os.urandom(8), attached)
+        attached = None if size == 400 else chance.randbytes(size)
+        robot.put(
+            key + chance.choice(("x", STORE.hash_rihs01(TWIST))), chance.randbytes(8), attached
+        )
         if number % 64 == 0:
             driven.turn()
     driven.came.clear()
