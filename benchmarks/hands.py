@@ -232,7 +232,7 @@ def report_to_wheel() -> None:
             until(moved, 5.0, meanwhile=drive.step)
             times.append(moved()[0] - sent)
             pad.push(_CENTRE)
-    note = f"ground truth is published every 20 ms; largest {max(times) * 1e3:.0f} ms"
+    note = f"the driver reports every 3 ms after the command; largest {max(times) * 1e3:.0f} ms"
     report("hid.report_to_wheel_ms", statistics.median(times) * 1e3, "ms", bar=30, note=note)
 
 

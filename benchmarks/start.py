@@ -25,6 +25,10 @@ from tests.system.harness import ConsoleProcess, HubProcess, Observer, family
 ROUNDS = 5
 PRESSES = 20
 STILL = 0.005
+REPORTS_RELEASES = "\x1b[?27u"
+"""What a terminal with the kitty keyboard protocol answers."""
+W_DOWN, W_UP = "\x1b[119;;119u", "\x1b[119;1:3u"
+SPACE_DOWN, SPACE_UP = "\x1b[32;;32u", "\x1b[32;1:3u"
 
 
 def first_picture() -> None:
@@ -110,14 +114,18 @@ class Drive:
         self.console.pump(0.002)
         self.observer.client.listen(0.002)
 
+    def serve_for(self, seconds: float) -> None:
+        """Serve for a while [s]."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.serve()
+
     def at_speed(self) -> None:
         """Hold W until the robot drives at full speed."""
 
         def push() -> None:
             self.console.type("w")
-            end = time.monotonic() + 0.033
-            while time.monotonic() < end:
-                self.serve()
+            self.serve_for(0.033)
 
         until(lambda: self.observer.truth.linear > 0.49, 10.0, meanwhile=push)
 
@@ -136,9 +144,7 @@ def key_to_wheel() -> None:
                 10.0,
                 meanwhile=drive.serve,
             )
-            end = time.monotonic() + 0.7 + 0.013 * press  # another phase of every timer each time
-            while time.monotonic() < end:
-                drive.serve()
+            drive.serve_for(0.7 + 0.013 * press)  # another phase of every timer each time
             drive.observer.history.clear()
             pressed = time.monotonic()
             drive.console.type("w" if press % 2 else "s")
@@ -154,8 +160,35 @@ def key_to_wheel() -> None:
         statistics.median(times) * 1e3,
         "ms",
         bar=100,
-        note=f"ground truth is published every 20 ms; largest {max(times) * 1e3:.0f} ms",
+        note=f"the driver reports every 3 ms after the command; largest {max(times) * 1e3:.0f} ms",
     )
+
+
+def stop_to_wheel() -> None:
+    """From the bytes of the stop key, while W is held, to wheels commanded to zero."""
+    times = []
+    with ExitStack() as stack:
+        drive = Drive(stack)
+        history = drive.observer.history
+        drive.console.type(REPORTS_RELEASES)
+        drive.serve_for(0.5)
+        for press in range(PRESSES):
+            drive.console.type(W_DOWN)
+            until(lambda: drive.observer.truth.linear > 0.2, 10.0, meanwhile=drive.serve)
+            drive.serve_for(0.013 * (press % 5))  # another phase of every timer each time
+            history.clear()
+            pressed = time.monotonic()
+            drive.console.type(SPACE_DOWN)
+            until(
+                lambda: any(s.commanded_linear == 0.0 for _, s in history),
+                5.0,
+                meanwhile=drive.serve,
+            )
+            times.append(next(t for t, s in history if s.commanded_linear == 0.0) - pressed)
+            drive.console.type(SPACE_UP + W_UP)
+            drive.serve_for(1.0)
+    note = f"largest {max(times) * 1e3:.0f} ms"
+    report("start.stop_to_wheel_ms", statistics.median(times) * 1e3, "ms", bar=15, note=note)
 
 
 def stop_after_kill(victim: str, name: str) -> None:
@@ -187,6 +220,7 @@ def main() -> None:
     say("key to wheel")
     key_to_wheel()
     say("stops")
+    stop_to_wheel()
     stop_after_kill("console", "console")
     stop_after_kill("navigation", "navigation")
 

@@ -116,7 +116,7 @@ class TerminalProcess:
         self.output_bytes = 0
         self._unread = b""
         self._typed = ""
-        self._ignored = 0
+        self._ignored: int | None = 0
         fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
         self.process = warm_start.start(
             command,
@@ -136,8 +136,9 @@ class TerminalProcess:
 
     def type(self, keys: str) -> None:
         """Press keys."""
-        self._typed, self._ignored = keys, self._said_ignored()
         self._send(keys)
+        # Counted when the screen changes next: to read it takes longer than a key to the wheels.
+        self._typed, self._ignored = keys, None
 
     def _send(self, keys: str) -> None:
         os.write(self.terminal, keys.encode())
@@ -147,7 +148,8 @@ class TerminalProcess:
 
         On a busy machine the console blocks at times, and ignores a key that may be old.
         """
-        if _ONE_KEY.fullmatch(self._typed) and self._said_ignored() > self._ignored:
+        before = self._ignored
+        if before is not None and _ONE_KEY.fullmatch(self._typed) and self._said_ignored() > before:
             again = time.monotonic() + _QUIET_S
             while time.monotonic() < again:
                 self.pump()
@@ -180,6 +182,8 @@ class TerminalProcess:
                 except OSError:  # the console closed its end
                     time.sleep(left)
                     return
+                if self._ignored is None:
+                    self._ignored = self._said_ignored()
                 self.output_bytes += len(data)
                 self._stream.feed(data)
 

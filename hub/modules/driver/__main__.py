@@ -49,6 +49,8 @@ _WITH_COMMAND = 0.02
 """A report that is due within this time goes with a command: one wake-up in place of two [s]."""
 _COMMAND_JITTER = 0.01
 """The report after that waits longer by this time, to go with the next command [s]."""
+_CHANGING_PERIOD, _CHANGING = 0.003, 0.01
+"""Time between two reports, and how long, after a command that starts or stops the robot [s]."""
 _SOONEST = 0.01
 """Shortest time between two reports of a body that wakes [s]."""
 _LONGEST_STEP = 0.25
@@ -73,7 +75,8 @@ class Driver:
         self._client = client
         self._body = kind_of(robot).open_body(robot)
         self._wakes = isinstance(self._body, BodyWakes)
-        self._rests = True
+        self._rests = self._stands = True
+        self._changing_until = -math.inf
         if isinstance(self._body, BodyWakes):
             self._body.wake_by(client.loop, self._report_soon)
         self._loss = OperatorLoss(self._body, robot)
@@ -131,11 +134,22 @@ class Driver:
                 self._body.command(twist)
             if not twist.neutral:
                 self._loss.watch.moved(now)
+            if self._shows_change(now, neutral=twist.neutral):
+                return
             if self._rests and self._report_at - now < _WITH_COMMAND:
                 self._report_by(now)
                 self._report(_COMMAND_JITTER)
             elif not twist.neutral and (self._rests or not self._wakes):
                 self._report_by(now + _PERIOD)
+
+    def _shows_change(self, now: float, *, neutral: bool) -> bool:
+        """Report soon if a command starts or stops the robot; returns whether it does."""
+        changes = neutral != self._stands and not self._wakes
+        self._stands = neutral
+        if changes:
+            self._changing_until = now + _CHANGING
+            self._report_by(max(now, self._reported) + _CHANGING_PERIOD)
+        return changes
 
     def _allows_goal(self, reception: MessageInfo, now: float) -> bool:
         """Whether a goal is followed: as a velocity other than zero would be."""
@@ -170,6 +184,7 @@ class Driver:
                 self._stop()
 
     def _stop(self) -> None:
+        self._shows_change(time.monotonic(), neutral=True)
         self._body.command(Twist())
 
     def _halt(self) -> None:
@@ -185,7 +200,9 @@ class Driver:
             self._watch()
             self._loss.update(self._stepped)
             self._rests = self._publish()
-            if not (self._rests or self._wakes):
+            if self._stepped < self._changing_until:
+                period = _CHANGING_PERIOD
+            elif not (self._rests or self._wakes):
                 period = _PERIOD
         finally:  # also after a fault; after a pause the reports that were missed are left out
             self._next_report.due = self._report_at = max(self._report_at + period, self._stepped)

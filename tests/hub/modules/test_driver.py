@@ -192,8 +192,13 @@ def test_a_robot_that_moves_reports_fifty_times_a_second_and_one_that_stands_les
     scene.command(FORWARD)
     commanded_at = scene.bus.now
     reports = scene.reports(0.2)
-    assert len(reports) == pytest.approx(10, abs=1)
-    assert reports[0] <= commanded_at + 0.02 + 1e-9, "the first report shows the motion soon"
+    assert len(reports) == pytest.approx(13, abs=1)
+    assert [at - commanded_at for at in reports[:4]] == pytest.approx([0.003, 0.006, 0.009, 0.012])
+    scene.command(FORWARD)
+    scene.bus.wait(0.011)
+    scene.command(NEUTRAL)
+    stopped_at = scene.bus.now
+    assert scene.reports(0.02)[0] <= stopped_at + 0.003 + 1e-9, "and one shows the stop"
     scene.bus.wait(0.5)
     assert scene.rate(2.0) == pytest.approx(20.0, abs=1.0)
 
