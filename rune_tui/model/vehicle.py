@@ -50,6 +50,14 @@ def problems_of(robot: RobotState) -> Iterator[Received[DiagnosticStatus]]:
     return iter(sorted(found, key=lambda each: each.value.level is not Severity.ERROR))
 
 
+def remarks_of(robot: RobotState) -> Iterator[Received[DiagnosticStatus]]:
+    """What the robot's modules report besides problems."""
+    for each in robot.diagnostics.values():
+        for status in each.value.status:
+            if status.level is Severity.OK and status.message:
+                yield Received(value=status, measured=each.measured, number=each.number)
+
+
 def vehicle_of(robot: RobotState) -> VehicleState | None:
     """The newest state of the vehicle; None: none yet."""
     known = robot.newest(VEHICLE_STATE)

@@ -14,6 +14,7 @@ from hub.gcm import flight, imu, navigation, vision
 from hub.gcm.body import Freedom
 from hub.gcm.camera_info import CAMERA_INFO, CameraInfos
 from hub.gcm.capability import Abilities, Capability
+from hub.gcm.diagnostics import DIAGNOSTICS, Diagnostics
 from hub.gcm.frames import in_base
 from hub.gcm.pose_history import PoseHistory
 from hub.gcm.shaper import SHAPER_STATE, ShaperState
@@ -25,6 +26,7 @@ from hub.modules.vision.camera_service import CameraService
 from hub.modules.vision.picture_rate import PictureRateLimit
 from hub.modules.vision.pose_feed import PoseFeed, PoseSource
 from hub.modules.vision.stances import Stances
+from hub.modules.vision.travel import Travel
 from hub.robots.body_tables import ROBOTS_OWN, CameraTable
 from hub.robots.description import RobotDescription
 from hub.robots.registry import camera_moves, open_camera
@@ -47,6 +49,7 @@ class Vision:
         self._poses = PoseHistory()
         free = (motion.freedom for motion in robot.body.motions)
         self._stances = Stances(stands=Freedom.HEAVE not in free)
+        self._travel = Travel()
         tables = _tables(robot)
         self._cameras = {
             table.name: CameraService(
@@ -55,6 +58,7 @@ class Vision:
                 self._poses,
                 self._stances,
                 (table.width_px, table.height_px),
+                travel=None if _simulated(robot, table) else self._travel,
             )
             for table in tables
         }
@@ -73,6 +77,7 @@ class Vision:
         self._feed = PoseFeed(client, sources)
         client.respond_later(vision.IMAGE_REQUEST, vision.IMAGE, self._requested)
         self._rate_limit = PictureRateLimit()
+        self._had_problems = False
         client.subscribe(SHAPER_STATE, self._shaped)
         client.subscribe(vision.CAMERA_COMMAND, self._move)
         client.subscribe(vision.NIGHT_COMMAND, self._switch_night)
@@ -80,6 +85,8 @@ class Vision:
         client.subscribe(VEHICLE_COMMAND, self._light)
         client.define(vision.CAMERA_STATE, CAMERA_INFO)
         client.every(1.0 / CAMERA_INFO.rate_hz, self._publish_info)
+        client.define(DIAGNOSTICS)
+        client.every(1.0 / DIAGNOSTICS.rate_hz, self._publish_problems)
         publish_on_request(client, vision.CAMERA_STATE, self._publish_state)
         self._feed_due = client.alarm(self._look)
         self._next_state = client.alarm(self._work)
@@ -141,6 +148,12 @@ class Vision:
         state = self._cameras[self._main].state(now)
         self._client.publish(vision.CAMERA_STATE, state, measured=now)
 
+    def _publish_problems(self) -> None:
+        found = [problem for each in self._cameras.values() for problem in each.problems()]
+        if found or self._had_problems:
+            self._client.publish(DIAGNOSTICS, Diagnostics(status=tuple(found)))
+        self._had_problems = bool(found)
+
     def _publish_info(self) -> None:
         if self._client.has_subscribers(CAMERA_INFO):
             infos = tuple(each.info() for each in self._cameras.values())
@@ -178,6 +191,7 @@ class Vision:
 
     def _remember(self, state: navigation.RobotState, reception: MessageInfo) -> None:
         self._poses.add(state, reception.measured)
+        self._travel.moved(state, reception.measured)
 
     def _tilted(self, value: imu.Imu, reception: MessageInfo) -> None:
         self._stances.tilted(value, reception.measured)

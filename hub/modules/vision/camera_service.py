@@ -3,21 +3,34 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
-from collections.abc import Callable
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from typing import Final
 
 from hub.gcm import vision
 from hub.gcm.body import BodyFrame
 from hub.gcm.camera_info import CameraInfo
+from hub.gcm.diagnostics import DiagnosticStatus, Severity
 from hub.gcm.pose_history import PoseHistory
 from hub.gcm.standard import Header, Time
 from hub.gcm.transforms import optical_frame
 from hub.modules.vision.coding import code
 from hub.modules.vision.night import NightMode
 from hub.modules.vision.picture import brightened, brightness, prepare
+from hub.modules.vision.picture_watch import Newness, PictureWatch
 from hub.modules.vision.stances import Stances
+from hub.modules.vision.travel import HeadTravel, Travel
 from hub.robots.cropping import vertical_fov
 from hub.robots.interfaces import Camera, Picture
+
+_MOST_SIZES: Final = 4
+"""Most sizes of pictures in which repeated ones are found: one for each console."""
+_SAME_S: Final = 5.0
+"""Time of equal pictures after which they are reported [s]."""
+_RECENT_S: Final = 3.0
+_LONGEST_NAME: Final = 64
 
 
 class CameraService:
@@ -31,6 +44,7 @@ class CameraService:
         stances: Stances,
         size: tuple[int, int] = (0, 0),
         clock: Callable[[], float] = time.monotonic,
+        travel: Travel | None = None,
     ) -> None:
         """Take over an open camera.
 
@@ -41,6 +55,7 @@ class CameraService:
             stances: Its tilts and heights in the last seconds.
             size: Largest width and height of a picture [px]; 0: not known.
             clock: Monotonic time [s].
+            travel: Motion of the robot, which shows that pictures are repeated; None: each is new.
         """
         self._frame = frame
         self._poses = poses
@@ -52,6 +67,9 @@ class CameraService:
         self._kept: tuple[Picture, vision.CameraState] | None = None
         self._kept_size = (0, 0)
         self._due = 0.0
+        self._travel, self._head = travel, HeadTravel()
+        self._newness, self._judged_at = Newness(measured=math.nan), -math.inf
+        self._watches: OrderedDict[tuple[int, ...], PictureWatch] = OrderedDict()
         self.camera = camera
 
     @property
@@ -105,6 +123,8 @@ class CameraService:
         if self._kept is not None and most_per_s and now < self._due and self._kept_size == size:
             return self._kept
         taken = self.camera.take(*size, now)
+        self._newness = self._judged(taken)
+        taken = dataclasses.replace(taken, measured=self._newness.measured)
         state = dataclasses.replace(
             self.state(taken.measured),
             horizontal_fov=taken.horizontal_fov,
@@ -117,6 +137,35 @@ class CameraService:
         else:
             self._kept = None
         return taken, state
+
+    def problems(self) -> Iterator[DiagnosticStatus]:
+        """Whether its last picture was new, while pictures are taken."""
+        newness, now = self._newness, self._clock()
+        if now - self._judged_at > _RECENT_S:
+            return
+        if newness.repeated:
+            level, age = Severity.ERROR, now - newness.measured
+            text = f"camera {self.name} repeats a picture of {age:.0f} s ago: it is frozen"
+        elif newness.same_s >= _SAME_S:
+            level = Severity.OK  # so is the picture of a still place without noise
+            text = f"camera {self.name}: the same picture for {newness.same_s:.0f} s"
+        else:
+            return
+        name = f"camera {self.name}"[:_LONGEST_NAME]
+        yield DiagnosticStatus(level=level, name=name, message=text, hardware_id=self.name)
+
+    def _judged(self, taken: Picture) -> Newness:
+        """Whether a picture is new, or an old one with a new stamp."""
+        self._judged_at = self._clock()
+        if self._travel is None:
+            return Newness(measured=taken.measured)
+        self._head.moved(self.camera.camera_state(0.0))
+        shape = taken.pixels.shape
+        watch = self._watches.setdefault(shape, PictureWatch())
+        self._watches.move_to_end(shape)
+        if len(self._watches) > _MOST_SIZES:
+            self._watches.popitem(last=False)
+        return watch.judge(taken.pixels, taken.measured, self._travel.total + self._head.total)
 
     def state(self, measured: float) -> vision.CameraState:
         """Its state, with the robot's pose and stance at `measured` [s]."""

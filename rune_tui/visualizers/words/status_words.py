@@ -15,7 +15,7 @@ from rune_tui.model.joystick_state import Absence, JoystickPhase, JoystickState
 from rune_tui.model.robot_ranges import lack_of_ranges, ranges_of
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.robot_task import task_of
-from rune_tui.model.vehicle import problems_of
+from rune_tui.model.vehicle import problems_of, remarks_of
 from rune_tui.visualizers.parts.control_words import control_parts
 from rune_tui.visualizers.parts.nearness import Nearness, avoids_obstacles, nearness_of
 from rune_tui.visualizers.parts.recording_words import recording_parts
@@ -274,6 +274,9 @@ def _picture_age(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         yield Part(text, 8, Severity.ALARM, cause="picture")
     elif age > max(MENTION_AFTER_S, usual):
         yield Part(f"{prefix}picture {age_text(age)} old", 5)
+    for remark in remarks_of(robot):
+        if staleness(remark.age(state.now), pause_of(DIAGNOSTICS)) is Staleness.FRESH:
+            yield Part(remark.value.message, 4)
 
 
 def _joysticks(state: ConsoleState) -> Iterator[Part]:

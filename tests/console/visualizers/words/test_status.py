@@ -9,11 +9,14 @@ import pytest
 
 from hub.gcm.autonomy import AUTONOMY_STATE, Phase
 from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.diagnostics import Diagnostics, DiagnosticStatus
+from hub.gcm.diagnostics import Severity as Level
 from hub.gcm.navigation import Assistance, MotionState
 from hub.gcm.ranges import RANGES
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.joystick_state import JoystickPhase, JoystickState
 from rune_tui.model.robot_state import LinkPhase
+from rune_tui.model.vehicle import problems_of
 from rune_tui.visualizers.parts.severity import Severity
 from rune_tui.visualizers.words.status import Status, fitting
 from rune_tui.visualizers.words.status_words import status_parts
@@ -293,6 +296,15 @@ def test_missing_ranges_are_said(made, draw) -> None:
 def test_old_state_is_called_old(said) -> None:
     assert "OLD" not in said(age=0.9)
     assert "STATE 1.5 s OLD" in said(age=1.5)
+
+
+def test_a_camera_whose_pictures_stay_the_same_is_mentioned_and_is_no_alarm(made, draw) -> None:
+    text = "camera front: the same picture for 12 s"
+    status = DiagnosticStatus(level=Level.OK, name="camera front", message=text)
+    found = made.received(Diagnostics(status=(status,)))
+    robot = made.robot(picture=made.received(made.picture()), diagnostics={7: found})
+    assert text in line(draw(NAME, robot, (200, 2)))
+    assert [*problems_of(robot)] == []
 
 
 def test_a_small_pan_and_a_fresh_picture_are_not_mentioned(made, draw) -> None:
