@@ -97,6 +97,12 @@ def extended(
     return vocabulary, tuple(files), mistakes
 
 
+def refused_extensions(root: Node) -> list[Mistake]:
+    """A mistake for each extension of a layout that others wrote, whatever its file is called."""
+    text = "the layout has code, which does not run from a recording; name your copy by --layout"
+    return [Mistake(node.place, text) for node in root.of("extension")]
+
+
 class _ExtensionFault(Exception):  # noqa: N818 - it becomes a layout's mistake
     """The mistake of an extension, as words after its name."""
 

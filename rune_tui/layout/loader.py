@@ -22,7 +22,7 @@ from hub.plain_text import plain
 from rune_tui.errors import LayoutError, LayoutProblem
 from rune_tui.layout.building import SpecBuilder
 from rune_tui.layout.checks import find_mistakes
-from rune_tui.layout.extensions import extended
+from rune_tui.layout.extensions import extended, refused_extensions
 from rune_tui.layout.fonts import named_fonts
 from rune_tui.layout.grammar import Mistake, Node, Rules, read_rules
 from rune_tui.layout.parts import Assembly
@@ -49,7 +49,11 @@ _DOCTYPE = re.compile(r"(?>\s|<\?(?>.*?\?>)|<!--(?>.*?-->))*+<!DOCTYPE", re.DOTA
 
 
 def load_layout(
-    path: str | Path, vocabulary: Vocabulary, variables: Mapping[str, str] | None = None
+    path: str | Path,
+    vocabulary: Vocabulary,
+    variables: Mapping[str, str] | None = None,
+    *,
+    trusted: bool = True,
 ) -> LayoutSpec:
     """Read and check a layout file and the parts that it includes.
 
@@ -57,6 +61,7 @@ def load_layout(
         path: The file.
         vocabulary: The visualizers and widgets there are without the layout's own extensions.
         variables: Values of the layout's variables that are not those of the file.
+        trusted: Whether the operator chose the layout; else none of its extensions run.
 
     Raises:
         LayoutError: A file cannot be read or has mistakes; all of them are listed.
@@ -74,6 +79,8 @@ def load_layout(
     assembly = Assembly(rules, read, path, largest=LARGEST_FILE)
     root = assembly.whole(root, size, variables or {})
     mistakes = [*assembly.mistakes, *rules.mistakes(root)]
+    if not trusted and (refused := refused_extensions(root)):
+        raise _error(refused)
     vocabulary, scripts, wrong = extended(vocabulary, root, rules, path.parent)
     fonts, letters, unreadable = named_fonts(root, rules, path.parent)
     mistakes += [*wrong, *unreadable]

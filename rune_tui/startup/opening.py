@@ -26,12 +26,18 @@ _LONGEST_NAME = 64
 """Most letters of a shipped layout's name; a longer text is a path."""
 
 
-def open_layout(name_or_path: str | Path, variables: Mapping[str, str] | None = None) -> LayoutSpec:
+def open_layout(
+    name_or_path: str | Path,
+    variables: Mapping[str, str] | None = None,
+    *,
+    trusted: bool = True,
+) -> LayoutSpec:
     """The layout of a file, or the shipped layout of a name.
 
     Args:
         name_or_path: Path of the file, or the name.
         variables: Values of the layout's variables; each replaces the value in the file.
+        trusted: Whether the operator chose the layout; else none of its extensions run.
 
     Raises:
         LayoutError: The file cannot be read or has mistakes, with a list of them.
@@ -41,7 +47,7 @@ def open_layout(name_or_path: str | Path, variables: Mapping[str, str] | None = 
         hint = did_you_mean(str(name_or_path), list(shipped_layouts()))
         text = f"there is no such file and no such layout{hint or '; `rune layouts` lists them'}"
         raise LayoutError([LayoutProblem(path=path.name, line=0, column=0, message=text)])
-    return load_layout(path, with_installed(BUILT_IN), variables)
+    return load_layout(path, with_installed(BUILT_IN), variables, trusted=trusted)
 
 
 def layout_path(name_or_path: str) -> Path:
