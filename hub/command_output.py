@@ -7,12 +7,18 @@ import select
 import sys
 
 from hub.plain_text import plain
+from hub.table_text import json_text
 
 
 def put(line: str) -> None:
     """Write a line at once, with control characters spelt out."""
     sys.stdout.write(plain(line, lines=True) + "\n")
     sys.stdout.flush()
+
+
+def put_json(value: object) -> None:
+    """Write a value as a line of JSON; see `json_text` for numbers that JSON has not."""
+    put(json_text(value))
 
 
 def print_error(text: str) -> None:

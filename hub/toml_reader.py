@@ -25,7 +25,7 @@ MAX_FILE_BYTES = 1_000_000
 TOP = "top of the file"
 """Name of the place outside of all tables."""
 _HEADER = re.compile(r"\s*+\[++\s*+([^\[\]#]*[^\[\]#\s])\s*+\]++\s*+(?:#.*)?")
-_PLAIN_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*")
+_PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*")
 _LINE = 1000
 """Length of a line in which headers and keys are found [characters]."""
 _DEEPEST = 16
@@ -251,7 +251,7 @@ def plain_name(longest: int) -> Reader:
             return value
         reason = (
             f"{shorten(value)} is no name of 1 to {longest} letters (a to z), digits, "
-            "'.', '_' and '-', with no '.' first"
+            "'.', '_' and '-', with no '.' or '-' first"
         )
         raise RefusedError(reason)
 

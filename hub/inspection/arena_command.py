@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from pathlib import Path
 
 from hub import files
 from hub.command_line import ExitCode
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put, put_json
 from hub.inspection.output import table
 from hub.inspection.png_file import png
 from hub.sim.arena import arena_path, load_arena, shipped_arenas
@@ -19,6 +18,7 @@ from hub.sim.building import ground_under
 from hub.sim.geometry import Side
 from hub.sim.ground.height_field import HeightField
 from hub.sim.top_view import draw_top_view
+from hub.table_text import json_text
 
 Row = tuple[str, str, float, float, float, str]
 """Kind, name, x, y, height [m], and what else is known."""
@@ -28,7 +28,7 @@ def list_all(*, as_json: bool) -> int:
     """Show the arenas that come with the hub."""
     for name in shipped_arenas():
         text = read_arena_file(arena_path(name)).description
-        put(json.dumps({"name": name, "description": text}) if as_json else f"{name:<10} {text}")
+        put(json_text({"name": name, "description": text}) if as_json else f"{name:<10} {text}")
     return 0
 
 
@@ -50,7 +50,7 @@ def show(name: str, output: Path | None, *, size: int, as_json: bool) -> int:
     if as_json:
         keys = ("kind", "name", "x", "y", "height", "more")
         for row in rows:
-            put(json.dumps(dict(zip(keys, row, strict=True))))
+            put_json(dict(zip(keys, row, strict=True)))
     else:
         put(f"{spec.name}: {spec.description}" if spec.description else spec.name)
         cells = [

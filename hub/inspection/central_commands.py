@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.errors import NotAllowedError, UnknownModuleError
 from hub.inspection import value_text
 from hub.inspection.message_commands import find
@@ -29,7 +28,7 @@ def status(client: Client, *, as_json: bool) -> int:
     if as_json:
         answer = value_text.plain(now) | {"peers": [value_text.plain(peer) for peer in peers]}
         del answer["definitions"]
-        put(json.dumps(answer | {"messages": flows}))
+        put_json(answer | {"messages": flows})
         return 0
     put(f"central at {client.endpoint}, up {span(now.uptime_s)}, logs {now.level}")
     table(

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.gcm.body import BodyFrame, CameraBody, HoldKind, RobotBody
 from hub.inspection import value_text
 from hub.inspection.output import table
@@ -22,7 +21,7 @@ def check(robot: RobotDescription, *, as_json: bool) -> int:
         shown = value_text.plain(body)
         if robot.fleet is not None:
             shown["fleet"] = {"name": robot.fleet.name or robot.name, "words": _fleet(robot.fleet)}
-        put(json.dumps(shown))
+        put_json(shown)
         return 0
     put(f"{robot.path}: no mistakes")
     rows = [*_rows(body)]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.errors import HubError
 from hub.gcm.autonomy import DrivingMode
 from hub.gcm.common import COMMON_RESULT
@@ -27,7 +25,7 @@ def show(client: Client, *, as_json: bool) -> int:
     """Show the owner of control, the requests for it, and the sender that moves the robot."""
     state = last_report(client, CONTROL_STATE)
     if as_json:
-        put(json.dumps(value_text.plain(state)))
+        put_json(value_text.plain(state))
         return 0
     for line in _lines(state):
         put(plain(line))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 import time
 
 from hub.command_line import login_name
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put, put_json
 from hub.gcm.control import CONTROL_STATE, PLAYED, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
 from hub.ipc.client import Client
@@ -126,7 +125,7 @@ def halt(client: Client, *, as_json: bool) -> int:
         report = course.report
         speeds = (report.linear, report.angular) if report else (None, None)
         facts = dict(zip(("linear", "angular"), speeds, strict=True))
-        put(json.dumps({"stands": course.stands, "seconds": round(lasted, 3), **facts}))
+        put_json({"stands": course.stands, "seconds": round(lasted, 3), **facts})
     if not course.stands:
         print_error(course.problem())
         return 1

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring, default_folder
 
@@ -48,7 +47,7 @@ def list_all(keys: Keyring, *, as_json: bool) -> int:
     for holder in holders:
         if as_json:
             shown = {"name": holder.name, "role": holder.role.value, "public": holder.public}
-            put(json.dumps(shown))
+            put_json(shown)
         else:
             put(f"{holder.role.value:<{_ROLE_WIDTH}}{holder.public:<{_KEY_WIDTH}}{holder.name}")
     return 0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import shutil
 import sys
@@ -11,7 +10,7 @@ import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put, put_json
 from hub.errors import RecordingError
 from hub.inspection.output import span, table
 from hub.paths import for_recordings
@@ -82,7 +81,7 @@ def _info(path: Path, options: argparse.Namespace, progress: ProgressLine) -> in
     facts = facts_of_recording(path, progress, quick=options.quick)
     progress.end()
     if options.json:
-        put(json.dumps(as_json(facts)))
+        put_json(as_json(facts))
     else:
         _show(facts, quick=options.quick)
     return 1 if facts.faults else 0
@@ -155,13 +154,13 @@ def _list(folder: Path | None, *, as_json_lines: bool) -> int:
         except RecordingError as error:
             code = 1
             if as_json_lines:
-                put(json.dumps({"path": str(path), "faults": [str(error)]}))
+                put_json({"path": str(path), "faults": [str(error)]})
             else:
                 print_error(str(error))
             continue
         code = 1 if facts.faults else code
         if as_json_lines:
-            put(json.dumps(as_json(facts)))
+            put_json(as_json(facts))
             continue
         rows.append(
             (
@@ -273,7 +272,7 @@ def _report(copied: Copied, options: argparse.Namespace, progress: ProgressLine)
             "missing": copied.missing if copied.missing >= 0 else None,
             "faults": list(copied.faults),
         }
-        put(json.dumps(facts))
+        put_json(facts)
         return _code(copied)
     put(plain(f"{copied.messages} messages ({_size(copied.bytes)}) are in {copied.path}"))
     for fault in copied.faults:
@@ -306,7 +305,7 @@ def _tables(options: argparse.Namespace, progress: ProgressLine) -> int:
     for each in tables:
         if options.json:
             facts = {"path": str(each.path), "topic": each.topic, "rows": each.rows}
-            put(json.dumps({**facts, "unreadable": each.unreadable}))
+            put_json({**facts, "unreadable": each.unreadable})
         else:
             more = f", {each.unreadable} do not fit their definition" if each.unreadable else ""
             put(plain(f"{each.path}: {each.rows} rows{more}"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import os
 import sys
 import time
@@ -11,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put, put_json
 from hub.errors import (
     HubError,
     NoHandlerError,
@@ -31,6 +30,7 @@ from hub.ipc.wire import control
 from hub.ipc.wire.definition_listing import from_listing
 from hub.nearest import did_you_mean
 from hub.plain_text import plain
+from hub.table_text import json_text
 
 T = TypeVar("T")
 
@@ -63,7 +63,7 @@ def list_all(client: Client, *, as_json: bool) -> int:
     peers = [peer for peer in listing.peers if peer.name != client.name]
     if as_json:
         put(
-            json.dumps(
+            json_text(
                 value_text.plain(listing) | {"peers": [value_text.plain(peer) for peer in peers]}
             )
         )
@@ -212,7 +212,7 @@ def _show(
     definition: MessageDefinition[T], value: T, *, as_json: bool, reception: MessageInfo | None
 ) -> None:
     if as_json:
-        put(json.dumps(value_text.plain(value, definition.record)))
+        put_json(value_text.plain(value, definition.record))
         return
     for line in value_text.lines(value, definition.record):
         put(line)
@@ -227,7 +227,7 @@ def _rate_line(
     hertz = len(gaps) / sum(gaps) if gaps else 0.0
     if as_json:
         oldest = max(ages, default=0.0)
-        return json.dumps({"name": name, "hz": hertz, "missed": missed, "oldest_s": oldest})
+        return json_text({"name": name, "hz": hertz, "missed": missed, "oldest_s": oldest})
     if not gaps:
         return f"{name}: nothing comes"
     spread = f"gaps {min(gaps) * 1e3:.1f} to {max(gaps) * 1e3:.1f} ms"

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from hub.command_line import login_name
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.errors import MissionError, NoHandlerError, QueryError, RobotFileError
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
@@ -35,7 +34,7 @@ def list_all(robot: str, folder: str, *, as_json: bool) -> int:
     found = [_facts(each, known) for each in _folders(robot, folder) for known in each.missions()]
     for facts in sorted(found, key=lambda facts: (facts["id"], facts["robot"])):
         if as_json:
-            put(json.dumps(facts))
+            put_json(facts)
             continue
         ended = facts.get("ended") or 0.0
         lasted = span(ended - facts["begun"]) if ended else ""
@@ -67,7 +66,7 @@ def show(mission: str, robot: str, folder: str, *, as_json: bool) -> int:
     book, _ = each.read(mission)
     if as_json:
         events = [{"stamp": event.stamp, "text": event.text} for event in book.events]
-        put(json.dumps({**facts, "marks": facts_of_marks(book), "events": events}))
+        put_json({**facts, "marks": facts_of_marks(book), "events": events})
         return 0
     state = _STATES[MissionPhase(facts["state"])]
     put(plain(f"mission {facts['name']} of {facts['robot']} ({mission}) {state}"))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import time
 from collections.abc import Sequence
 from typing import TypeVar
 
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.errors import (
     HandlerFailedError,
     NoHandlerError,
@@ -40,7 +39,7 @@ def modules(client: Client, *, as_json: bool) -> int:
     """Show the daemon's report on each module."""
     reports = last_report(client, supervision.MODULE_REPORTS)
     if as_json:
-        put(json.dumps(value_text.plain(reports)))
+        put_json(value_text.plain(reports))
         return 0
     rows = [
         (
@@ -68,7 +67,7 @@ def capabilities(client: Client, *, as_json: bool) -> int:
     """Show the robot's capabilities, and the holders that want them."""
     reports = last_report(client, supervision.CAPABILITY_REPORTS)
     if as_json:
-        put(json.dumps(value_text.plain(reports)))
+        put_json(value_text.plain(reports))
         return 0
     rows = [
         (each.name, each.phase.name.lower(), each.module, each.modules, each.wanted_by)

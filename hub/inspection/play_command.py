@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import datetime
 import functools
-import json
 import os
 import select
 import signal
@@ -18,7 +17,7 @@ from contextlib import closing
 from typing import Any
 
 from hub.command_line import ExitCode
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put, put_json
 from hub.control_gate import ControlGate
 from hub.errors import RecordingError
 from hub.gcm.catalog import MESSAGES
@@ -161,7 +160,7 @@ class _Playback:
         seconds = (self._log.end - self._log.start) / 1e9
         if self._options.json:
             facts = {"event": "ready", "hub": endpoint, "robot": self._robot, "seconds": seconds}
-            put(json.dumps(facts | {"left_out": self._player.left_out}))
+            put_json(facts | {"left_out": self._player.left_out})
         else:
             put(f"{self._robot}: RECORDING of {seconds:.1f} s at {endpoint}; Ctrl-C ends it")
 

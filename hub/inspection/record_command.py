@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import os
 import select
@@ -30,6 +29,7 @@ from hub.recording.live.series import RecordingSeries, SeriesLimits, SeriesState
 from hub.recording.live.settings import PictureSettings, RecordingTable
 from hub.recording.topics import topic_of
 from hub.recording.writer import WriterLimits
+from hub.table_text import json_text
 
 _ANSWER_S = 5.0
 _START_S = 15.0
@@ -247,7 +247,7 @@ class _Foreground:
                 "messages": state.messages, "bytes": state.bytes, "robot": self._robot,
                 "lost": dict(self._bus.lost()), "fault": state.fault,
             }  # fmt: skip
-            text = json.dumps(facts)
+            text = json_text(facts)
         put(text)
 
     def _conclude(self, state: SeriesState, lost: int) -> int:

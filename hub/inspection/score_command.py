@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 
@@ -18,6 +17,7 @@ from hub.pose import Pose
 from hub.sim.arena import arena_path
 from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import ArenaSpec
+from hub.table_text import json_text
 
 
 def show(
@@ -53,9 +53,7 @@ def show(
     marks = [mark for _, mark in marks_of(book)]
     made = score(victims, marks, spec.scoring.weight, operators)
     if as_json:
-        put(
-            json.dumps({"robot": each.robot, "mission": mission, "arena": spec.name, **facts(made)})
-        )
+        put(json_text({"robot": each.robot, "mission": mission, "arena": spec.name, **facts(made)}))
         return 0
     put(plain(f"mission {book.name} of {each.robot}, compared with arena {spec.name}"))
     table(("VICTIM", "MARK", "OFF [m]", "POINTS"), list(map(_row, made.findings)))

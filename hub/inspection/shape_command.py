@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import os
 import sys
 import time
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from hub.command_line import CommandParser, Commands, ExitCode, number_type
 from hub.errors import EndpointError, HubError, LinkShaperError
+from hub.table_text import json_text
 
 if TYPE_CHECKING:
     from hub.ipc.client import Client
@@ -74,14 +74,14 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _list_all(*, as_json: bool) -> int:
-    from hub.command_output import put
+    from hub.command_output import put_json
     from hub.inspection.output import table
     from hub.shaper.profile import load_profile, shipped_profiles
 
     profiles = [load_profile(name) for name in shipped_profiles()]
     if as_json:
         for each in profiles:
-            put(json.dumps(_facts(each)))
+            put_json(_facts(each))
         return 0
     rows = [
         (
@@ -191,7 +191,7 @@ def _say_ready(
         **_facts(profile),
     }
     for output in outputs:
-        output.write(json.dumps(ready) + "\n")
+        output.write(json_text(ready) + "\n")
         output.flush()
     if not options.json:
         put(f"{profile.name}, seed {options.seed}: consoles connect with --hub {endpoint}")

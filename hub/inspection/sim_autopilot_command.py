@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import math
 import signal
 import time
@@ -85,7 +84,7 @@ def run_sim_autopilot(options: argparse.Namespace) -> int:
         AutopilotSettingError: A port is not free, or there is no such parameter.
         ArenaError: There is no such arena, or the vehicle cannot be in it.
     """
-    from hub.command_output import put, stdin_ended
+    from hub.command_output import put, put_json, stdin_ended
     from hub.robots.simulated_autopilot.autopilot import SimulatedAutopilot
     from hub.robots.simulated_autopilot.kinds import AUTOPILOT_KINDS, robot_file
     from hub.robots.simulated_autopilot.motion import FittedMotion
@@ -110,7 +109,7 @@ def run_sim_autopilot(options: argparse.Namespace) -> int:
             server.open_terminal()
         if options.json:
             said = {"vehicle": name, "addresses": server.addresses, "robot": str(robot_file(name))}
-            put(json.dumps({"event": "listening", **said}))
+            put_json({"event": "listening", **said})
         else:
             for address in server.addresses:
                 put(address)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import signal
 from pathlib import Path
 
@@ -90,7 +89,7 @@ def run_sim_ros(options: argparse.Namespace) -> int:
         EndpointError: foxglove-sdk is missing, the port is not free, or a file cannot be written.
         ArenaError: There is no such arena.
     """
-    from hub.command_output import put, stdin_ended
+    from hub.command_output import put, put_json, stdin_ended
 
     try:
         from hub.robots.simulated_ros.bridge import BridgeSettings, SimulatedBridge
@@ -119,7 +118,7 @@ def run_sim_ros(options: argparse.Namespace) -> int:
     with contextlib.closing(SimulatedBridge(robot, settings, options.port, trace)) as bridge:
         address = f"ws://127.0.0.1:{bridge.port}"
         if options.json:
-            put(json.dumps({"event": "listening", "address": address}))
+            put_json({"event": "listening", "address": address})
         else:
             put(address)
             put(f"Drive it from another terminal: rune drive {address}")

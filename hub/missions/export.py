@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import enum
-import io
 import math
 import time
 from pathlib import Path
@@ -20,6 +18,7 @@ from hub.missions import journal_file, point_file, ros_map
 from hub.missions.book import MissionBook
 from hub.missions.folder import MissionFolder
 from hub.missions.log_odds import LogOdds
+from hub.table_text import csv_line
 
 _KNOWN = 0.1
 """A cell with less evidence than this is unknown [log-odds]."""
@@ -197,14 +196,4 @@ def moment(stamp: float) -> str:
 
 
 def _table(heads: Any, rows: list[list[Any]]) -> bytes:  # noqa: ANN401 - a tuple or a list
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(heads)
-    writer.writerows([_harmless(cell) for cell in row] for row in rows)
-    return text.getvalue().encode("utf-8", "replace")
-
-
-def _harmless(cell: Any) -> Any:  # noqa: ANN401 - a text or a number
-    """A cell that no spreadsheet reads as a formula."""
-    formula = isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r"))
-    return f"'{cell}" if formula else cell
+    return "".join(map(csv_line, [heads, *rows])).encode("utf-8", "replace")

@@ -38,7 +38,7 @@ MAX_SESSION = 0xFFFF_FFFF
 MAX_NAME = 64
 """Most characters of a robot's or an operator's name, and of each part of a fleet's."""
 _MOST_PARTS = 8
-_NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9._-]*", re.ASCII)
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]*", re.ASCII)
 _ROLES = {role.value: role for role in (Role.OBSERVE, Role.OPERATE, Role.SUPERVISE)}
 ROBOT, ROUTER = "robot", "router"
 HOLDERS = (ROUTER, ROBOT, *_ROLES)
@@ -201,7 +201,7 @@ def _checked(name: str, owner: str) -> str:
     if len(name) > MAX_NAME or _NAME.fullmatch(name) is None:
         reason = (
             f"the name of a {owner} has 1 to {MAX_NAME} letters (a to z), digits, '.', '_' and "
-            "'-', with no '.' first"
+            "'-', with no '.' or '-' first"
         )
         raise _refused(name, reason)
     return name

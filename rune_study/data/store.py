@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import hashlib
-import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from hub import files
 from hub.plain_text import counted
+from hub.table_text import csv_line
 from hub.values import dataclass
 from rune_study.data.derive import derive
 from rune_study.data.overlay import TrialOverlay
@@ -154,11 +153,7 @@ def checksums(study: StudySpec) -> dict[str, str]:
 
 def wide(data: StudyData) -> str:
     """The table of `wide_rows` as CSV."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    for row in wide_rows(data):
-        writer.writerow(["" if cell is None else cell for cell in row])
-    return text.getvalue()
+    return "".join(csv_line(row, "\n") for row in wide_rows(data))
 
 
 def wide_rows(data: StudyData) -> Iterator[list[str | float | None]]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from hub import files
+from hub.table_text import cell_text, csv_line, text_of_cell
 from rune_study.data.rows import TABLES
 from rune_study.errors import DataError
 
@@ -22,20 +23,19 @@ _NOT_AVAILABLE = "n/a"
 
 def as_text(name: str, rows: Iterable[object]) -> str:
     """A table as the text of its file; numbers that are none are empty, in TSV "n/a"."""
-    text = io.StringIO()
     tabs = name.endswith(".tsv")
-    writer = csv.writer(text, delimiter="\t" if tabs else ",", lineterminator="\n")
+    separator = "\t" if tabs else ","
     columns = _columns(name)
-    writer.writerow(columns)
-    for row in rows:
-        writer.writerow([_cell(getattr(row, each), tabs=tabs) for each in columns])
-    return text.getvalue()
+    lines = [columns, *([_cell(getattr(row, each), tabs=tabs) for each in columns] for row in rows)]
+    return "".join(csv_line(line, "\n", separator) for line in lines)
 
 
 def tsv(columns: Sequence[str], rows: Iterable[Iterable[object]]) -> str:
     """Rows of any columns as BIDS wants them: without quotes, and "n/a" for an empty cell."""
     lines = [columns, *([_cell(each, tabs=True) for each in row] for row in rows)]
-    cells = ([" ".join(cell.split()) or _NOT_AVAILABLE for cell in line] for line in lines)
+    cells = (
+        [cell_text(" ".join(each.split())) or _NOT_AVAILABLE for each in line] for line in lines
+    )
     return "".join("\t".join(line) + "\n" for line in cells)
 
 
@@ -125,4 +125,4 @@ def _read(cell: str | None, kind: Any) -> Any:  # noqa: ANN401 - the column's ty
         raise ValueError(text)
     if kind in (float, "float"):
         return math.nan if cell in ("", _NOT_AVAILABLE) else float(cell)
-    return int(cell) if kind in (int, "int") else cell
+    return int(cell) if kind in (int, "int") else text_of_cell(cell)

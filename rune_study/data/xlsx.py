@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hub import files
+from hub.plain_text import plain
 from rune_study.data.rows import TABLES
 from rune_study.data.store import StudyData, wide_rows
 from rune_study.errors import DataError
@@ -64,7 +65,7 @@ def _write(sheet: Any, at: tuple[int, int], cell: object, form: object) -> None:
     elif isinstance(cell, float) and math.isinf(cell):
         sheet.write_string(*at, "inf" if cell > 0 else "-inf", form)
     elif isinstance(cell, str):
-        sheet.write_string(*at, cell, form)
+        sheet.write_string(*at, plain(cell, lines=True), form)
 
 
 def _sheets(data: StudyData) -> Iterable[tuple[str, Iterable[Sequence[object]]]]:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 import json
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 from hub.plain_text import plain
+from hub.table_text import csv_line
 from rune_study.plan.conditions import condition_lines, limit_words
 from rune_study.plan.steps import TRIAL, Step, plan
 from rune_study.plan.study_spec import StudySpec
@@ -35,16 +34,15 @@ def as_lines(study: StudySpec, participants: Sequence[int], *, named: bool) -> I
 def as_csv(study: StudySpec, participants: Sequence[int], *, named: bool) -> Iterator[str]:
     """A heading, and a line for each trial."""
     factors = list(study.levels[0]) if named else []
-    yield _csv_line(
-        ["participant", "trial", "condition", *factors, "seconds", "freezes", "seed", "link_seed"]
-    )
+    columns = ["participant", "trial", "condition", *factors]
+    yield csv_line([*columns, "seconds", "freezes", "seed", "link_seed"], "")
     for participant in participants:
         for step in plan(study, participant):
             if step.kind == TRIAL:
                 levels = [study.levels[step.condition].get(name, "") for name in factors]
                 freezes = " ".join(f"{moment:g}" for moment in step.freezes)
                 own = [f"{step.seconds:g}", freezes, step.seed, step.link_seed]
-                yield _csv_line([participant, step.trial, step.code, *levels, *own])
+                yield csv_line([participant, step.trial, step.code, *levels, *own], "")
 
 
 def json_lines(study: StudySpec, participants: Sequence[int], *, named: bool) -> Iterator[str]:
@@ -65,9 +63,3 @@ def as_data(study: StudySpec, step: Step, *, named: bool) -> dict[str, Any]:
     if step.kind != TRIAL:
         data = {name: value for name, value in data.items() if name not in _OF_TRIALS}
     return data
-
-
-def _csv_line(cells: Sequence[object]) -> str:
-    line = io.StringIO()
-    csv.writer(line, lineterminator="").writerow([plain(str(cell)) for cell in cells])
-    return line.getvalue()

@@ -7,7 +7,6 @@ get their episodes one after the other, in turn.
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from hub.table_text import csv_line
 from hub.values import dataclass
 from rune_study.errors import StudyError
 from rune_study.plan.steps import Step
@@ -139,9 +139,9 @@ def write_truth(path: Path, episodes: list[TrueEpisode]) -> None:
     names = list(TrueEpisode.__dataclass_fields__)
     try:
         with path.open("w", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(names)
-            writer.writerows([getattr(each, name) for name in names] for each in episodes)
+            file.write(csv_line(names, "\n"))
+            for each in episodes:
+                file.write(csv_line([getattr(each, name) for name in names], "\n"))
     except OSError as fault:
         text = f"{path} cannot be written: {fault.strerror or fault}"
         raise StudyError(text) from fault

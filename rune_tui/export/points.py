@@ -3,39 +3,35 @@
 from __future__ import annotations
 
 import base64
-import csv
 import datetime
-import io
-import json
 import math
 from collections.abc import Sequence
 from typing import Any
 
 from hub.gcm.mapping import InterestPoint
+from hub.table_text import csv_line, json_text
 from rune_tui.model.world import metres_text
 
 COLUMNS = (
     "number", "kind", "x_m", "y_m", "uncertainty_m", "distance_m", "time", "by", "note",
 )  # fmt: skip
 """Columns of the table; x and y in `map`, time in UTC (ISO 8601); an unknown value is empty."""
-_FORMULA_SIGNS = ("=", "+", "-", "@", "\t", "\r")
-"""Characters that begin a formula in a spreadsheet."""
 _JPEG = b"\xff\xd8"
 
 
 def csv_table(points: Sequence[InterestPoint]) -> str:
-    """A table with a line for each point; an apostrophe precedes text that looks like a formula."""
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(COLUMNS)
+    """A table with a line for each point."""
+    lines = [csv_line(COLUMNS)]
     for point in points:
         place = (f"{point.x:.3f}", f"{point.y:.3f}")
         sure = (metres_text(point.uncertainty, 3), metres_text(point.distance, 3))
-        words = (_without_formula(point.by), _without_formula(point.note))
-        writer.writerow(
-            (point.number, point.kind.name.lower(), *place, *sure, moment(point.stamp), *words)
+        when = moment(point.stamp)
+        lines.append(
+            csv_line(
+                (point.number, point.kind.name.lower(), *place, *sure, when, point.by, point.note)
+            )
         )
-    return text.getvalue()
+    return "".join(lines)
 
 
 def _coordinates(point: InterestPoint) -> list[float]:
@@ -73,7 +69,7 @@ def geojson(points: Sequence[InterestPoint], robot: str) -> str:
         "robot": robot,
         "features": features,
     }
-    return json.dumps(collection, indent=1, ensure_ascii=False) + "\n"
+    return json_text(collection, indent=1, ensure_ascii=False) + "\n"
 
 
 def moment(stamp: float) -> str:
@@ -93,7 +89,3 @@ def thumbnail_text(point: InterestPoint) -> str:
 
 def _known(metres: float) -> float | None:
     return metres if math.isfinite(metres) else None
-
-
-def _without_formula(text: str) -> str:
-    return f"'{text}" if text.startswith(_FORMULA_SIGNS) else text

@@ -98,7 +98,7 @@ def extended(
 
 
 def refused_extensions(root: Node) -> list[Mistake]:
-    """A mistake for each extension of a layout that others wrote, whatever its file is called."""
+    """A mistake for each extension of a layout that others wrote, for any name of its file."""
     text = "the layout has code, which does not run from a recording; name your copy by --layout"
     return [Mistake(node.place, text) for node in root.of("extension")]
 

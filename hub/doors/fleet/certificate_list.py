@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 from hub.command_output import print_error, put
 from hub.doors.fleet.certificates import Certificates
 from hub.errors import KeyFileError
+from hub.table_text import json_text
 from hub.zenoh.certificate_facts import SOON_DAYS, CertificateFacts
 
 
@@ -28,7 +28,7 @@ def list_certificates(certificates: Certificates, *, as_json: bool) -> None:
             found = certificates.facts(name)
         except KeyFileError as error:
             found = error
-        put(json.dumps(_values(name, found)) if as_json else f"{name:<{width}}  {_words(found)}")
+        put(json_text(_values(name, found)) if as_json else f"{name:<{width}}  {_words(found)}")
 
 
 def _words(found: CertificateFacts | KeyFileError) -> str:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import time
 from typing import Any
 
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put, put_json
 from hub.errors import CodecError, FleetKeyError, FrameError
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.ipc.roles import Principal
 from hub.plain_text import counted, plain
+from hub.table_text import json_text
 from hub.zenoh.attachment import CLOCK, unpack
 from hub.zenoh.fleet_keys import FleetKey, KeyKind, parse_key, pattern
 from hub.zenoh.fleet_session import FleetSession, FleetWay
@@ -27,7 +27,7 @@ def list_robots(session: FleetSession, fleet: str, place: RouterPlace, *, as_jso
     """Show the robots that are there."""
     robots = _robots(session, fleet)
     for robot in robots:
-        put(json.dumps({"robot": robot}) if as_json else robot)
+        put(json_text({"robot": robot}) if as_json else robot)
     if not robots:
         _say_none(fleet, place)
     return 0
@@ -49,7 +49,7 @@ def show_status(
             break
         facts = _facts(session, fleet, robot)
         if as_json:
-            put(json.dumps(facts))
+            put_json(facts)
         else:
             put(f"  {robot:<20} {_words(facts)}")
     if not robots and place.scheme == "tls":

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from hub import files
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.doors.foxglove.layout import LAYOUT, layout_of
 from hub.doors.panels.serving import body_of, serve
 from hub.doors.panels.wishes import SenderKind
@@ -98,7 +97,7 @@ def _announce(address: str, settings: ServerSettings, options: argparse.Namespac
     layout = options.layout or LAYOUT
     if options.json:
         facts = {"event": "ready", "address": address, "layout": str(layout)}
-        put(json.dumps(facts | {"drive": settings.drive, "pid": os.getpid()}))
+        put_json(facts | {"drive": settings.drive, "pid": os.getpid()})
         return
     put(f"{settings.name} at {address}: in Foxglove or Lichtblick, open this connection")
     put(f"Layout: {layout} (import it there)")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import logging
 import os
 import signal
@@ -19,6 +18,7 @@ from hub.doors.mirror.mirror import Mirror
 from hub.ipc.roles import Principal
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
+from hub.table_text import json_text
 from hub.zenoh.fleet_line import ZenohFleetLine
 from hub.zenoh.fleet_session import check_certificates
 from hub.zenoh.settings import CertificateFiles, RouterPlace, client_settings
@@ -39,7 +39,7 @@ class MirrorEvents:
 
     def say(self, event: dict[str, object]) -> None:
         """Say one thing."""
-        put(json.dumps(event) if self._as_json else _sentence(event))
+        put(json_text(event) if self._as_json else _sentence(event))
 
     def look(self, *, joined: bool, trouble: str) -> None:
         """Say whether a router answers and else why not, at each change."""

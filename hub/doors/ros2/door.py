@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import os
 import re
 from collections.abc import Callable
 from typing import Final
 
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.doors.panels.serving import body_of, serve
 from hub.doors.panels.wishes import CMD_VEL, SenderKind
 from hub.doors.ros2.node_server import NodeSettings, RosNodeServer
@@ -64,7 +63,7 @@ def _announce(client: Client, settings: NodeSettings, options: argparse.Namespac
     """Say what nodes see."""
     if options.json:
         facts = {"event": "ready", "router": options.connect, "domain": settings.domain}
-        put(json.dumps(facts | {"drive": settings.drive, "pid": os.getpid()}))
+        put_json(facts | {"drive": settings.drive, "pid": os.getpid()})
         return
     body = body_of(client)
     name = f"{settings.namespace}/rune"

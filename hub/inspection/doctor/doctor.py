@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 from collections.abc import Callable, Iterator, Mapping
 
 from hub.command_output import put
@@ -21,6 +20,7 @@ from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
 from hub.plain_text import plain
 from hub.robots.description import RobotDescription
 from hub.robots.robot_file import find_robot_file, read_description
+from hub.table_text import json_text
 
 _NOTHING_WRONG, _WRONG, _WRONG_ROBOT_FILE = 0, 1, 2
 _ROBOT_FILE = "robot file"
@@ -126,7 +126,7 @@ def _as_line(check: str, finding: Finding) -> str:
 
 
 def _as_json(check: str, finding: Finding) -> str:
-    return json.dumps(
+    return json_text(
         {
             "check": check,
             "level": finding.level.value,

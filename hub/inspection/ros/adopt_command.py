@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import math
 import time
 from pathlib import Path
 
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put_json
 from hub.errors import RosAddressError
 from hub.inspection.robot_file_output import RobotFileOutput
 from hub.plain_text import plain
@@ -52,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     if not output.write(text):
         return 1
     if options.json:
-        put(json.dumps(_facts(proposal, options, text)))
+        put_json(_facts(proposal, options, text))
     else:
         title = plain(f"{address.text}: a {proposal.title}")
         output.report(text, title, *proposal.remarks())

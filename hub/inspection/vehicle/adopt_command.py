@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import time
 from collections.abc import Iterator
 
-from hub.command_output import put
+from hub.command_output import put_json
 from hub.inspection.robot_file_output import RobotFileOutput
 from hub.inspection.vehicle.vehicle_link import open_session
 from hub.plain_text import plain
@@ -45,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
         return 1
     remarks = [*adopting.remarks(finder, station=options.station, signs=options.key is not None)]
     if options.json:
-        put(json.dumps(_facts(finder, options, remarks)))
+        put_json(_facts(finder, options, remarks))
     else:
         output.report(text, *_lines(finder, options, remarks))
     return 0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import socket
 import time
 from typing import Any, Final
@@ -12,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from hub.command_line import ExitCode
-from hub.command_output import print_error, put, stdin_ended
+from hub.command_output import print_error, put, put_json, stdin_ended
 from hub.errors import VehicleAddressError
 from hub.gcm.autopilot import MAVLINK_FRAMES, MAVLINK_REQUEST, MavlinkFrames, MavlinkRequest
 from hub.inspection.message_commands import connect
@@ -107,7 +106,7 @@ def _came_back(link: socket.socket, forwarder: FrameForwarder) -> bytes:
 def _say(options: argparse.Namespace, event: str, forwarder: FrameForwarder) -> None:
     if options.json:
         facts = {"event": event, "passed": forwarder.passed, "dropped": forwarder.returned}
-        put(json.dumps({**facts, "to": options.to}))
+        put_json({**facts, "to": options.to})
     elif event == "forwards":
         put(f"frames of the vehicle go to {options.to}; {_BACK[options.commands]}; Ctrl-C ends it")
     else:

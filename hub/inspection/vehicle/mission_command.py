@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import math
 from typing import Final
 
 from hub.command_line import ExitCode
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put, put_json
 from hub.inspection.output import table
 from hub.inspection.vehicle.vehicle_link import find_at, open_session, place_of
 from hub.robots.mavlink.asking.mission import MissionItem, MissionReading
@@ -32,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
         ended = session.ask(reading, _LONGEST_S)
     if options.json:
         for each in reading.items:
-            put(json.dumps(_facts(each)))
+            put_json(_facts(each))
     elif reading.items:
         heads = ("list", "number", "command", "place", "height", "parameters")
         table(heads, [_row(each) for each in reading.items], words=6)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import math
 from collections.abc import Mapping
 
 from hub.command_line import ExitCode
-from hub.command_output import print_error, put
+from hub.command_output import print_error, put, put_json
 from hub.gcm.autopilot import UnsafeParameter
 from hub.inspection.output import table
 from hub.inspection.vehicle.vehicle_link import (
@@ -108,7 +107,7 @@ def _show(
     ]
     if options.json:
         for each in rows:
-            put(json.dumps(_facts(each, unsafe.get(each.name))))
+            put_json(_facts(each, unsafe.get(each.name)))
     elif rows:
         table(("parameter", "value", "safe", "why"), [_row(each, unsafe) for each in rows], words=4)
     elif options.unsafe:

@@ -7,13 +7,12 @@
 | one within another type | a column of its own: twist.linear.x |
 | a message of protobuf or JSON | one column, `json` |
 | an array | a JSON list; one that is longer than `most`: the number of its values |
+| a number that is none, or infinite | "nan", "inf" or "-inf", in JSON as a text |
 """
 
 from __future__ import annotations
 
 import contextlib
-import csv
-import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -29,6 +28,7 @@ from hub.recording.topics import RecordedTopic
 from hub.ros.decoding import RosDecoder
 from hub.ros.schema import RosType
 from hub.ros.values import RosValue
+from hub.table_text import csv_line, json_text
 from hub.values import dataclass
 
 _COMMON = ("log_time_s", "publish_time_s", "sequence")
@@ -121,7 +121,6 @@ class _TopicTable:
         except RosMessageError:  # a type that is not known: its bytes
             columns = ["payload"]
         self._file = self._partial.open("w", newline="", encoding="utf-8")
-        self._rows_of = csv.writer(self._file)
         self._write((*_COMMON, *columns))
 
     def add(self, message: LoggedMessage) -> None:
@@ -151,7 +150,8 @@ class _TopicTable:
 
     def _write(self, row: tuple[object, ...]) -> None:
         try:
-            self._rows_of.writerow(row)
+            if self._file is not None:
+                self._file.write(csv_line(row))
         except OSError as error:
             raise self._fault(error) from error
 
@@ -171,7 +171,7 @@ class _TopicTable:
         if self._decoder is not None:
             value = self._decoder.decode(payload)
             if self._decoder.type is None:
-                return [json.dumps(_plain(value, self._most))]
+                return [json_text(_plain(value, self._most))]
             return list(_flat(value, self._most))
         return [payload.hex() if len(payload) <= self._most else f"{len(payload)} bytes"]
 
@@ -194,7 +194,7 @@ def _flat(value: RosValue, most: int) -> Iterator[object]:
             if len(item) > most:
                 yield f"{len(item)} values"
             else:
-                yield json.dumps(_plain(item, most))
+                yield json_text(_plain(item, most))
         else:
             yield item.item() if isinstance(item, np.generic) else item
 

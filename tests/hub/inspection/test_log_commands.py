@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import os
 import shlex
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -315,6 +317,22 @@ def test_tables_have_a_column_for_each_field(drive: Path) -> None:
     assert rows[0]["cell_voltage"] == "[]"
     with Path("tables/rover-GCM_Record_Mark.csv").open() as file:
         assert next(csv.DictReader(file))["text"] == "a victim"
+
+
+def test_tables_have_no_formulas_and_their_lists_are_json() -> None:
+    writer = RecordingWriter(Path("x.mcap"), ANCHOR, {}, LIMITS)
+    schema = b"float32[3] ranges\nfloat64 speed\nstring said"
+    topic = RecordedTopic("/scan", "a/msg/Scan", "ros2msg", schema, "cdr")
+    payload = b"\0\1\0\0" + struct.pack("<3fxxxxd", 1.5, math.nan, -math.inf, math.nan)
+    text = b'=HYPERLINK("http://x")\x1b[31m\0'
+    writer.add(topic, payload + struct.pack("<I", len(text)) + text, 100.0, 100.0)
+    writer.close()
+    log("csv x.mcap -o tables")
+    with Path("tables/scan.csv").open() as file:
+        (row,) = csv.DictReader(file)
+    assert json.loads(row["ranges"], parse_constant=pytest.fail) == [1.5, "nan", "-inf"]
+    assert row["speed"] == "nan"
+    assert row["said"] == '\'=HYPERLINK("http://x")\\x1b[31m'
 
 
 def test_a_folder_is_listed_with_its_bags_and_its_damage(drive: Path) -> None:

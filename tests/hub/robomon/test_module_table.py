@@ -209,7 +209,7 @@ def test_no_bytes_raise_anything_but_our_error(tmp_path: Path, data: st.DataObje
 
 
 @pytest.mark.parametrize(
-    "name", ["..", ".hidden", "a/b", "two words", "\x1b]0;x\x07", "", "x" * 33, "\u202ebot"]
+    "name", ["..", "-x", ".hidden", "a/b", "two words", "\x1b]0;x\x07", "", "x" * 33, "\u202ebot"]
 )
 def test_robot_is_called_what_a_file_can_be_called(tmp_path: Path, name: str) -> None:
     escaped = name.encode("unicode_escape").decode().replace("\\x", "\\u00")

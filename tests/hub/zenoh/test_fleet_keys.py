@@ -18,7 +18,7 @@ from hub.zenoh.attachment import COMMAND_LIFESPAN_S, Attachment, lifespan, unpac
 from hub.zenoh.fleet_keys import FleetKey, KeyKind, parse_key, parse_operator, pattern
 
 _ROLES = (Role.OBSERVE, Role.OPERATE, Role.SUPERVISE)
-_NAMES = st.from_regex(r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}", fullmatch=True)
+_NAMES = st.from_regex(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,63}", fullmatch=True)
 _FLEETS = st.lists(_NAMES, min_size=1, max_size=3).map("/".join)
 _MESSAGES = st.from_regex(r"[A-Za-z_][A-Za-z0-9_]{0,63}", fullmatch=True)
 _U32, _U64 = st.integers(0, 2**32 - 1), st.integers(0, 2**64 - 1)

@@ -15,7 +15,7 @@ from rune_study.data.tables import as_text, dictionary, read, write
 from rune_study.errors import DataError
 
 NUMBERS = st.floats(allow_nan=True, allow_infinity=True)
-WORDS = st.text(st.characters(blacklist_categories=("Cs", "Cc")), max_size=20)
+WORDS = st.text(st.characters(exclude_categories=("Cs", "Cc", "Cf", "Zl", "Zp")), max_size=20)
 ROWS = st.builds(
     MetricRow,
     participant=st.integers(1, 99),
