@@ -21,7 +21,7 @@ def csv_line(cells: Iterable[object], end: str = "\r\n", separator: str = ",") -
     """A line of a CSV file (RFC 4180).
 
     Args:
-        cells: Its cells; texts come from anybody, None is an empty cell.
+        cells: Its cells; texts may be those of others, None is an empty cell.
         end: The end of the line.
         separator: Stands between two cells.
     """

@@ -308,7 +308,7 @@ def _replay(options: argparse.Namespace) -> int:
         text = "--set needs --layout: a recorded layout keeps the values that it had"
         raise _UsageError(text)
     layout = _load(options.layout, options.set) if options.layout is not None else None
-    opened = opening.opener(options.files, layout, topics=options.topics)
+    opened = opening.opener(options.files, layout, topics=options.topics, unpacked=options.unpack)
     if options.export is not None:
         from rune_tui.replay.exporting import export
 

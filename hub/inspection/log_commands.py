@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _info(path: Path, options: argparse.Namespace, progress: ProgressLine) -> int:
-    facts = facts_of_recording(path, progress, quick=options.quick)
+    facts = facts_of_recording(path, progress, quick=options.quick, unpacked=options.unpack)
     progress.end()
     if options.json:
         put_json(as_json(facts))
@@ -214,6 +214,7 @@ def _copied(options: argparse.Namespace, progress: ProgressLine) -> Copied:
             replace=options.force,
             progress=progress,
             damaged=options.damaged,
+            unpacked=options.unpack,
         )
     how = CopyOptions(
         compression=options.compression,
@@ -223,7 +224,7 @@ def _copied(options: argparse.Namespace, progress: ProgressLine) -> Copied:
     )
     if options.task == "convert" and options.files[0].suffix == tlog.ENDING:
         return _from_tlog(options, how, progress)
-    with RecordingSet.open(options.files) as recording:
+    with RecordingSet.open(options.files, unpacked=options.unpack) as recording:
         selection = _selection(options)
         if options.task == "convert" and options.output.suffix == tlog.ENDING:
             return tlog.to_tlog(recording, options.output, selection, how, progress)
@@ -291,7 +292,7 @@ def _code(copied: Copied) -> int:
 
 
 def _tables(options: argparse.Namespace, progress: ProgressLine) -> int:
-    with RecordingSet.open(options.files) as recording:
+    with RecordingSet.open(options.files, unpacked=options.unpack) as recording:
         tables = write_tables(
             recording,
             options.output,

@@ -9,6 +9,7 @@ from hub.command_line import CommandParser, Commands, number_type
 from hub.errors import RecordingError
 from hub.inspection.record_options import add_topics, reader
 from hub.recording.live import words
+from hub.recording.unpack_option import add_unpack
 
 _most = number_type(int, 1, 10**9, "whole number above 0")
 
@@ -44,6 +45,8 @@ def add_log(commands: Commands) -> None:
         _table(tasks),
         _recovery(tasks),
     ]
+    for task in (info, *copies):
+        add_unpack(task)
     for task in (info, listing, *copies):
         task.add_argument("--json", action="store_true", help="JSON, one line a recording")
 

@@ -60,12 +60,13 @@ def play(options: argparse.Namespace) -> int:
         RecordingError: They cannot be read, or have no such robot.
         EndpointError: The port is busy.
     """
-    with RecordingSet.open(options.files) as log:
-        robot = _robot(robots_of(log), options.robot)
-        empty = _why_empty(log, robot, options)
+    with RecordingSet.open(options.files, unpacked=options.unpack) as log:
+        robots = robots_of(log)
         known = [*log.faults]
         for fault in known:
             print_error(fault)
+        robot = _robot(robots, options.robot)
+        empty = _why_empty(log, robot, options)
         if empty:
             print_error(empty)
             return ExitCode.FAULT

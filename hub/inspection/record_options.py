@@ -12,6 +12,7 @@ from hub.command_line import CommandParser, Commands, number_type
 from hub.errors import RecordingError
 from hub.ipc.endpoints import LARGEST_PORT
 from hub.recording.live import words
+from hub.recording.unpack_option import add_unpack
 from hub.toml_reader import RefusedError
 
 T = TypeVar("T")
@@ -119,6 +120,7 @@ def add_play(commands: Commands) -> None:
         "space pauses, left and right go 5 s, + and - change the rate, q ends.",
     )
     play.add_argument("files", nargs="+", type=Path, metavar="FILE", help="MCAP files or folders")
+    add_unpack(play)
     play.add_argument(
         "--rate", type=number_type(float, 0.1, 100.0, "rate from 0.1 to 100"), default=1.0,
         metavar="X", help="seconds of the recording in a second (1)",

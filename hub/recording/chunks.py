@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import struct
 import zlib
+from array import array
 from typing import Any, Final, NamedTuple
 
 import lz4.frame
@@ -16,10 +17,11 @@ import numpy.typing as npt
 import zstandard
 
 from hub.errors import RecordingError
+from hub.recording.budget import PartBudget
 from hub.recording.records import CHUNK, MESSAGE, MESSAGE_INDEX, RECORD, records_of
 
 MOST_CHUNK: Final = 256 * 1024 * 1024
-"""Longest part that is read, unpacked [bytes]."""
+"""Longest part that is read, as it is in the file [bytes]."""
 _PIECE: Final = 256
 """What is unpacked at once of a damaged part [bytes]."""
 _MESSAGE = struct.Struct("<BQHIQQ")
@@ -104,7 +106,9 @@ class LoggedMessage(NamedTuple):
     payload: bytes
 
 
-def load(raw: bytes, place: ChunkPlace, *, partial: bool = False) -> LoadedChunk:
+def load(
+    raw: bytes, place: ChunkPlace, budget: PartBudget, *, partial: bool = False
+) -> LoadedChunk:
     """Unpack a part of a file.
 
     An index that is wrong is not used: the messages themselves say where they are.
@@ -112,18 +116,20 @@ def load(raw: bytes, place: ChunkPlace, *, partial: bool = False) -> LoadedChunk
     Args:
         raw: The part and the indexes behind it.
         place: Where it is.
+        budget: What may be unpacked of it.
         partial: Whether a damaged part has those messages that can be found in it; they may be
             wrong themselves.
 
     Raises:
-        RecordingError: It is damaged, or longer than `MOST_CHUNK`.
+        BudgetError: It has more than the budget allows.
+        RecordingError: It is damaged.
     """
     try:
-        records = unpack(raw[: place.length], partial=partial) if place.packed else raw
+        records = unpack(raw[: place.length], budget, partial=partial) if place.packed else raw
         found = _read_indexes(raw[place.length :]) if place.index_length else None
         whole = _are_whole(records, *found) if found is not None else np.zeros(0, bool)
         if found is None or not (whole.all() or partial):
-            found = _walk(records, partial=partial)
+            found = _walk(records, budget, partial=partial)
         elif not whole.all():
             found = found[0][whole], found[1][whole], found[2][whole]
         return LoadedChunk(records, *found)
@@ -134,11 +140,12 @@ def load(raw: bytes, place: ChunkPlace, *, partial: bool = False) -> LoadedChunk
         raise RecordingError(text) from error
 
 
-def unpack(raw: bytes, *, partial: bool = False) -> bytes:
+def unpack(raw: bytes, budget: PartBudget, *, partial: bool = False) -> bytes:
     """The records of a chunk, whose record this is; of a damaged one those before the damage.
 
     Raises:
-        RecordingError: It is damaged, or longer than `MOST_CHUNK`.
+        BudgetError: It is longer than the budget allows.
+        RecordingError: It is damaged.
     """
     try:
         kind, _ = RECORD.unpack_from(raw)
@@ -149,9 +156,11 @@ def unpack(raw: bytes, *, partial: bool = False) -> bytes:
         at += 4 + named
         (length,) = struct.unpack_from("<Q", raw, at)
         data = raw[at + 8 : at + 8 + length]
-        if kind != CHUNK or (len(data) != length and not partial) or size > MOST_CHUNK:
-            text = "a part of it is no chunk of messages, cut, or too long"
+        if kind != CHUNK or (len(data) != length and not partial):
+            text = "a part of it is no chunk of messages, or cut"
             raise RecordingError(text)
+        if name:
+            budget.unpack(size)
         if partial:
             return _begin_of(name, data, size)
         records = _unpacked(name, data, size)
@@ -293,18 +302,23 @@ def _heads(records: bytes, offsets: Stamps) -> npt.NDArray[np.void]:
     return everywhere[offsets]
 
 
-def _walk(records: bytes, *, partial: bool) -> _Found:
+def _walk(records: bytes, budget: PartBudget, *, partial: bool) -> _Found:
     """The same from the messages themselves."""
-    found = []
+    channels, stamps, offsets = array("H"), array("Q"), array("Q")
+    count = 0
     try:
-        for kind, begin, end in records_of(records):
+        for count, (kind, begin, end) in enumerate(records_of(records), 1):
+            if count > budget.records:
+                break
             if kind == MESSAGE and end - begin >= _MESSAGE.size - RECORD.size:
                 _, _, channel, _, stamp, _ = _MESSAGE.unpack_from(records, begin - RECORD.size)
-                found.append((channel, stamp, begin - RECORD.size))
+                channels.append(channel)
+                stamps.append(stamp)
+                offsets.append(begin - RECORD.size)
     except RecordingError:
         if not partial:
             raise
-    channels, stamps, offsets = zip(*found, strict=True) if found else ((), (), ())
+    budget.count(count)
     both = np.array(stamps, np.uint64), np.array(offsets, np.uint64)
     order = np.lexsort((both[1], both[0]))
     return np.array(channels, np.uint16)[order], both[0][order], both[1][order]

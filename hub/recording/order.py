@@ -12,6 +12,8 @@ from hub.recording.chunks import ChunkPlace, LoadedChunk
 
 _MAP = np.dtype([("channel", "<u2"), ("offset", "<u8")])
 _Ints = npt.NDArray[np.int64]
+_AT_ONCE = 1024
+"""Messages that become numbers of Python at once."""
 
 
 class ChannelChunks(NamedTuple):
@@ -92,6 +94,7 @@ class WaitingMessages:
         return self._remove(len(self._stamps))
 
     def _remove(self, count: int) -> Iterator[tuple[int, int]]:
-        gone = self._places[:count, :2].tolist()
+        gone = self._places[:count, :2]
         self._stamps, self._places = self._stamps[count:], self._places[count:]
-        return iter([(number, index) for number, index in gone])
+        parts = (gone[at : at + _AT_ONCE].tolist() for at in range(0, count, _AT_ONCE))
+        return ((number, index) for part in parts for number, index in part)

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
+from hub.recording.budget import BudgetError, ReadBudget
 from hub.recording.chunks import (
     LoadedChunk,
     LoggedMessage,
@@ -60,7 +61,15 @@ class Recording(OpenRecording):
         unreadable: Length of what was found to be damaged, between the parts and in them [bytes].
     """
 
-    def __init__(self, path: Path, handle: int, summary: Summary, *, partial: bool = False) -> None:
+    def __init__(
+        self,
+        path: Path,
+        handle: int,
+        summary: Summary,
+        budget: ReadBudget,
+        *,
+        partial: bool = False,
+    ) -> None:
         """Use `open`."""
         self.path = path
         self.channels: Mapping[int, RecordedTopic] = summary.topics
@@ -71,6 +80,7 @@ class Recording(OpenRecording):
         self.faults = summary.faults
         self.unreadable = summary.unreadable
         self._handle = handle
+        self._budget = budget
         self._partial = partial
         self._places = sorted(
             (place for place in summary.chunks if place.start <= place.end),
@@ -87,13 +97,14 @@ class Recording(OpenRecording):
         self._known = np.array(sorted(summary.topics), np.uint16)
 
     @classmethod
-    def open(cls, path: Path, *, partial: bool = False) -> Self:
+    def open(cls, path: Path, *, partial: bool = False, budget: ReadBudget | None = None) -> Self:
         """Open a file.
 
         Args:
             path: The file.
             partial: Whether damaged parts have those messages that can be found in them; these
                 may be wrong themselves.
+            budget: What may be unpacked; default: by its size.
 
         Raises:
             RecordingError: It cannot be read, or is no recording.
@@ -104,7 +115,9 @@ class Recording(OpenRecording):
             text = f"{path} cannot be read: {error.strerror}"
             raise RecordingError(text) from error
         try:
-            return cls(path, handle, summary_of(handle, partial=partial), partial=partial)
+            budget = budget or ReadBudget(os.fstat(handle).st_size)
+            summary = summary_of(handle, budget, partial=partial)
+            return cls(path, handle, summary, budget, partial=partial)
         except BaseException as error:
             os.close(handle)
             if isinstance(error, OSError | RecordingError):
@@ -221,7 +234,7 @@ class Recording(OpenRecording):
                 chunk = without(self._unpacked(number, raw), self._known)
             except (RecordingError, OSError, MemoryError) as error:
                 self.unreadable += place.length + place.index_length
-                self._note(number, str(error))
+                self._note_error(number, error)
                 continue
             for index in np.argsort(chunk.offsets, kind="stable").tolist():
                 yield message_at(chunk, index)
@@ -266,7 +279,7 @@ class Recording(OpenRecording):
             chunk = self._checked(number, self._unpacked(number, raw))
         except (RecordingError, OSError, MemoryError) as error:
             self._damaged.add(number)
-            self._note(number, str(error))
+            self._note_error(number, error)
             return None
         self._loaded[number] = chunk
         self._loaded_bytes += len(chunk.records)
@@ -284,12 +297,13 @@ class Recording(OpenRecording):
         place = self._places[number]
         if place.packed and (fault := length_fault(raw, place)):
             self._note(number, fault)
+        budget = self._budget.of_part(self._handle, place.offset)
         try:
-            return load(raw, place)
+            return load(raw, place, budget)
         except RecordingError as error:
-            if not self._partial:
+            if not self._partial or isinstance(error, BudgetError):
                 raise
-            chunk = load(raw, place, partial=True)
+            chunk = load(raw, place, budget, partial=True)
             if not chunk.stamps.size:
                 raise
             count = f"{len(chunk.stamps)} of its messages are shown, which may be wrong"
@@ -319,8 +333,16 @@ class Recording(OpenRecording):
             )
         return chunk
 
+    def _note_error(self, number: int, error: Exception) -> None:
+        if isinstance(error, BudgetError):  # one sentence for all parts
+            self._note_once(str(error))
+        else:
+            self._note(number, str(error))
+
     def _note(self, number: int, fault: str) -> None:
-        sentence = f"at byte {self._places[number].offset}: {fault}"
+        self._note_once(f"at byte {self._places[number].offset}: {fault}")
+
+    def _note_once(self, sentence: str) -> None:
         if len(self.faults) < MOST_FAULTS and sentence not in self.faults:
             self.faults.append(sentence)
 

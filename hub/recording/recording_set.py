@@ -67,13 +67,14 @@ class RecordingSet(OpenRecording):
         self.finished = all(each.finished for each in recordings)
 
     @classmethod
-    def open(cls, paths: Sequence[Path], *, partial: bool = False) -> Self:
+    def open(cls, paths: Sequence[Path], *, partial: bool = False, unpacked: int = 0) -> Self:
         """Open files and folders.
 
         Args:
             paths: The files and folders.
             partial: Whether damaged parts have those messages that can be found in them; these
                 may be wrong themselves.
+            unpacked: Most bytes that are unpacked of each; 0: by its size, see `ReadBudget`.
 
         Raises:
             RecordingError: One of them cannot be read, or there are more than `MOST`.
@@ -82,7 +83,10 @@ class RecordingSet(OpenRecording):
             text = f"1 to {MOST} recordings are read at once, not {len(paths)}"
             raise RecordingError(text)
         with contextlib.ExitStack() as opened:
-            recordings = [opened.enter_context(Bag.open(path, partial=partial)) for path in paths]
+            recordings = [
+                opened.enter_context(Bag.open(path, partial=partial, unpacked=unpacked))
+                for path in paths
+            ]
             made = cls(recordings)
             opened.pop_all()
         return made

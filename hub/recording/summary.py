@@ -7,11 +7,12 @@ import os
 import re
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import field
 from typing import Final, NamedTuple
 
 from hub.errors import RecordingError
+from hub.recording.budget import BudgetError, ReadBudget
 from hub.recording.chunks import MOST_CHUNK, ChunkPlace, unpack
 from hub.recording.lengths import wrong_lengths
 from hub.recording.records import (
@@ -98,11 +99,12 @@ class Summary:
     unreadable: int = 0
 
 
-def summary_of(handle: int, *, partial: bool = False) -> Summary:
+def summary_of(handle: int, budget: ReadBudget, *, partial: bool = False) -> Summary:
     """Read what is in an open file.
 
     Args:
         handle: The file.
+        budget: What may be unpacked.
         partial: Whether a part that is cut or damaged counts as well.
 
     Raises:
@@ -112,7 +114,7 @@ def summary_of(handle: int, *, partial: bool = False) -> Summary:
     size = os.fstat(handle).st_size
     if fault := fault_of_begin(os.pread(handle, len(MAGIC), 0)):
         raise RecordingError(fault)
-    return _Indexed(handle, size).read() or _Scan(handle, size, partial=partial).read()
+    return _Indexed(handle, size).read() or _Scan(handle, size, budget, partial=partial).read()
 
 
 class _Fields:
@@ -216,6 +218,7 @@ class _Indexed:
         topics = self._summary.topics
         return (
             bool(self._summary.chunks)
+            and not _overlap(self._summary.chunks)
             and self._topics.complete
             and bool(topics)
             and named <= topics.keys()
@@ -273,9 +276,10 @@ class _Scan:
     Behind a damaged record it goes on at the next chunk whose checksum is right.
     """
 
-    def __init__(self, handle: int, size: int, *, partial: bool) -> None:
+    def __init__(self, handle: int, size: int, budget: ReadBudget, *, partial: bool) -> None:
         self._handle = handle
         self._size = size
+        self._budget = budget
         self._partial = partial
         self._summary = Summary()
         self._topics = _Topics(self._summary)
@@ -323,7 +327,7 @@ class _Scan:
         return True
 
     def _note(self, fault: str) -> None:
-        if len(self._summary.faults) < MOST_FAULTS:
+        if len(self._summary.faults) < MOST_FAULTS and fault not in self._summary.faults:
             self._summary.faults.append(fault)
 
     def _records(self, at: int) -> Iterator[tuple[int, int, int]]:
@@ -363,7 +367,8 @@ class _Scan:
         if kind != CHUNK or not 0 < length <= min(MOST_CHUNK, self._size - place):
             return False
         try:
-            unpack(os.pread(self._handle, RECORD.size + length, place))
+            raw = os.pread(self._handle, RECORD.size + length, place)
+            unpack(raw, self._budget.of_part(self._handle, place))
         except RecordingError:
             return False
         return True
@@ -474,15 +479,28 @@ class _Scan:
         """Find schemas and channels in a chunk."""
         try:
             raw = os.pread(self._handle, place.length, place.offset)
-            records = unpack(raw, partial=self._partial)
-            for kind, begin, end in records_of(records):
+            budget = self._budget.of_part(self._handle, place.offset)
+            records = unpack(raw, budget, partial=self._partial)
+            count = 0
+            for count, (kind, begin, end) in enumerate(records_of(records), 1):
+                if count > budget.records:
+                    break
                 if kind in (SCHEMA, CHANNEL):
                     self._kept += end - begin
                     self._check_kept()
                     self._topics.take(kind, records[begin:end])
+            budget.count(count)
         except (RecordingError, struct.error) as error:
-            if not self._partial:  # else it is found when its messages are read
+            if isinstance(error, BudgetError):
+                self._note(str(error))
+            elif not self._partial:  # else it is found when its messages are read
                 self._note(f"at byte {place.offset}: {error}")
+
+
+def _overlap(chunks: Sequence[ChunkPlace]) -> bool:
+    """Whether two parts share bytes, so that an index makes a short file a long one."""
+    places = sorted((each.offset, each.length + each.index_length) for each in chunks)
+    return any(at + length > after for (at, length), (after, _) in itertools.pairwise(places))
 
 
 def _is_footer(tail: bytes) -> bool:

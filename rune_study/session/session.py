@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Callable
 from pathlib import Path
 
+from hub import files
 from rune_study.errors import StudyError
 from rune_study.plan.conditions import limit_words
 from rune_study.plan.folder import questionnaire_path, text_path
@@ -27,6 +28,8 @@ from rune_study.session.study_log import study_log
 from rune_study.session.trial import Trial
 from rune_study.session.warnings import PRIVATE
 
+_LARGEST_TEXT = 1_000_000
+"""Longest page of a study [bytes]."""
 _BREAK = "# A break\n\nPlease rest."
 _SECONDARY = "# Questions\n\nAnswer each question that appears with one of the keys {keys}."
 _PRACTICE = "# Practice\n\nDrive the robot until you know how. Quit the console when you are ready."
@@ -193,7 +196,7 @@ def _secondary_page(study: StudySpec) -> str:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as fault:
+        return files.read_regular(path, _LARGEST_TEXT).decode("utf-8")
+    except (OSError, ValueError) as fault:
         text = f"{path} cannot be read: {fault}"
         raise StudyError(text) from fault

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hub.command_line import CommandParser, Commands, ShowVersion, add_completion, number_type
+from hub.recording.unpack_option import add_unpack
 from rune_tui.commands.demo import (
     ARENAS,
     AUTO,
@@ -210,6 +211,7 @@ def _add_replay(commands: Commands) -> CommandParser:
         "you, 1 nothing of a damaged file can be read, 2 wrong usage, or nothing can be shown.",
     )
     replay.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a recording")
+    add_unpack(replay)
     replay.add_argument("--layout", help="a layout in place of the recorded one")
     replay.add_argument(
         "--topics",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,15 @@ MOST_PIXELS = 1 << 22
 """Pixels of the largest picture that is decoded; no terminal shows half as many."""
 LONGEST_SIDE = 1 << 13
 """Longest side of a picture [pixels]."""
+PILLOW_FAULTS = (
+    OSError,
+    ValueError,
+    SyntaxError,
+    EOFError,
+    struct.error,
+    PillowImage.DecompressionBombError,
+)
+"""What Pillow raises where a file is damaged."""
 _CHANNELS = (1, 3)
 _FILES = frozenset({ImageCoding.JPEG, ImageCoding.WEBP})
 
@@ -56,6 +66,6 @@ def _file(image: Image, shape: tuple[int, int, int]) -> npt.NDArray[np.uint8]:
                 raise CodecError(text)
             wanted = opened.convert("RGB" if shape[2] == _CHANNELS[1] else "L")
             return np.asarray(wanted, np.uint8).reshape(shape)
-    except (OSError, ValueError, SyntaxError, PillowImage.DecompressionBombError) as error:
+    except PILLOW_FAULTS as error:
         text = f"the picture is no {kind}: {error}"
         raise CodecError(text) from error

@@ -6,6 +6,7 @@ A point is a pixel, and a pixel is half a cell: text of 12 points is 6 rows of c
 from __future__ import annotations
 
 import functools
+import io
 import math
 from pathlib import Path
 from typing import Final
@@ -14,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
+from hub.files import read_regular
 from hub.values import dataclass
 from rune_tui.errors import FontError
 from rune_tui.raster.canvas import Canvas, Colour
@@ -23,6 +25,8 @@ LARGEST_PT: Final = 200.0
 LONGEST: Final = 128
 """Most characters of a text that are drawn; no view is wide enough for more."""
 
+_LARGEST_FILE: Final = 64 * 1024 * 1024
+"""Longest file of a font [bytes]; large ones have the letters of all languages."""
 _FONTS_KEPT: Final = 16
 _TEXTS_KEPT: Final = 32
 
@@ -119,10 +123,11 @@ def _loaded(font: Font) -> ImageFont.FreeTypeFont:
         raise FontError(message)
     try:
         # Opened here: Pillow would search the system's folders for a file that is missing.
-        with Path(font.file).open("rb") as file:
-            return ImageFont.truetype(file, font.points)
-    except OSError as error:
-        reason = error.strerror or "it is no font that can be drawn; give a TrueType file"
+        content = io.BytesIO(read_regular(Path(font.file), _LARGEST_FILE))
+        return ImageFont.truetype(content, font.points)
+    except (OSError, ValueError) as error:
+        known = error.strerror if isinstance(error, OSError) else str(error)
+        reason = known or "it is no font that can be drawn; give a TrueType file"
         message = f"font {font.file}: {reason}"
         raise FontError(message) from error
 

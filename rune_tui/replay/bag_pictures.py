@@ -17,6 +17,7 @@ from hub.recording.ros.topic_roles import RosRole
 from hub.ros.clouds import from_above, points_of
 from hub.ros.images import LONGEST_SIDE, MOST_PIXELS, Pixels, pixels_of, shaded
 from hub.ros.values import RosValue
+from rune_tui.link.pictures import PILLOW_FAULTS
 from rune_tui.model.robot_state import Picture
 
 _FORMATS: Final = ("JPEG", "PNG", "WEBP")
@@ -115,6 +116,6 @@ def _packed(value: RosValue) -> Pixels:
             opened.draft("RGB", _DRAFT)
             every = max(1, math.ceil(max(opened.size) / _DRAFT[0]))
             return np.asarray(opened.convert("RGB"), np.uint8)[::every, ::every]
-    except (OSError, ValueError, SyntaxError, PillowImage.DecompressionBombError) as error:
+    except PILLOW_FAULTS as error:
         text = f"a picture in the format {kind[:40]!r} cannot be decoded: {error}"
         raise RosMessageError(text) from error

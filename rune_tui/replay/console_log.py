@@ -57,20 +57,21 @@ def has_frames(recording: RecordingSet) -> bool:
 class ConsoleLog:
     """Frames of one console, exactly as it drew them; see `ReplaySource`."""
 
-    def __init__(self, path: Path, others: Sequence[Path] = ()) -> None:
+    def __init__(self, path: Path, others: Sequence[Path] = (), *, unpacked: int = 0) -> None:
         """Open a recording.
 
         Args:
             path: The file.
             others: Recordings of the same mission, for the timeline.
+            unpacked: Most bytes that are unpacked of each; 0: by its size.
 
         Raises:
             RecordingError: It cannot be read.
             LogError: It has no frames, or its layout cannot be opened.
         """
         self.title = path.name
-        self._paths = (path, *others)
-        self._recording = recording = RecordingSet.open([path])
+        self._paths, self._unpacked = (path, *others), unpacked
+        self._recording = recording = RecordingSet.open([path], unpacked=unpacked)
         anchor = recording.anchor
         if anchor is None or not has_frames(recording):
             recording.close()
@@ -130,7 +131,7 @@ class ConsoleLog:
 
     def overview(self) -> Overview:
         """What happened."""
-        with RecordingSet.open(self._paths) as recording:
+        with RecordingSet.open(self._paths, unpacked=self._unpacked) as recording:
             return survey(recording)
 
     def close(self) -> None:

@@ -42,6 +42,7 @@ def open_source(
     choice: TopicChoice | None = None,
     *,
     topics: bool = False,
+    unpacked: int = 0,
 ) -> ReplaySource:
     """The recordings of some files as one source.
 
@@ -50,6 +51,7 @@ def open_source(
         layout: A layout that shows them; None: the recorded one, or one made for the recording.
         choice: The topic that is looked at, where the layout shows topics.
         topics: Whether to show the topics alone, also those of Rune.
+        unpacked: Most bytes that are unpacked of each file; 0: by its size.
 
     Raises:
         RecordingError: A file cannot be read.
@@ -57,11 +59,12 @@ def open_source(
     """
     if layout is None and not topics:
         for path in files:
-            with RecordingSet.open([path]) as one:
+            with RecordingSet.open([path], unpacked=unpacked) as one:
                 framed = has_frames(one)
             if framed:
-                return ConsoleLog(path, [other for other in files if other != path])
-    recording = RecordingSet.open(files, partial=True)
+                others = [other for other in files if other != path]
+                return ConsoleLog(path, others, unpacked=unpacked)
+    recording = RecordingSet.open(files, partial=True, unpacked=unpacked)
     try:
         if next(recording.messages(), None) is None and recording.faults:
             reason = "; ".join((f"nothing of {recording.path} can be read", *recording.faults[:3]))
@@ -117,7 +120,7 @@ def _made(
 
 
 def opener(
-    files: Sequence[Path], layout: LayoutSpec | None, *, topics: bool
+    files: Sequence[Path], layout: LayoutSpec | None, *, topics: bool, unpacked: int = 0
 ) -> Callable[[], ReplaySource]:
     """The function that opens some files as `open_source` does.
 
@@ -126,17 +129,18 @@ def opener(
     Raises:
         RecordingError: The first file cannot be read.
     """
-    follow_time_zone(files)
-    return functools.partial(open_source, files, layout, TopicChoice(), topics=topics)
+    follow_time_zone(files, unpacked)
+    choice = TopicChoice()
+    return functools.partial(open_source, files, layout, choice, topics=topics, unpacked=unpacked)
 
 
-def follow_time_zone(files: Sequence[Path]) -> None:
+def follow_time_zone(files: Sequence[Path], unpacked: int = 0) -> None:
     """Have this process write times of day as the console did that made the first recording.
 
     Raises:
         RecordingError: The file cannot be read.
     """
-    with RecordingSet.open(files[:1]) as recording:
+    with RecordingSet.open(files[:1], unpacked=unpacked) as recording:
         decoder = Decoder(recording.channels, TimeAnchor(0, 0.0), [])
         terminals = {
             channel

@@ -27,6 +27,7 @@ import zstandard
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
+from hub.recording.budget import BudgetError, ReadBudget
 from hub.recording.chunks import LoggedMessage, MessageFacts
 from hub.recording.open_recording import OpenRecording
 from hub.recording.reader import AttachmentPlace, Recording
@@ -40,8 +41,8 @@ LEAST_FREE: Final = 1 << 30
 """What unpacking leaves free on the disk [bytes]."""
 _BATCH: Final = 10_000
 """Messages of a database that are counted at once."""
-_MOST_MESSAGE: Final = 1 << 28
-"""Longest unpacked message [bytes]."""
+_TIMES: Final = 256
+"""A message that unpacks to more than this times its length counts in the budget."""
 
 
 class Bag(OpenRecording):
@@ -64,9 +65,11 @@ class Bag(OpenRecording):
         splits: Sequence[Recording | SqliteBag],
         faults: list[str],
         metadata: BagMetadata,
+        budget: ReadBudget,
     ) -> None:
         """Use `open`."""
         self.path = path
+        self._budget = budget
         self._faults = faults
         self._splits = sorted(splits, key=lambda split: (split.start, str(split.path)))
         self.start = min((split.start for split in splits if split.end), default=0)
@@ -92,12 +95,13 @@ class Bag(OpenRecording):
         self._count(metadata)
 
     @classmethod
-    def open(cls, path: Path, *, partial: bool = False) -> Self:
+    def open(cls, path: Path, *, partial: bool = False, unpacked: int = 0) -> Self:
         """Open a file or folder; a folder with one good split is open, `faults` has the others.
 
         Args:
             path: The file or folder.
             partial: See `Recording.open`.
+            unpacked: Most bytes that are unpacked; 0: by its size, see `ReadBudget`.
 
         Raises:
             RecordingError: Nothing of it can be read.
@@ -107,17 +111,21 @@ class Bag(OpenRecording):
             raise RecordingError(text)
         metadata = BagMetadata.of(path if path.is_dir() else path.parent)
         if not path.is_dir() and path.suffix != ".zstd":
-            return cls(path, [_opened(path, partial=partial)], [], metadata)
-        return cls._of_several(path, metadata, partial=partial)
+            budget = ReadBudget(path.stat().st_size, unpacked)
+            return cls(path, [_opened(path, budget, partial=partial)], [], metadata, budget)
+        return cls._of_several(path, metadata, partial=partial, unpacked=unpacked)
 
     @classmethod
-    def _of_several(cls, path: Path, metadata: BagMetadata, *, partial: bool) -> Self:
+    def _of_several(
+        cls, path: Path, metadata: BagMetadata, *, partial: bool, unpacked: int
+    ) -> Self:
         """Open the splits of a folder, or what is packed in a file.
 
         Raises:
             RecordingError: Nothing of it can be read.
         """
         files, faults = _files(path, metadata) if path.is_dir() else ([path], [])
+        budget = ReadBudget(sum(each.stat().st_size for each in files if each.is_file()), unpacked)
         folder = None
         splits: list[Recording | SqliteBag] = []
         for file in files:
@@ -125,8 +133,8 @@ class Bag(OpenRecording):
                 plain = file
                 if file.suffix == ".zstd":
                     folder = folder or tempfile.TemporaryDirectory(prefix="rune-bag-")
-                    plain = _unpacked_file(file, Path(folder.name))
-                splits.append(_opened(plain, partial=partial))
+                    plain = _unpacked_file(file, Path(folder.name), budget)
+                splits.append(_opened(plain, budget, partial=partial))
             except RecordingError as error:
                 faults.append(str(error))
         if not splits:
@@ -135,7 +143,7 @@ class Bag(OpenRecording):
             reason = "; ".join(faults[:3]) or "there is no .mcap or .db3 file in it"
             text = f"{path} cannot be read: {reason}"
             raise RecordingError(text)
-        made = cls(path, splits, faults, metadata)
+        made = cls(path, splits, faults, metadata, budget)
         made._folder = folder
         return made
 
@@ -238,7 +246,30 @@ class Bag(OpenRecording):
             found = split.salvage() if isinstance(split, Recording) else split.messages()
             for message in found:
                 if message.channel in numbers:
-                    yield _unpacked(message)._replace(channel=numbers[message.channel])
+                    yield self._unpacked(message)._replace(channel=numbers[message.channel])
+
+    def _unpacked(self, message: LoggedMessage) -> LoggedMessage:
+        """The message as it was before rosbag2 packed it alone."""
+        packed = message.payload
+        if packed[:4] != _ZSTD:  # no payload of ROS 2 begins so
+            return message
+        most = min(self._budget.part, 1 + _TIMES * len(packed))
+        try:
+            with zstandard.ZstdDecompressor().stream_reader(packed) as reader:
+                payload = reader.read(most)
+                if len(payload) == most:
+                    self._budget.unpack((message.channel, message.stamp), self._budget.part)
+                    payload += reader.read(self._budget.part - most)
+                    if reader.read(1):
+                        text = f"a message in it unpacks to more than {self._budget.part} bytes"
+                        raise BudgetError(text)
+        except zstandard.ZstdError:
+            return message
+        except BudgetError as error:
+            if str(error) not in self._faults:
+                self._faults.append(str(error))
+            return message
+        return message._replace(payload=payload)
 
     def newest(
         self, stamp: int, channels: AbstractSet[int] | None = None
@@ -257,7 +288,7 @@ class Bag(OpenRecording):
             for channel, message in split.newest(stamp, own).items():
                 number = numbers[channel]
                 if number not in found or found[number].stamp < message.stamp:
-                    found[number] = _unpacked(message)._replace(channel=number)
+                    found[number] = self._unpacked(message)._replace(channel=number)
         return found
 
     def messages(
@@ -278,7 +309,7 @@ class Bag(OpenRecording):
                 own = {channel for channel, number in numbers.items() if number in channels}
             for message in split.messages(first, last, own, reverse=reverse):
                 if message.channel in numbers:
-                    yield _unpacked(message)._replace(channel=numbers[message.channel])
+                    yield self._unpacked(message)._replace(channel=numbers[message.channel])
 
         parts = [
             of(split, numbers)
@@ -309,28 +340,36 @@ def _files(folder: Path, metadata: BagMetadata) -> tuple[list[Path], list[str]]:
     return found, [f"{METADATA} names {name[:80]}, which is missing" for name in missing]
 
 
-def _opened(path: Path, *, partial: bool) -> Recording | SqliteBag:
+def _opened(path: Path, budget: ReadBudget, *, partial: bool) -> Recording | SqliteBag:
     try:
         with path.open("rb") as file:
             head = file.read(len(MAGIC))
     except OSError as error:
         text = f"{path} cannot be read: {error.strerror}"
         raise RecordingError(text) from error
-    return SqliteBag.open(path) if head == MAGIC else Recording.open(path, partial=partial)
+    if head == MAGIC:
+        return SqliteBag.open(path)
+    return Recording.open(path, partial=partial, budget=budget)
 
 
-def _unpacked_file(path: Path, folder: Path) -> Path:
+def _unpacked_file(path: Path, folder: Path, budget: ReadBudget) -> Path:
     """A copy of a packed file, unpacked.
 
     Raises:
+        BudgetError: It is longer than the budget allows.
         RecordingError: It is damaged, or the disk lacks the room.
     """
     copy = folder / path.name.removesuffix(".zstd")
     room = shutil.disk_usage(folder).free - LEAST_FREE
+    left = budget.total
     try:
         with path.open("rb") as packed, copy.open("wb") as out:
             for block in zstandard.ZstdDecompressor().read_to_iter(packed, write_size=1 << 20):
                 room -= len(block)
+                left -= len(block)
+                if left < 0:
+                    text = f"{path} unpacks to more than {budget.total} bytes"
+                    raise BudgetError(text)
                 if room < 0:
                     text = f"{path} is not unpacked: {folder} has no room for it"
                     raise RecordingError(text)
@@ -344,14 +383,3 @@ def _unpacked_file(path: Path, folder: Path) -> Path:
         text = f"{path} cannot be unpacked: {error.strerror}"
         raise RecordingError(text) from error
     return copy
-
-
-def _unpacked(message: LoggedMessage) -> LoggedMessage:
-    """The message as it was before rosbag2 packed it alone."""
-    if message.payload[:4] != _ZSTD:  # no payload of ROS 2 begins so
-        return message
-    try:
-        with zstandard.ZstdDecompressor().stream_reader(message.payload) as reader:
-            return message._replace(payload=reader.read(_MOST_MESSAGE))
-    except zstandard.ZstdError:
-        return message

@@ -165,7 +165,7 @@ class SqliteBag(OpenRecording):
             self.faults.append(fault)
 
     def _check_tables(self) -> None:
-        """Refuse a database whose tables are views: they can compute anything."""
+        """Refuse a database whose tables compute their rows: they can compute anything."""
         tables = dict(
             self._database.execute("SELECT name, sql FROM sqlite_master WHERE type='table'")
         )
@@ -173,6 +173,10 @@ class SqliteBag(OpenRecording):
             spelt = tables.get(name)
             if not isinstance(spelt, str) or not spelt.upper().lstrip().startswith("CREATE TABLE"):
                 text = f"it is no bag of rosbag2: it has no table {name!r}"
+                raise RecordingError(text)
+            columns = self._database.execute(f"PRAGMA table_xinfo({name})")
+            if any(row[6] for row in columns):  # generated, or hidden
+                text = f"it is no bag of rosbag2: its table {name!r} computes values"
                 raise RecordingError(text)
 
     def _topics(self) -> Iterator[tuple[int, RecordedTopic]]:

@@ -108,6 +108,7 @@ def recover(
     replace: bool,
     progress: Progress,
     damaged: bool = False,
+    unpacked: int = 0,
 ) -> Copied:
     """Write what is whole of a damaged or unfinished recording into a new file.
 
@@ -121,11 +122,12 @@ def recover(
         progress: Is called now and then with the share that is done.
         damaged: Whether those messages count that can be found in damaged parts; they may be wrong
             themselves, and the metadata `rune recovered` names these parts.
+        unpacked: Most bytes that are unpacked; 0: by its size.
 
     Raises:
         RecordingError: Nothing of it can be read, or the new file cannot be written.
     """
-    with Bag.open(source, partial=damaged) as recording:
+    with Bag.open(source, partial=damaged, unpacked=unpacked) as recording:
         counted = sum(recording.counts.values()) if recording.counts else -1
         size = max(1, source.stat().st_size if source.is_file() else counted)
         with NewRecording(target, compression=compression, replace=replace) as new:

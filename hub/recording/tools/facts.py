@@ -94,7 +94,7 @@ class RecordingFacts:
 
 
 def facts_of_recording(
-    path: Path, progress: Callable[[float], None], *, quick: bool = False
+    path: Path, progress: Callable[[float], None], *, quick: bool = False, unpacked: int = 0
 ) -> RecordingFacts:
     """Read what is in a recording.
 
@@ -102,11 +102,12 @@ def facts_of_recording(
         path: A file or a folder.
         progress: Is called now and then with the share that is done.
         quick: Whether the index is enough: without sizes, losses, gaps and marks.
+        unpacked: Most bytes that are unpacked; 0: by its size.
 
     Raises:
         RecordingError: It cannot be read.
     """
-    with RecordingSet.open([path]) as recording:
+    with RecordingSet.open([path], unpacked=unpacked) as recording:
         about = {name: dict(facts) for name, facts in recording.about.items()}
         found = RecordingFacts(
             path=path,
