@@ -9,6 +9,7 @@ from typing import Any
 from hub.command_output import put, put_json
 from hub.errors import NotAllowedError, UnknownModuleError
 from hub.inspection import value_text
+from hub.inspection.kept import not_kept
 from hub.inspection.message_commands import find
 from hub.inspection.output import span, table
 from hub.ipc.client import Client
@@ -21,15 +22,20 @@ _ANSWER_S = 2.0
 
 
 def status(client: Client, *, as_json: bool) -> int:
-    """Show modules, and the recent rate and the faults of each message."""
+    """Show modules, the recent rate and the faults of each message, and what is not kept.
+
+    Returns:
+        The exit code: 1 where something is not kept, or it is not known.
+    """
     now = client.directory.listing(_ANSWER_S)
+    unkept = not_kept(client)
     flows = _flows(now)
     peers = [peer for peer in now.peers if peer.name != client.name]
     if as_json:
         answer = value_text.plain(now) | {"peers": [value_text.plain(peer) for peer in peers]}
         del answer["definitions"]
-        put_json(answer | {"messages": flows})
-        return 0
+        put_json(answer | {"messages": flows, "not_kept": unkept})
+        return 1 if unkept else 0
     put(f"central at {client.endpoint}, up {span(now.uptime_s)}, logs {now.level}")
     table(
         ("module", "pid", "role", "heard", "publishes", "subscribes", "answers"),
@@ -51,7 +57,9 @@ def status(client: Client, *, as_json: bool) -> int:
     )
     for count in now.dropped:
         put(f"dropped: {count.reason}: {count.count}")
-    return 0
+    for sentence in unkept:
+        put(sentence)
+    return 1 if unkept else 0
 
 
 def trace(client: Client, names: Sequence[str], *, with_data: bool, count: int) -> int:

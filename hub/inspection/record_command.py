@@ -164,8 +164,8 @@ class _Foreground:
                 self._serve(keys)
         finally:
             self._bus.take_now()
-            lost = self._bus.lost()
             state = self._series.close()
+            lost = self._bus.lost()
             for each, handler in before.items():
                 signal.signal(each, handler)
         return self._conclude(state, lost.total())
@@ -252,8 +252,9 @@ class _Foreground:
 
     def _conclude(self, state: SeriesState, lost: int) -> int:
         files = f" and {state.files - 1} files before it" if state.files > 1 else ""
+        missing = f", {lost} are lost" if lost else ""
         text = f"{state.messages} messages ({state.bytes / 1e6:.1f} MB) are in {state.path}{files}"
-        self._report("end", state, text)
+        self._report("end", state, text + missing)
         for topic, count in self._bus.lost().most_common(5):
             print_error(f"{count} messages of {topic} are not recorded")
         if state.fault or self._said:

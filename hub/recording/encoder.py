@@ -99,6 +99,12 @@ class McapEncoder:
         return len(self._records)
 
     @property
+    def index_bytes(self) -> int:
+        """Length of the index that `end` makes, without what it has at least [bytes]."""
+        small = sum(map(len, (*self._attachment_indexes, *self._metadata_indexes)))
+        return len(self._definitions) + len(self._chunk_indexes) + small
+
+    @property
     def counts(self) -> Counter[int]:
         """Number of messages of each channel in the chunks that are complete."""
         return Counter(self._counts)

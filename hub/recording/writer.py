@@ -5,6 +5,7 @@
 | the writer is killed | all messages but those of the last `chunk_s`, without an index |
 | the power fails | all messages but those of the last `sync_s`, without an index |
 | the disk is full, or nearly | all messages until then; `fault` says so, later ones are counted |
+| it is full of a sudden | the same, and the index, for which room is kept |
 | the file is deleted | none; all are counted, and `fault` says so |
 | the disk is slow | messages beyond `waiting_bytes` are lost, counted by topic |
 | the date is set | the same order and distances: stamps follow the monotonic clock |
@@ -28,6 +29,7 @@ from typing import Any
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
 from hub.recording.encoder import MESSAGE_HEAD, WHOLE, McapEncoder, Payload
+from hub.recording.index_room import IndexRoom
 from hub.recording.topics import RecordedTopic
 from hub.values import dataclass
 
@@ -129,6 +131,8 @@ class RecordingWriter:
         self._parts = [self._encoder.begin()]
         self._parts.append(self._encoder.metadata(ABOUT, {**about, **clock_facts(anchor)}))
         self._file = path.open("xb", buffering=0)
+        self._room = IndexRoom(path.parent)
+        self._asked: list[threading.Event] = []
         try:
             self._pass_on()
         except OSError:
@@ -185,6 +189,16 @@ class RecordingWriter:
         """Write a file into the recording, such as a layout; it waits and is lost as messages."""
         self._add(name, ((name, media_type), data, moment, moment, 0, len(data)))
 
+    def keeps(self, patience: float) -> bool:
+        """Whether the system has all that was added before; waits for it at most a time [s]."""
+        done = threading.Event()
+        with self._lock:
+            if self._ended:
+                return False
+            self._asked.append(done)
+        self._wake.set()
+        return done.wait(patience) and not self._fault
+
     def close(self, patience: float = 60.0) -> None:
         """Write what waits, and the index; once.
 
@@ -211,8 +225,16 @@ class RecordingWriter:
         try:
             while not (self._fault or (self._closing.is_set() and not self._waiting)):
                 self._wait()
-                self._write(self._take())
-                self._keep()
+                with self._lock:
+                    asked, self._asked = self._asked, []
+                try:
+                    self._write(self._take())
+                    if asked:
+                        self._flush()
+                    self._keep()
+                finally:
+                    for each in asked:
+                        each.set()
         except OSError as error:
             self._give_up(error)
         finally:
@@ -296,6 +318,7 @@ class RecordingWriter:
         self._parts.append(self._encoder.end_chunk())
         self._pass_on()
         self._written = self._encoder.messages
+        self._room.keep(self._encoder.index_bytes)
 
     def _pass_on(self) -> None:
         """Pass what was made to the system.
@@ -329,13 +352,19 @@ class RecordingWriter:
         """Write what still waits, and the index, if there is room for it."""
         with self._lock:
             self._ended = True
+            for each in self._asked:
+                each.set()
         rest = self._take()
         if self._fault:
             self._lose(map(_name, rest))
         try:
             if not self._fault:
                 self._write(rest)
-            self._flush()
+                self._flush()
+        except OSError as error:
+            self._give_up(error)
+        self._room.free()
+        try:
             if lost := self.state.lost:
                 facts = {name: str(count) for name, count in lost.items()}
                 self._parts.append(self._encoder.metadata(LOST, facts))
@@ -348,6 +377,7 @@ class RecordingWriter:
             names = {number: name for name, number in self._channels.items()}
             self._lose(names[channel] for channel in self._encoder.counts.elements())
             self._written = self._whole = 0
+        self._room.free()
         with contextlib.suppress(OSError):
             self._file.close()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -28,6 +29,7 @@ from hub.ipc.definition import MessageDefinition
 from hub.recording.reader import Recording
 from hub.recording.records import MAGIC
 from hub.values import dataclass
+from tests.support.command_line import rune_hub
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 RECORDER = """
@@ -246,6 +248,30 @@ def test_a_recording_that_an_order_began_outlives_its_recorder(
     assert contents(folder / "long.mcap")
     assert contents(second)
     assert not (folder / "running.json").exists()
+
+
+def test_what_a_full_disk_does_not_keep_is_not_said_to_be_kept(
+    start_hub: Start, look: Look
+) -> None:
+    hub = start_hub(**recorder())
+    observer = look(hub, RECORD_STATE)
+    assert ask(observer, action=RecordAction.START).done
+    observer.wait(lambda: state_of(observer).messages > 10, 20.0)
+    assert ask(observer, action=RecordAction.MARK, text="before").text == "mark 1 is kept: before"
+    # From here on no file of the recorder may grow, as on a full disk.
+    resource.prlimit(hub.pids["recorder"], resource.RLIMIT_FSIZE, (1, 1))
+    marked = ask(observer, action=RecordAction.MARK, text="after")
+    assert (marked.done, "mark 2 is not kept: " in marked.text) == (0, True), marked.text
+    observer.wait(lambda: state_of(observer).fault and state_of(observer).lost, 20.0)
+    assert state_of(observer).marks == 1
+    for action in (RecordAction.SNAPSHOT, RecordAction.SPLIT):
+        assert ask(observer, action=action).done == 0
+    said = rune_hub("status", "--hub", hub.endpoint)
+    assert (said.returncode, "recording: " in said.stdout) == (1, True)
+    done = rune_hub("record", "--hub", hub.endpoint, "--stop")
+    assert done.returncode == 1
+    assert "the recording is ended, and lacks " in done.stderr
+    assert "cannot be made: File too large" in done.stderr
 
 
 def command(hub: HubProcess, *arguments: str) -> subprocess.Popen[str]:

@@ -41,6 +41,7 @@ WITH_COMMANDS: Mapping[str, Callable[[str], list[Finding]]] = {
 ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
     "ports": port_checks.ports,
     "gateway": port_checks.gateway,
+    "kept": port_checks.kept,
     "keys": robot_checks.keys,
     "sockets": robot_checks.sockets,
     "folders": robot_checks.folders,

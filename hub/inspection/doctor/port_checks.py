@@ -6,12 +6,15 @@ import contextlib
 import errno
 import ipaddress
 import socket
+from contextlib import closing
 from pathlib import Path
 
 from hub.errors import HubError
 from hub.inspection import message_commands
 from hub.inspection.doctor.finding import Finding, ok, problem, warning
 from hub.inspection.doctor.tcp_owners import owner
+from hub.inspection.kept import not_kept
+from hub.ipc.client import Client
 from hub.ipc.definition import Plane
 from hub.ipc.endpoints import TcpEndpoint, parse_endpoint
 from hub.robots.description import RobotDescription
@@ -113,15 +116,30 @@ def _who(port: int) -> str:
 
 def modules_of_hub(port: int) -> str | None:
     """The clients of the hub at this port; None: no hub answers."""
-    with contextlib.suppress(HubError):
-        client = message_commands.connect(f"tcp://{_LOCAL}:{port}", "doctor", None)
-        try:
-            peers = client.directory.listing(_ANSWER_S).peers
-        finally:
-            client.close()
+    with contextlib.suppress(HubError), closing(_client_of(port)) as client:
+        peers = client.directory.listing(_ANSWER_S).peers
         names = sorted(peer.name for peer in peers if peer.name != client.name)
         return ", ".join(names[:20]) or "nobody connected"
     return None
+
+
+def kept(robot: RobotDescription) -> list[Finding]:
+    """Whether the hub that runs keeps its recording and its mission; empty: no hub runs."""
+    if robot.port == 0 or modules_of_hub(robot.port) is None:
+        return []
+    with closing(_client_of(robot.port)) as client:
+        lost = not_kept(client)
+    advice = "look at the room on its disk and at the folders in the robot file"
+    return [problem(each, advice) for each in lost] or [ok("the hub that runs reports no loss")]
+
+
+def _client_of(port: int) -> Client:
+    """A client of the hub at a port of this machine.
+
+    Raises:
+        HubError: No hub answers.
+    """
+    return message_commands.connect(f"tcp://{_LOCAL}:{port}", "doctor", None)
 
 
 def _is_of_running_hub(port: int, taken: int) -> bool:

@@ -17,7 +17,14 @@ from hub.errors import KeyFileError
 from hub.inspection.doctor.finding import Finding, ok, problem, warning
 from hub.ipc.security import key_files
 from hub.ipc.security.keyring import Keyring, default_folder
-from hub.paths import LONGEST_FOR_SOCKETS, for_logs, for_maps, for_sockets
+from hub.paths import (
+    LONGEST_FOR_SOCKETS,
+    for_logs,
+    for_maps,
+    for_missions,
+    for_recordings,
+    for_sockets,
+)
 from hub.robots.body_tables import ROBOTS_OWN
 from hub.robots.description import RobotDescription
 
@@ -79,7 +86,7 @@ def sockets(_robot: RobotDescription) -> list[Finding]:
 
 
 def folders(robot: RobotDescription) -> list[Finding]:
-    """Whether logs and maps can be written; a hub needs that only if the robot file asks for it."""
+    """Whether files can be written; a hub needs that only if the robot file asks for it."""
     findings = []
     for what, (folder, wanted) in written_folders(robot).items():
         if fault := _unwritable(folder):
@@ -92,9 +99,17 @@ def folders(robot: RobotDescription) -> list[Finding]:
 
 
 def written_folders(robot: RobotDescription) -> dict[str, tuple[Path, bool]]:
-    """The folders of logs and maps, and whether they are in the robot file."""
-    logs, maps = for_logs(robot.logs), for_maps(robot.map_folder)
-    return {"logs": (logs, bool(robot.logs)), "maps": (maps, bool(robot.map_folder))}
+    """The folders that a hub writes to, and whether the robot file asks for them."""
+    recordings = robot.recording
+    return {
+        "logs": (for_logs(robot.logs), bool(robot.logs)),
+        "maps": (for_maps(robot.map_folder), bool(robot.map_folder)),
+        "missions": (for_missions(robot.mission_folder), bool(robot.mission_folder)),
+        "recordings": (
+            for_recordings(recordings.folder),
+            recordings.always or bool(recordings.folder),
+        ),
+    }
 
 
 def existing(folder: Path) -> Path:
@@ -109,7 +124,8 @@ def devices(robot: RobotDescription) -> list[Finding]:
     source = robot.camera.source
     if source != ROBOTS_OWN and not source.startswith("/dev/"):
         if "://" in source:
-            findings.append(ok(f"the camera is at {source}; it was not tried"))
+            text = f"the camera is at {source}; whether it gives pictures is not known"
+            findings.append(warning(text, "look at its picture in the console"))
         elif not _is_open(Path(source), os.R_OK):
             text = f"the camera's file {source} is not there or cannot be read"
             findings.append(problem(text, "correct [camera], key 'source'"))

@@ -100,14 +100,12 @@ class Recorder:
         return actions[command.action](self._recordings, command)
 
     def _note_moment(self, recordings: Recordings, command: RecordCommand) -> str:
-        if not recordings.runs:
-            text = "no mark is kept: nothing is recorded; begin a recording first"
-            raise RecordingError(text)
-        self._marks += 1
-        self._mark = command.text
-        mark = RecordMark(number=self._marks, text=command.text, by=command.by, stamp=time.time())
+        number, text = self._marks + 1, command.text
+        mark = RecordMark(number=number, text=text, by=command.by, stamp=time.time())
+        said = recordings.keep_mark(mark)
+        self._marks, self._mark = number, text
         self._client.publish(RECORD_MARK, mark)
-        return f"mark {self._marks} is kept" + (f": {command.text}" if command.text else "")
+        return said
 
     def _keep_snapshot(self, recordings: Recordings, command: RecordCommand) -> str:
         text = recordings.keep_snapshot(command.name, command.before_s, command.after_s)

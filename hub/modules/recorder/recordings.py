@@ -12,7 +12,7 @@ from typing import Any
 
 from hub import files
 from hub.errors import RecordingError
-from hub.gcm.recording import RecordState
+from hub.gcm.recording import RECORD_MARK, RecordMark, RecordState
 from hub.ipc.client import Client
 from hub.recording.live.bus_recorder import BusRecorder, reported
 from hub.recording.live.places import RecordingFolder, demand_folder, numbered
@@ -30,6 +30,11 @@ from hub.robots.description import RobotDescription
 from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
+
+_MARK_S = 2.0
+"""Longest wait for a disk to take a mark [s]."""
+_LARGEST_NOTE = 100_000
+"""Longest note about the recording that runs [bytes]."""
 
 
 @dataclass(slots=True)
@@ -67,11 +72,6 @@ class Recordings:
         self._begin_at = math.inf
         self._begin_first()
 
-    @property
-    def runs(self) -> bool:
-        """Whether anything is recorded."""
-        return self._bus is not None
-
     def start(self, name: str, by: str) -> str:
         """Begin a recording; returns the result, for people.
 
@@ -84,14 +84,14 @@ class Recordings:
             raise RecordingError(text)
         first = self._folder.recording(name)
         self._begin(first, by, time.time())
-        _note_running(self._folder.running, first, by)
-        return f"records to {first}"
+        fault = _note_running(self._folder.running, first, by)
+        return f"records to {first}" + (f"; {fault}" if fault else "")
 
     def stop(self) -> str:
         """End the recording; returns the result, for people.
 
         Raises:
-            RecordingError: None runs.
+            RecordingError: None runs; or one is ended that lacks messages.
         """
         running = self._demand_running()
         self._running = None
@@ -101,7 +101,37 @@ class Recordings:
         _note_running(self._folder.running, None, "")
         size = f"{state.bytes / 1e6:.1f} MB"
         text = f"{state.messages} messages ({size}) are in {state.path}"
-        return f"{text} and {state.files - 1} files before it" if state.files > 1 else text
+        text += f" and {state.files - 1} files before it" if state.files > 1 else ""
+        lost = sum(state.lost.values())
+        if lost or state.fault:
+            why = f": {state.fault}" if state.fault else ""
+            text = f"the recording is ended, and lacks {lost} messages{why}; {text}"
+            raise RecordingError(text)
+        return text
+
+    def keep_mark(self, mark: RecordMark) -> str:
+        """Write a mark into each file that is written; returns the result, for people.
+
+        Raises:
+            RecordingError: It is in none of them.
+        """
+        bus = self._bus
+        if bus is None:
+            text = "no mark is kept: nothing is recorded; begin a recording first"
+            raise RecordingError(text)
+        bus.take_now()
+        if not bus.add(RECORD_MARK, mark, time.monotonic()):
+            text = f"no mark is kept: [recording] of the robot file leaves {RECORD_MARK.name} out"
+            raise RecordingError(text)
+        series = self._all()
+        without = [each for each in series if not each.keeps(_MARK_S)]
+        slow = f"the disk has not taken it for {_MARK_S:g} s"
+        why = "; ".join(each.state.fault or slow for each in without)
+        if len(without) == len(series):
+            text = f"mark {mark.number} is not kept: {why}"
+            raise RecordingError(text)
+        text = f"mark {mark.number} is kept" + (f": {mark.text}" if mark.text else "")
+        return f"{text}; only in a part of the files: {why}" if without else text
 
     def split(self) -> str:
         """Go on in another file; returns the result, for people.
@@ -114,7 +144,11 @@ class Recordings:
             text = "there is nothing to split: nothing is recorded"
             raise RecordingError(text)
         series.split()
-        return f"goes on in {series.state.path}"
+        state = series.state
+        if state.fault:
+            text = f"it does not go on: {state.fault}"
+            raise RecordingError(text)
+        return f"goes on in {state.path}"
 
     def keep_snapshot(self, name: str, before: float, after: float) -> str:
         """Keep the time around this moment; returns the result, for people.
@@ -133,6 +167,9 @@ class Recordings:
                 "there is no snapshot: nothing is recorded; set 'always' and 'keep' in "
                 "[recording] of the robot file, or begin a recording"
             )
+            raise RecordingError(text)
+        if fault := series.state.fault:
+            text = f"there is no snapshot: {fault}"
             raise RecordingError(text)
         if len(self._snapshots) >= MOST:
             text = f"{MOST} snapshots are under way; wait until they are written"
@@ -298,7 +335,9 @@ class Recordings:
                 f"{self._client.name}-tap", self._client.endpoint, loop=self._client.loop
             )
             cameras = [camera.name for camera in self._robot.body.cameras] or [""]
-            self._bus = BusRecorder(client, self._robot.name, self._settings, cameras=cameras)
+            self._bus = BusRecorder(
+                client, self._robot.name, self._settings, cameras=cameras, added=(RECORD_MARK.name,)
+            )
         return self._bus
 
     def _detach(self, series: RecordingSeries) -> None:
@@ -320,7 +359,7 @@ class Recordings:
         """Go on with a recording that ran when the recorder ended; else begin the usual one."""
         note = self._folder.running
         try:
-            kept = json.loads(note.read_text())
+            kept = json.loads(files.read_regular(note, _LARGEST_NOTE))
             first, by = Path(str(kept["path"])), str(kept["by"])
             begun = float(kept["begun"])
         except (FileNotFoundError, NotADirectoryError):
@@ -328,9 +367,11 @@ class Recordings:
                 named = Path(self._settings.file) if self._settings.file else None
                 self._try_to_begin(named or self._folder.recording(""), "", time.time())
             return
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            _logger.warning("%s cannot be read: %s", note, error)
-            return
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+            # A recording ran; its name is not known.
+            first, by, begun = self._folder.recording(""), "", time.time()
+            _logger.error("%s cannot be read (%s); the recording goes on in %s", note, error, first)
+            _note_running(note, first, by)
         self._try_to_begin(first, by, begun if math.isfinite(begun) else 0.0)
 
     def _try_to_begin(self, first: Path, by: str, begun: float) -> None:
@@ -356,16 +397,23 @@ def _existing(folder: Path) -> Path:
     return next((each for each in (folder, *folder.parents) if each.exists()), Path("/"))
 
 
-def _note_running(note: Path, first: Path | None, by: str) -> None:
-    """Note which recording an order began; None: none runs."""
+def _note_running(note: Path, first: Path | None, by: str) -> str:
+    """Note which recording an order began; None: none runs.
+
+    Returns:
+        Why a crash would end the recording, in a sentence; empty: it would not.
+    """
     try:
         if first is None:
             note.unlink(missing_ok=True)
-            return
+            return ""
         kept = {"path": str(first), "by": by, "begun": time.time()}
         files.replace(note, json.dumps(kept).encode())
     except OSError as error:
-        _logger.warning("a crash would end the recording: %s", error)
+        text = f"a crash would end the recording: {note} cannot be written ({error.strerror})"
+        _logger.warning("%s", text)
+        return text
+    return ""
 
 
 def _attachments(robot: RobotDescription) -> list[Attached]:

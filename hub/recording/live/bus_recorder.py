@@ -46,6 +46,7 @@ class BusRecorder:
         settings: RecordingTable,
         *,
         cameras: Sequence[str] = ("",),
+        added: Sequence[str] = (),
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Tap a hub.
@@ -55,6 +56,7 @@ class BusRecorder:
             robot: Name of the robot in topics.
             settings: What is recorded.
             cameras: Names of the robot's cameras; "" is the main one.
+            added: Names of the messages that come by `add`, and not over the hub.
             clock: Monotonic time [s].
         """
         self._client, self._robot, self._settings = client, robot, settings
@@ -65,7 +67,11 @@ class BusRecorder:
         self._definitions: dict[str, MessageDefinition[Any]] = {}
         self._latched: set[str] = set()
         self._answered: dict[str, RecordedTopic] = {}
-        self._tap = BusTap(client, self._take, self._topic, self._wants, wake=settings.wake)
+
+        def taps(name: str) -> bool:
+            return name not in added and self._wants(name)
+
+        self._tap = BusTap(client, self._take, self._topic, taps, wake=settings.wake)
         PictureQuestions(client, cameras, settings.pictures, self._keep_answer)
         ask_for_maps(client, settings.maps, self._keep_answer)
         self._answers: Counter[str] = Counter()
@@ -152,14 +158,34 @@ class BusRecorder:
         value: Any,  # noqa: ANN401 - any message
         info: MessageInfo,
     ) -> None:
-        if self._wants(definition.name):
-            self._answers[definition.name] += 1
-            number = self._answers[definition.name]
-            payload = b"".join(definition.encode(value))
-            topic = self._answered.get(definition.name) or self._topic(definition)
-            self._answered[definition.name] = topic
-            now = self._clock()
-            self._take([(topic, payload, now, info.measured, number, len(payload))])
+        self.add(definition, value, info.measured)
+
+    def add(
+        self,
+        definition: MessageDefinition[Any],
+        value: Any,  # noqa: ANN401 - any message
+        measured: float,
+    ) -> bool:
+        """Give the series a message of this process.
+
+        Args:
+            definition: Its definition.
+            value: The message.
+            measured: When its content was measured, on the monotonic clock [s].
+
+        Returns:
+            Whether the settings choose it.
+        """
+        if not self._wants(definition.name):
+            return False
+        self._answers[definition.name] += 1
+        number = self._answers[definition.name]
+        payload = b"".join(definition.encode(value))
+        topic = self._answered.get(definition.name) or self._topic(definition)
+        self._answered[definition.name] = topic
+        now = self._clock()
+        self._take([(topic, payload, now, measured, number, len(payload))])
+        return True
 
     def _want(self) -> None:
         wants = CapabilityWants(

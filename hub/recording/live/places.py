@@ -94,4 +94,4 @@ def _safe(name: str) -> str:
     """A name as that of a file; date and time without one."""
     if not name:
         return date_name()
-    return re.sub(r"[^A-Za-z0-9._-]", "-", name).lstrip(".")[:100] or date_name()
+    return re.sub(r"[^A-Za-z0-9._-]", "-", name).lstrip(".-")[:100] or date_name()

@@ -103,7 +103,7 @@ class SeriesState:
         messages: Messages in them.
         bytes: Their length [bytes]; of a ring, of the files that are left.
         lost: Number of lost messages, by topic.
-        fault: Why nothing is written now; else empty.
+        fault: Why nothing is written now; after `close`, why something is not; else empty.
         reaches: How far back it reaches [s].
     """
 
@@ -161,7 +161,7 @@ class RecordingSeries:
         self._retry_s = _RING_RETRY_S if limits.keep_s else RETRY_S
         self._messages = 0
         self._lost: Counter[str] = Counter()
-        self._fault = ""
+        self._fault = self._last_fault = ""
         self._retry_at = 0.0
         self._closed = False
         self._room = _LEAST_ROOM
@@ -190,7 +190,9 @@ class RecordingSeries:
             messages=self._messages + sum(each.messages for each in states),
             bytes=sum(each.bytes for each in self._kept) + sum(each.bytes for each in states),
             lost=lost,
-            fault=self._fault or next((each.fault for each in states if each.fault), ""),
+            fault=self._fault
+            or next((each.fault for each in states if each.fault), "")
+            or (self._last_fault if self._closed else ""),
             reaches=max(0.0, now - first),
         )
 
@@ -257,6 +259,10 @@ class RecordingSeries:
         old = 0.0 < self._limits.split_s <= now - self._split_at
         if old or 0 < self._split_bytes <= state.bytes:
             self.split()
+
+    def keeps(self, patience: float) -> bool:
+        """Whether the system has all that was added; waits for it at most a time [s]."""
+        return self._writer is not None and self._writer.keeps(patience)
 
     def split(self) -> None:
         """Go on in the next file; not after `close`."""
@@ -332,7 +338,8 @@ class RecordingSeries:
             self._open()
         except OSError as error:
             reason = error.strerror or str(error)
-            fault = f"{error.filename} cannot be made: {reason}" if error.filename else reason
+            place = error.filename or self._next_path(self._files)
+            fault = f"{place} cannot be made: {reason}" if error.errno else reason
             if fault != self._fault:
                 self._say(f"nothing is recorded: {fault}")
             self._fault, self._retry_at = fault, now + self._retry_s
@@ -353,6 +360,7 @@ class RecordingSeries:
             state = ending.writer.state
             self._messages += state.messages
             self._lost.update(state.lost)
+            self._last_fault = state.fault or self._last_fault
             self._kept.append(
                 KeptFile(
                     path=ending.writer.path,
