@@ -7,8 +7,8 @@
 | records in one part | 1 million |
 | records in all parts together | one for each 16 bytes of the files, or 1 million if that is more |
 
-The option `--unpack SIZE` puts one size in place of the first two, and a record for each 32 bytes
-of it in place of the others. Each part counts once, however often it is read.
+The option `--unpack SIZE` puts one size in place of the first two. In place of the others it allows
+a record for each 32 bytes of that size. Each part counts once, however often it is read.
 """
 
 from __future__ import annotations

@@ -34,7 +34,8 @@ from hub.recording.lengths import length_fault
 from hub.recording.open_recording import OpenRecording
 from hub.recording.order import ChannelChunks, WaitingMessages, by_channel
 from hub.recording.records import ATTACHMENT, RECORD
-from hub.recording.summary import MOST_FAULTS, AttachmentPlace, Summary, summary_of
+from hub.recording.summary import summary_of
+from hub.recording.summary_facts import MOST_FAULTS, AttachmentPlace, Summary
 from hub.recording.topics import RecordedTopic
 from hub.recording.writer import ABOUT
 
@@ -145,16 +146,10 @@ class Recording(OpenRecording):
         Raises:
             RecordingError: It is damaged, or too long.
         """
-        name, media_type = place.name.encode(), place.media_type.encode()
-        texts = b"".join(len(each).to_bytes(4, "little") + each for each in (name, media_type))
-        head = RECORD.size + 16 + len(texts) + 8
-        if 0 <= place.size <= _MOST_ATTACHMENT and 0 <= place.offset < 1 << 62:
-            with contextlib.suppress(OSError):
-                raw = os.pread(self._handle, head + place.size + 4, place.offset)
-                whole = len(raw) == head + place.size + 4 and raw[0] == ATTACHMENT
-                checksum = int.from_bytes(raw[-4:], "little")
-                if whole and checksum in (0, zlib.crc32(raw[RECORD.size : -4])):
-                    return raw[head:-4]
+        with contextlib.suppress(OSError):
+            content = _attachment(self._handle, place)
+            if content is not None:
+                return content
         text = f"{self.path}: the file {place.name[:80]!r} in it is damaged, or too long"
         raise RecordingError(text)
 
@@ -234,7 +229,7 @@ class Recording(OpenRecording):
                 chunk = without(self._unpacked(number, raw), self._known)
             except (RecordingError, OSError, MemoryError) as error:
                 self.unreadable += place.length + place.index_length
-                self._note_error(number, error)
+                self._note(number, error)
                 continue
             for index in np.argsort(chunk.offsets, kind="stable").tolist():
                 yield message_at(chunk, index)
@@ -279,7 +274,7 @@ class Recording(OpenRecording):
             chunk = self._checked(number, self._unpacked(number, raw))
         except (RecordingError, OSError, MemoryError) as error:
             self._damaged.add(number)
-            self._note_error(number, error)
+            self._note(number, error)
             return None
         self._loaded[number] = chunk
         self._loaded_bytes += len(chunk.records)
@@ -333,16 +328,9 @@ class Recording(OpenRecording):
             )
         return chunk
 
-    def _note_error(self, number: int, error: Exception) -> None:
-        if isinstance(error, BudgetError):  # one sentence for all parts
-            self._note_once(str(error))
-        else:
-            self._note(number, str(error))
-
-    def _note(self, number: int, fault: str) -> None:
-        self._note_once(f"at byte {self._places[number].offset}: {fault}")
-
-    def _note_once(self, sentence: str) -> None:
+    def _note(self, number: int, fault: str | Exception) -> None:
+        one = isinstance(fault, BudgetError)  # one sentence for all parts
+        sentence = str(fault) if one else f"at byte {self._places[number].offset}: {fault}"
         if len(self.faults) < MOST_FAULTS and sentence not in self.faults:
             self.faults.append(sentence)
 
@@ -356,3 +344,16 @@ class Recording(OpenRecording):
         """The channels of a part that has no indexes."""
         chunk = self._load(number)
         return np.unique(chunk.channels) if chunk is not None else np.zeros(0, np.uint16)
+
+
+def _attachment(handle: int, place: AttachmentPlace) -> bytes | None:
+    """The content of a file within an open recording; None: it is damaged, or too long."""
+    if not (0 <= place.size <= _MOST_ATTACHMENT and 0 <= place.offset < 1 << 62):
+        return None
+    names = place.name.encode(), place.media_type.encode()
+    head = RECORD.size + 16 + sum(4 + len(each) for each in names) + 8
+    raw = os.pread(handle, head + place.size + 4, place.offset)
+    if len(raw) != head + place.size + 4 or raw[0] != ATTACHMENT:
+        return None
+    checksum = int.from_bytes(raw[-4:], "little")
+    return raw[head:-4] if checksum in (0, zlib.crc32(raw[RECORD.size : -4])) else None

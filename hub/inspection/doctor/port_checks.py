@@ -124,9 +124,9 @@ def modules_of_hub(port: int) -> str | None:
 
 
 def kept(robot: RobotDescription) -> list[Finding]:
-    """Whether the hub that runs keeps its recording and its mission; empty: no hub runs."""
+    """Whether the hub that runs keeps its recording and its mission."""
     if robot.port == 0 or modules_of_hub(robot.port) is None:
-        return []
+        return [ok("no hub runs here that has a recording or a mission")]
     with closing(_client_of(robot.port)) as client:
         lost = not_kept(client)
     advice = "look at the room on its disk and at the folders in the robot file"

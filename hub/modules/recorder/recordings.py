@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import math
 import time
@@ -10,10 +9,11 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from hub import files
 from hub.errors import RecordingError
 from hub.gcm.recording import RECORD_MARK, RecordMark, RecordState
 from hub.ipc.client import Client
+from hub.modules.recorder.running_note import note_running, read_running
+from hub.modules.recorder.sentences import said_of_end, said_of_mark, said_of_split
 from hub.recording.live.bus_recorder import BusRecorder, reported
 from hub.recording.live.places import RecordingFolder, demand_folder, numbered
 from hub.recording.live.series import (
@@ -31,11 +31,6 @@ from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
 
-_MARK_S = 2.0
-"""Longest wait for a disk to take a mark [s]."""
-_LARGEST_NOTE = 100_000
-"""Longest note about the recording that runs [bytes]."""
-
 
 @dataclass(slots=True)
 class _RunningRecording:
@@ -52,6 +47,19 @@ class _RunningRecording:
     by: str
     begun: float
     since: float
+
+    def facts(self) -> dict[str, Any]:
+        """Its fields of `RecordState`."""
+        state = self.series.state
+        return {
+            "recording": 1,
+            "by": self.by[:64],
+            "begun": max(0.0, self.begun),
+            "running_s": time.monotonic() - self.since,
+            "messages": state.messages,
+            "size_mb": state.bytes / 1e6,
+            "files": state.files,
+        }
 
 
 class Recordings:
@@ -84,7 +92,7 @@ class Recordings:
             raise RecordingError(text)
         first = self._folder.recording(name)
         self._begin(first, by, time.time())
-        fault = _note_running(self._folder.running, first, by)
+        fault = note_running(self._folder.running, first, by)
         return f"records to {first}" + (f"; {fault}" if fault else "")
 
     def stop(self) -> str:
@@ -98,16 +106,8 @@ class Recordings:
         self._detach(running.series)
         state = running.series.close()
         self._lost.update(state.lost)
-        _note_running(self._folder.running, None, "")
-        size = f"{state.bytes / 1e6:.1f} MB"
-        text = f"{state.messages} messages ({size}) are in {state.path}"
-        text += f" and {state.files - 1} files before it" if state.files > 1 else ""
-        lost = sum(state.lost.values())
-        if lost or state.fault:
-            why = f": {state.fault}" if state.fault else ""
-            text = f"the recording is ended, and lacks {lost} messages{why}; {text}"
-            raise RecordingError(text)
-        return text
+        note_running(self._folder.running, None, "")
+        return said_of_end(state)
 
     def keep_mark(self, mark: RecordMark) -> str:
         """Write a mark into each file that is written; returns the result, for people.
@@ -115,23 +115,12 @@ class Recordings:
         Raises:
             RecordingError: It is in none of them.
         """
-        bus = self._bus
-        if bus is None:
+        if self._bus is None:
             text = "no mark is kept: nothing is recorded; begin a recording first"
             raise RecordingError(text)
-        bus.take_now()
-        if not bus.add(RECORD_MARK, mark, time.monotonic()):
-            text = f"no mark is kept: [recording] of the robot file leaves {RECORD_MARK.name} out"
-            raise RecordingError(text)
-        series = self._all()
-        without = [each for each in series if not each.keeps(_MARK_S)]
-        slow = f"the disk has not taken it for {_MARK_S:g} s"
-        why = "; ".join(each.state.fault or slow for each in without)
-        if len(without) == len(series):
-            text = f"mark {mark.number} is not kept: {why}"
-            raise RecordingError(text)
-        text = f"mark {mark.number} is kept" + (f": {mark.text}" if mark.text else "")
-        return f"{text}; only in a part of the files: {why}" if without else text
+        self._bus.take_now()
+        chosen = self._bus.add(RECORD_MARK, mark, time.monotonic())
+        return said_of_mark(self._all() if chosen else (), mark)
 
     def split(self) -> str:
         """Go on in another file; returns the result, for people.
@@ -144,11 +133,7 @@ class Recordings:
             text = "there is nothing to split: nothing is recorded"
             raise RecordingError(text)
         series.split()
-        state = series.state
-        if state.fault:
-            text = f"it does not go on: {state.fault}"
-            raise RecordingError(text)
-        return f"goes on in {state.path}"
+        return said_of_split(series.state)
 
     def keep_snapshot(self, name: str, before: float, after: float) -> str:
         """Keep the time around this moment; returns the result, for people.
@@ -206,22 +191,11 @@ class Recordings:
         lost = self._lost + self._bus.lost() if self._bus is not None else self._lost
         fault = next((each.fault for each in series if each.fault), self._fault)
         facts: dict[str, Any] = {}
-        running = self._running
-        if running is not None:
-            state = running.series.state
-            facts |= {
-                "recording": 1,
-                "by": running.by[:64],
-                "begun": max(0.0, running.begun),
-                "running_s": time.monotonic() - running.since,
-                "messages": state.messages,
-                "size_mb": state.bytes / 1e6,
-                "files": state.files,
-            }
+        if self._running is not None:
+            facts |= self._running.facts()
         if self._ring is not None:
             ring = self._ring.state
-            reach = min(ring.reaches, 1e9)
-            facts |= {"ring": 1, "ring_s": reach, "ring_mb": ring.bytes / 1e6}
+            facts |= {"ring": 1, "ring_s": min(ring.reaches, 1e9), "ring_mb": ring.bytes / 1e6}
         path = str(series[-1].path) if series else ""
         free = free_room(_existing(self._folder.path))
         return RecordState(
@@ -240,7 +214,7 @@ class Recordings:
         """Complete all files."""
         bus, self._bus = self._bus, None
         if self._running is not None:
-            _note_running(self._folder.running, None, "")
+            note_running(self._folder.running, None, "")
         if bus is not None:
             bus.take_now()
             bus.close()
@@ -359,9 +333,7 @@ class Recordings:
         """Go on with a recording that ran when the recorder ended; else begin the usual one."""
         note = self._folder.running
         try:
-            kept = json.loads(files.read_regular(note, _LARGEST_NOTE))
-            first, by = Path(str(kept["path"])), str(kept["by"])
-            begun = float(kept["begun"])
+            first, by, begun = read_running(note)
         except (FileNotFoundError, NotADirectoryError):
             if self._settings.always and self._ring is None:
                 named = Path(self._settings.file) if self._settings.file else None
@@ -371,8 +343,8 @@ class Recordings:
             # A recording ran; its name is not known.
             first, by, begun = self._folder.recording(""), "", time.time()
             _logger.error("%s cannot be read (%s); the recording goes on in %s", note, error, first)
-            _note_running(note, first, by)
-        self._try_to_begin(first, by, begun if math.isfinite(begun) else 0.0)
+            note_running(note, first, by)
+        self._try_to_begin(first, by, begun)
 
     def _try_to_begin(self, first: Path, by: str, begun: float) -> None:
         try:
@@ -395,25 +367,6 @@ class Recordings:
 def _existing(folder: Path) -> Path:
     """A folder, or the nearest above it that is there."""
     return next((each for each in (folder, *folder.parents) if each.exists()), Path("/"))
-
-
-def _note_running(note: Path, first: Path | None, by: str) -> str:
-    """Note which recording an order began; None: none runs.
-
-    Returns:
-        Why a crash would end the recording, in a sentence; empty: it would not.
-    """
-    try:
-        if first is None:
-            note.unlink(missing_ok=True)
-            return ""
-        kept = {"path": str(first), "by": by, "begun": time.time()}
-        files.replace(note, json.dumps(kept).encode())
-    except OSError as error:
-        text = f"a crash would end the recording: {note} cannot be written ({error.strerror})"
-        _logger.warning("%s", text)
-        return text
-    return ""
 
 
 def _attachments(robot: RobotDescription) -> list[Attached]:

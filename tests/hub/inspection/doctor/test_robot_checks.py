@@ -128,10 +128,12 @@ def test_folders_that_cannot_be_written_are_told(
 ) -> None:
     tables = f'[mapping]\nfolder = "{tmp_path}/new/maps"'
     said = robot_checks.folders(robot(tmp_path, tables))
-    assert [finding.level for finding in said] == [Level.OK, Level.OK]
+    assert [finding.level for finding in said] == [Level.OK] * 4
     assert not (tmp_path / "new").exists()
     monkeypatch.setenv("XDG_STATE_HOME", UNWRITABLE)
-    logs, maps = robot_checks.folders(robot(tmp_path, f'[mapping]\nfolder = "{UNWRITABLE}/x"'))
+    tables = f'[mapping]\nfolder = "{UNWRITABLE}/x"\n[recording]\nalways = true'
+    logs, maps, _, recordings = robot_checks.folders(robot(tmp_path, tables))
+    assert (recordings.level, "recordings cannot be" in recordings.text) == (Level.PROBLEM, True)
     assert (logs.level, maps.level) == (Level.WARNING, Level.PROBLEM)
     assert "logs cannot be written" in logs.text
     assert f"mkdir -p {UNWRITABLE}/x" in maps.advice
@@ -202,7 +204,7 @@ def test_a_camera_can_be_a_file_or_an_address(tmp_path: Path) -> None:
     (said,) = robot_checks.devices(robot(tmp_path, camera(str(film))))
     assert said.level is Level.OK
     (said,) = robot_checks.devices(robot(tmp_path, camera("rtsp://camera/1")))
-    assert said.level is Level.OK
+    assert (said.level, "is not known" in said.text) == (Level.WARNING, True)
 
 
 def test_a_robot_without_devices_is_well(tmp_path: Path) -> None:
