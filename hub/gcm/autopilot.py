@@ -107,6 +107,7 @@ class AutopilotState:
         failsafe: 1: one of its failsafes acts; 0: none.
         heard_s: Age of its last heartbeat [s]; NaN: none came.
         round_trip_s: Time of an echo to it and back [s]; NaN: not known.
+        lost: Share of the echoes of the last 10 s that did not come back; NaN: not known.
         position: 1: it knows its place; 0: it does not.
         satellites: Satellites that it sees; 255: not known.
         gain: Share of its sticks' full effect that it uses; NaN: it has no such gain.
@@ -130,6 +131,7 @@ class AutopilotState:
     failsafe: Flag = 0
     heard_s: SecondsIfKnown = math.nan
     round_trip_s: SecondsIfKnown = math.nan
+    lost: ShareIfKnown = math.nan
     position: Flag = 0
     satellites: Annotated[int, Range(0, 255), Wire("ubyte")] = 255
     gain: ShareIfKnown = math.nan

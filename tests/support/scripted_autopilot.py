@@ -165,7 +165,7 @@ class ScriptedAutopilot:
         frames, self._inbox = self._inbox, []
         for frame in frames:
             if frame.name == "TIMESYNC" and not self.mute:
-                self.tell("TIMESYNC", tc1=int(self.now * 1e9), ts1=frame["ts1"])
+                self.tell("TIMESYNC", tc1=int((self.now - self.booted) * 1e9) + 1, ts1=frame["ts1"])
             elif frame.name == "PARAM_REQUEST_READ" and frame["param_id"] in self.parameters:
                 self._tell_parameter(frame["param_id"])
             elif frame.name == "COMMAND_LONG":

@@ -234,6 +234,7 @@ class MavlinkBody:
             failsafe=int(vehicle.failsafe),
             heard_s=heard if math.isfinite(heard) else math.nan,
             round_trip_s=vehicle.liveness.round_trip,
+            lost=vehicle.liveness.lost(now),
             position=int(vehicle.telemetry.position),
             satellites=vehicle.telemetry.satellites,
             gain=vehicle.telemetry.gain,

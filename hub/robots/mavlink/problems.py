@@ -73,7 +73,7 @@ def vehicle_problems(
     if vehicle.phase is AutopilotPhase.ELSEWHERE:
         yield _warning("autopilot", why(vehicle, now))
     yield from _of_link(vehicle, link, now)
-    for text in warnings(vehicle):
+    for text in warnings(vehicle, now):
         yield _warning("autopilot", text)
     if vehicle.failsafe and vehicle.armed:
         words = [each.text for each in vehicle.texts.since(now - _REASON_S) if each.level.value]

@@ -277,7 +277,8 @@ class SimulatedAutopilot:
             case "SET_POSITION_TARGET_LOCAL_NED":
                 take_setpoint(vehicle, fields)
             case "TIMESYNC" if not fields["tc1"]:
-                link.send("TIMESYNC", tc1=int(self._time * 1e9), ts1=fields["ts1"])
+                since_start = vehicle.age_ms * 1_000_000 + 1  # 0 is a question
+                link.send("TIMESYNC", tc1=since_start, ts1=fields["ts1"])
             case "SET_MODE" if fields["base_mode"] & 1:
                 vehicle.ask_mode(fields["custom_mode"])
                 self._show_mode()

@@ -187,7 +187,7 @@ _SUB_TURN: Final = AxisResponse(delay=0.05, gain=1.05, rise=0.35, fall=0.31)
 _SUB_CLIMB: Final = AxisResponse(delay=0.1, gain=1.05, rise=0.35, fall=0.42)
 _SUB_DRAG: Final = 4.7
 """Of the recorded Sub as it coasts [1/m]; all its horizontal motion has it."""
-_SUB_THRUST: Final = AxisResponse(delay=0.04, push=5.08, drag=_SUB_DRAG)
+_SUB_THRUST: Final = AxisResponse(delay=0.04, push=20.3, drag=_SUB_DRAG)
 _SUB_PLACE: Final = (
     AxisResponse(delay=0.1, gain=1.02, rise=0.75, drag=_SUB_DRAG, brake=0.035),
     AxisResponse(delay=0.1, gain=1.02, rise=0.75, drag=_SUB_DRAG, brake=0.015),

@@ -18,6 +18,8 @@ _LEAVES_TURN: Final = 0x800
 _LOCAL: Final = 1
 _BODY: Final = frozenset({BODY_NED, 9, 12})
 _SUB_TRAVEL_US: Final = 400.0
+_DEAD_OUTPUT: Final = 0.0625
+"""Output of a thruster up to which it stands: 25 us of 400."""
 _FULL_TURN: Final = math.radians(45.0)
 """Turn rate of a full stick of a Sub, per unit of ACRO_YAW_P [rad/s]."""
 _SURFACED: Final = 0.2
@@ -97,6 +99,18 @@ def _rover(vehicle: VehicleCondition) -> Demand:
     return Demand(kind=DemandKind.VELOCITY, ahead=ahead, turn=turn)
 
 
+def _thrust(output: float) -> float:
+    """The thrust of a thruster, as a share, by its output, -1 to 1."""
+    output = max(-1.0, min(1.0, output))
+    return math.copysign(output * output, output) if abs(output) > _DEAD_OUTPUT else 0.0
+
+
+def _thrusts(ahead: float, right: float) -> tuple[float, float]:
+    """The thrust ahead and to the right, of four thrusters at 45 degrees."""
+    one, other = _thrust(ahead + right), _thrust(ahead - right)
+    return (one + other) / 2.0, (one - other) / 2.0
+
+
 def _sub(vehicle: VehicleCondition) -> Demand:
     parameters, radio, gain = vehicle.parameters, vehicle.radio, vehicle.gain
     if vehicle.mode == _SUB_GUIDED:
@@ -105,7 +119,7 @@ def _sub(vehicle: VehicleCondition) -> Demand:
         vehicle.set_mode(_DEPTH_HOLD)
     turn = radio.share(4, parameters["RC4_DZ"] * gain, _SUB_TRAVEL_US)
     turn *= _FULL_TURN * parameters["ACRO_YAW_P"]
-    thrusts = radio.share(5, 0.0, _SUB_TRAVEL_US), radio.share(6, 0.0, _SUB_TRAVEL_US)
+    thrusts = _thrusts(*(radio.share(each, 0.0, _SUB_TRAVEL_US) for each in (5, 6)))
     rise = parameters["PILOT_SPEED_UP"] / 100.0
     if vehicle.mode == _SURFACE:
         kind, down = DemandKind.RISE, -rise
@@ -119,7 +133,7 @@ def _sub(vehicle: VehicleCondition) -> Demand:
         return Demand(kind=DemandKind.PLACE, ahead=ahead, right=right, down=down, turn=turn)
     kind = DemandKind.THRUST
     if vehicle.mode not in _HOLDS_DEPTH and vehicle.mode not in _POSITION_HOLD:
-        kind, down = DemandKind.OPEN, -radio.share(3, 0.0, _SUB_TRAVEL_US)
+        kind, down = DemandKind.OPEN, -_thrust(radio.share(3, 0.0, _SUB_TRAVEL_US))
     return Demand(kind=kind, ahead=thrusts[0], right=thrusts[1], down=down, turn=turn)
 
 

@@ -31,6 +31,11 @@ _SHORT_PHASES: Final = {
 }
 _SILENT_S: Final = 1.5
 """Age of a heartbeat that is a caution: they come every second [s]."""
+_SLOW_S: Final = 0.3
+"""Time of an echo that is a caution [s]."""
+_SOME: Final = 0.01
+_MUCH: Final = 0.2
+"""Shares of lost echoes that are shown, and that are a caution."""
 _NO_SATELLITES: Final = 255
 
 
@@ -149,8 +154,10 @@ def _link(autopilot: AutopilotState) -> Part:
     words = ["not heard" if math.isnan(heard) else f"heard {age_text(heard)} ago"]
     if math.isfinite(autopilot.round_trip_s):
         words.append(f"echo {max(1.0, 1000.0 * autopilot.round_trip_s):.0f} ms")
-    silent = not heard <= _SILENT_S
-    return Part(", ".join(words), 4, Severity.WARNING if silent else Severity.PLAIN)
+    if autopilot.lost >= _SOME:
+        words.append(f"{autopilot.lost:.0%} lost")
+    bad = autopilot.round_trip_s > _SLOW_S or autopilot.lost > _MUCH or not heard <= _SILENT_S
+    return Part(", ".join(words), 5 if bad else 4, Severity.WARNING if bad else Severity.PLAIN)
 
 
 def _place(autopilot: AutopilotState) -> Part:

@@ -25,8 +25,10 @@ LIGHT_STEPS: Final = "JS_LIGHTS_STEPS"
 _POSITION_HOLD: Final = 16
 _DEPTH_HOLD: Final = 2
 _SURFACE: Final = 9
-_FULL_THRUST: Final = 1.04
-"""Speed of the full stick in depth hold, against quadratic drag [m/s]: 0.52 at a quarter of it."""
+_FULL_AHEAD: Final = 2.08
+"""Speed at full thrust, measured on a simulated Sub [m/s]: 0.52 at a quarter of the output."""
+_FULL_ASIDE: Final = 1.83
+"""The same sideways [m/s], by the simulator's drag: 1.8 in place of 1.4."""
 _STICK_US: Final = 400.0
 """Travel of a stick's channel to each side [us]."""
 _ACRO_TURN: Final = math.radians(45.0)
@@ -94,9 +96,21 @@ def _turn(rate: float, parameters: Parameters, gain: float) -> int:
     return stick(math.copysign(travel / _STICK_US / gain, -rate))
 
 
-def _thrust(speed: float, gain: float) -> int:
-    """The stick for a speed in depth hold, where it is a share of the thrust."""
-    return stick(math.copysign((speed / _FULL_THRUST) ** 2 / gain, speed))
+def _squared(value: float) -> float:
+    return math.copysign(value * value, value)
+
+
+def _outputs(ahead: float, left: float) -> tuple[float, float]:
+    """The sticks ahead and right, -1 to 1 at full gain, for a speed in depth hold [m/s].
+
+    Four thrusters push at 45 degrees. Their thrust and the drag are quadratic: the thrust in the
+    output, the drag in the speed. One output is ahead + right, the other ahead - right.
+    """
+    drag, aside = _squared(ahead / _FULL_AHEAD), _squared(-left / _FULL_ASIDE)
+    one, other = (
+        math.copysign(math.sqrt(abs(each)), each) for each in (drag + aside, drag - aside)
+    )
+    return (one + other) / 2.0, (one - other) / 2.0
 
 
 def _setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Message, ...]:
@@ -112,7 +126,8 @@ def _setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Me
 
 def _thrust_setpoint(wanted: Setpoint, parameters: Parameters, gain: float) -> tuple[Message, ...]:
     gain = _known_gain(gain, parameters)
-    flat = {"x": _thrust(wanted.ahead, gain), "y": _thrust(-wanted.left, gain)}
+    ahead, right = _outputs(wanted.ahead, wanted.left)
+    flat = {"x": stick(ahead / gain), "y": stick(right / gain)}
     return _sticks(flat, wanted, parameters, gain)
 
 

@@ -62,18 +62,26 @@ class ModeOrder:
         numbers: The modes, the best first.
         drives: Whether the operator asks to drive.
         arms: Whether the vehicle is armed in the mode.
+        named: Whether the operator named the mode.
     """
 
     profile: VehicleProfile
     numbers: Sequence[int]
     drives: bool = False
     arms: bool = False
+    named: bool = False
 
     @staticmethod
     def to(profile: VehicleProfile, number: int, *, drives: bool) -> ModeOrder:
         """The order for one mode; `drives`: to drive in it, if it follows velocities."""
         drives = drives and number in profile.drives
-        return ModeOrder(profile=profile, numbers=(number,), drives=drives)
+        return ModeOrder(profile=profile, numbers=(number,), drives=drives, named=True)
+
+    @staticmethod
+    def driving(profile: VehicleProfile, *, place: bool, arms: bool = False) -> ModeOrder:
+        """The order to drive; `place`: it knows its place."""
+        numbers = profile.drives_with(place=place)
+        return ModeOrder(profile=profile, numbers=numbers, drives=True, arms=arms)
 
     @property
     def needs_place(self) -> bool:
@@ -87,11 +95,12 @@ class ModeOrders:
     Attributes:
         follows: Whether the operator's order to drive is valid.
         number: The mode that is asked for; -1: none.
+        named: Whether the operator named the mode of the last order.
     """
 
     def __init__(self, requests: RequestQueue, texts: VehicleTexts) -> None:
         self._requests, self._texts = requests, texts
-        self.follows = False
+        self.follows = self.named = False
         self.number = _NONE
         self._own = _NONE
         self._order: ModeOrder | None = None
@@ -137,7 +146,8 @@ class ModeOrders:
             after: Time until the first request [s].
         """
         self._requests.drop(RequestKind.ORDER)
-        self.follows, self.number = order.drives, order.numbers[0]
+        self.follows, self.named = order.drives, order.named
+        self.number = order.numbers[0]
         self._order, self._again_at = order, math.inf
         self._until = now + after + CHANGING_S
         self._refusal = ""

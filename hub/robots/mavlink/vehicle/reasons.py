@@ -6,12 +6,15 @@ from collections.abc import Iterator
 from typing import Final
 
 from hub.gcm.autopilot import AutopilotPhase
+from hub.robots.mavlink.vehicle.liveness import ECHO_LOST_S, SLOW_S
 from hub.robots.mavlink.vehicle.vehicle import MavlinkVehicle
 
 _PREARM_S: Final = 40.0
 """Age up to which a text on arming still holds; vehicles repeat them every 30 s [s]."""
 _LONGEST: Final = 900
 """Most letters of a reason."""
+_LOSES: Final = 0.2
+"""Share of lost echoes from which the operator is warned."""
 _WATCHED: Final = "Rune does not drive vehicles of this type: it only watches"
 _GROUND: Final = "it is on the ground, and Rune does not take off: a pilot brings it into the air"
 
@@ -27,13 +30,25 @@ def why(vehicle: MavlinkVehicle, now: float) -> str:
     return reason if len(reason) <= _LONGEST else reason[: _LONGEST - 3] + "..."
 
 
-def warnings(vehicle: MavlinkVehicle) -> Iterator[str]:
-    """What an operator should know of the vehicle and its link, a sentence each."""
+def warnings(vehicle: MavlinkVehicle, now: float) -> Iterator[str]:
+    """What an operator should know of the vehicle and its link, a sentence each.
+
+    Args:
+        vehicle: The vehicle.
+        now: Monotonic time [s].
+    """
+    yield from _link(vehicle, now)
     if vehicle.system and vehicle.identity.others:
         yield f"other vehicles are on its link{_others(vehicle)}; Rune drives {vehicle.system}"
     profile = vehicle.profile
     if profile is None:
         return
+    if vehicle.better.waits:
+        now_in, best = profile.mode_name(vehicle.mode), profile.mode_name(profile.drives[0])
+        yield (
+            f"it knows its place now, and drives in {now_in}: release all sticks and keys for 1 s, "
+            f"or ask it to drive, and it changes to {best}"
+        )
     if not profile.verified:
         yield f"the rules of a {profile.autopilot} {profile.name} were never compared with one"
     if vehicle.telemetry.silent:
@@ -44,12 +59,23 @@ def warnings(vehicle: MavlinkVehicle) -> Iterator[str]:
         yield f"it does not tell {', '.join(missing)}: it does not move where these are needed"
 
 
+def _link(vehicle: MavlinkVehicle, now: float) -> Iterator[str]:
+    """What a slow or lossy link means for driving."""
+    if vehicle.liveness.delay > SLOW_S:
+        yield (
+            f"its answers take {vehicle.liveness.delay:.1f} s: it obeys and stops that much later, "
+            f"and is not driven from {ECHO_LOST_S:g} s on"
+        )
+    if (lost := vehicle.liveness.lost(now)) >= _LOSES:
+        yield f"{round(lost, 1):.0%} of its echoes are lost: orders may need a second try"
+
+
 def _reason(vehicle: MavlinkVehicle, now: float) -> str:
     match vehicle.phase:
         case AutopilotPhase.LINKING:
             return f"no heartbeat came yet{_others(vehicle)}"
         case AutopilotPhase.GONE:
-            return vehicle.liveness.gone(now) or "it is asked again"
+            return vehicle.liveness.gone(now, was=True) or "it is asked again"
         case AutopilotPhase.LEARNING:
             return vehicle.learns_because or "its streams and parameters are asked for"
         case AutopilotPhase.ARMING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from typing import Final
 
 from hub.robots.mavlink.vehicle.identity import VehicleIdentity
 from hub.robots.mavlink.vehicle.liveness import Liveness
@@ -10,8 +11,10 @@ from hub.robots.mavlink.vehicle.other_stations import OtherStations
 from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads, parameter_value
 from hub.robots.mavlink.vehicle.telemetry import Telemetry
 from hub.robots.mavlink.vehicle.texts import VehicleTexts
-from hub.robots.mavlink.vehicle.twins import TwinWatch
+from hub.robots.mavlink.vehicle.twins import Start, TwinWatch
 from hub.robots.mavlink.wire.frames import MavlinkFrame
+
+_NS_PER_MS: Final = 1_000_000
 
 
 class Heard(enum.Enum):
@@ -25,11 +28,11 @@ class Heard(enum.Enum):
         ANOTHER: Another vehicle sends with its number.
     """
 
-    NOTHING = enum.auto()
-    HEARTBEAT = enum.auto()
-    ANSWER = enum.auto()
-    BOOTED = enum.auto()
-    ANOTHER = enum.auto()
+    NOTHING = ""
+    HEARTBEAT = "it is alive"
+    ANSWER = "it answers"
+    BOOTED = "it was booted"
+    ANOTHER = "another vehicle sends with its number"
 
 
 class VehicleReception:
@@ -83,13 +86,15 @@ class VehicleReception:
         """Another vehicle is there, or this one was booted."""
         self.telemetry = Telemetry()
         self.parameters.forget()
+        self.twins.forget()
 
     def _answer(self, frame: MavlinkFrame, now: float) -> Heard:
         """Take a frame of the vehicle's autopilot."""
         heard = Heard.NOTHING
         match frame.name:
             case "TIMESYNC" if frame["tc1"]:
-                self.liveness.echo(frame["ts1"], now)
+                if self.liveness.echo(frame["ts1"], now):
+                    heard = self._start("TIMESYNC", frame["tc1"] // _NS_PER_MS, now)
             case "COMMAND_ACK" if self.stations.is_asker(frame):
                 self.stations.answered(frame, now)
                 heard = Heard.ANSWER
@@ -105,17 +110,17 @@ class VehicleReception:
                 self.firmware = frame["flight_sw_version"]
                 self.twins.board(frame["uid"], now)
             case "ATTITUDE":
-                heard = self._attitude(frame, now)
+                heard = self._start("ATTITUDE", frame["time_boot_ms"], now)
+                self.telemetry.take(frame, now)
             case _:
                 self.telemetry.take(frame, now)
         return heard
 
-    def _attitude(self, frame: MavlinkFrame, now: float) -> Heard:
-        before, boot_ms = self.telemetry, frame["time_boot_ms"]
-        again = self.twins.starts_again(boot_ms, before.boot_ms, before.measured, now)
-        if again:
-            self.forget()
-        self.telemetry.take(frame, now)
-        if not again:
+    def _start(self, clock: str, boot_ms: int, now: float) -> Heard:
+        """Take the time since its start; after another start all is forgotten but this time."""
+        start = self.twins.start(clock, boot_ms, now)
+        if start is Start.SAME:
             return Heard.NOTHING
-        return Heard.BOOTED if boot_ms < before.boot_ms else Heard.ANOTHER
+        self.forget()
+        self.twins.start(clock, boot_ms, now)
+        return Heard.BOOTED if start is Start.BOOTED else Heard.ANOTHER

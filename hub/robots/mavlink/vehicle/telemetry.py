@@ -101,7 +101,6 @@ class Telemetry:
         ahead_at: Monotonic time of the last range ahead [s].
         obstacles_at: Monotonic time of the last distances around it [s].
         named: Newest values of NAMED_VALUE_FLOAT, by name.
-        boot_ms: Time since its start [ms].
         measured: Monotonic time of the last ATTITUDE [s].
         placed: Monotonic time of the last position [s].
         silent: Names of messages that came, and come no more.
@@ -124,7 +123,6 @@ class Telemetry:
         self.tilt = math.nan
         self.obstacles: Obstacles | None = None
         self.named: dict[str, float] = {}
-        self.boot_ms = 0
         self.measured = self.placed = self.ahead_at = self.obstacles_at = -math.inf
         self.origin: tuple[int, int, int] | None = None
         self._came: dict[str, float] = {}
@@ -180,7 +178,6 @@ class Telemetry:
 
 def _attitude(to: Telemetry, values: Mapping[str, Any]) -> None:
     yaw, pitch = within(values["yaw"], math.tau), within(values["pitch"], math.tau)
-    to.boot_ms = values["time_boot_ms"]
     to.yaw = math.remainder(math.pi / 2 - yaw, math.tau) if not math.isnan(yaw) else math.nan
     to.roll, to.pitch = within(values["roll"], math.tau), -pitch
     rates = (values["rollspeed"], -values["pitchspeed"], -values["yawspeed"])

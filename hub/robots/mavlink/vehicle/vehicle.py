@@ -3,8 +3,9 @@
 | phase | event | next phase |
 | --- | --- | --- |
 | LINKING | a heartbeat of an autopilot | LEARNING |
-| any other | no heartbeat for 2.5 s, no echo for 1 s | GONE |
-| GONE | heartbeats and echoes | LEARNING |
+| any other | no heartbeat for 2.5 s, no question of the last 1 s was answered | GONE |
+| GONE | heartbeats and echoes; it was not learnt before, or has started since | LEARNING |
+| GONE | the same, else; its telemetry comes within 1.5 s | as below |
 | any after LEARNING | it starts, it was booted, or its telemetry is silent | LEARNING |
 | LEARNING | it does not start, its streams and parameters were asked for | as below |
 | DISARMED | `arm` | ARMING |
@@ -13,6 +14,7 @@
 | any of these | armed, in a driving mode, and the operator asked to drive | DRIVING |
 | any of these | armed otherwise; one that flies, on the ground | ELSEWHERE |
 
+A Sub that drives in depth hold without a place gets position hold when it knows its place.
 The operator's order to drive ends with the order to stay, with each other mode, with a disarmed
 vehicle, and with a boot. A Sub stays in depth hold, which is a driving mode too. Another station
 that sets the driving mode again does not renew it. While two vehicles answer with one number, the
@@ -21,7 +23,8 @@ phase is LEARNING. After a pause of this process velocities wait for a neutral o
 | phase | sends |
 | --- | --- |
 | LINKING | heartbeats |
-| GONE | at first a neutral velocity, if it was driven; heartbeats, echoes, the order to disarm |
+| GONE | heartbeats, echoes, the order to disarm; once a neutral velocity, if it was driven |
+| GONE, 3 s at most, while heartbeats come | these, neutral sticks, if its mode was asked for here |
 | LEARNING, ELSEWHERE | these, all orders; neutral sticks, if the present mode was asked for here |
 | DISARMED, ARMING | these, neutral sticks |
 | DRIVING | these, the velocity; until the first neutral one, a neutral one |
@@ -37,12 +40,12 @@ from hub.gcm.autopilot import AutopilotPhase
 from hub.robots.left_alone import LeftAlone
 from hub.robots.mavlink.profiles.profile import NEUTRAL, Setpoint, VehicleProfile
 from hub.robots.mavlink.vehicle.alone_order import AloneOrder
-from hub.robots.mavlink.vehicle.button_lights import ButtonLights
+from hub.robots.mavlink.vehicle.better_mode import BetterMode
 from hub.robots.mavlink.vehicle.camera_tilt import CameraTilt
-from hub.robots.mavlink.vehicle.learning import Learning
+from hub.robots.mavlink.vehicle.learning import Learning, Return
 from hub.robots.mavlink.vehicle.mode_orders import ModeOrder, ModeOrders
 from hub.robots.mavlink.vehicle.reception import Heard, VehicleReception
-from hub.robots.mavlink.vehicle.requests import RequestKind, RequestQueue
+from hub.robots.mavlink.vehicle.requests import RequestQueue
 from hub.robots.mavlink.vehicle.sender import VehicleSender
 from hub.robots.mavlink.vehicle.stick_stream import StickStream
 from hub.robots.mavlink.vehicle.telemetry import Telemetry
@@ -61,8 +64,6 @@ _FOLLOWED: Final = (AutopilotPhase.DISARMED, AutopilotPhase.ARMING, AutopilotPha
 _BESIDE: Final = (AutopilotPhase.LEARNING, AutopilotPhase.ELSEWHERE)
 _TWINS: Final = "two vehicles answer with its number: give one of them another number"
 _STARTS: Final = "it starts"
-_BOOTED: Final = "it was booted"
-_ANOTHER: Final = "another vehicle sends with its number"
 _SILENT: Final = "its telemetry is silent"
 
 
@@ -79,6 +80,7 @@ class MavlinkVehicle:
         learning: The questions to it.
         lights: Its lights.
         tilt: Its camera.
+        better: The change to a better driving mode.
         learns_because: Why it is asked for everything again; empty: it is heard for the first time.
     """
 
@@ -99,13 +101,13 @@ class MavlinkVehicle:
         self.stations, self._twins = self.heard.stations, self.heard.twins
         self._sender = VehicleSender(send, packer, self.stations)
         self._sticks, self.tilt = StickStream(self._sender), CameraTilt(self._sender)
-        self._gate, self.lights = VelocityGate(limits), ButtonLights()
+        self._gate, self.lights = VelocityGate(limits), self._sticks.lights
         self.phase, self.mode, self.learns_because = AutopilotPhase.LINKING, -1, ""
         self.armed = self.failsafe = self._starts = False
         self._requests = RequestQueue()
         self.learning = Learning(self._requests, self.parameters)
         self.orders = ModeOrders(self._requests, self.texts)
-        self._stepped, self._alone = math.inf, AloneOrder()
+        self._stepped, self._alone, self.better = math.inf, AloneOrder(), BetterMode()
 
     # What the driver asks.
 
@@ -120,7 +122,8 @@ class MavlinkVehicle:
         profile = self.profile
         if self.phase is AutopilotPhase.DISARMED and profile is not None and not profile.flies:
             self.phase = AutopilotPhase.ARMING
-            self._change_mode(self._driving_order(profile, arms=True), now)
+            place = self.telemetry.position
+            self._change_mode(ModeOrder.driving(profile, place=place, arms=True), now)
 
     def disarm(self, now: float) -> None:
         """Switch its motors off."""
@@ -131,7 +134,8 @@ class MavlinkVehicle:
     def drive(self, now: float) -> None:
         """Ask for the mode that follows velocities; they begin with a neutral one."""
         if self.profile is not None and self.armed and self._can_change and not self.grounded:
-            self._change_mode(self._driving_order(self.profile), now)
+            place = self.telemetry.position
+            self._change_mode(ModeOrder.driving(self.profile, place=place), now)
 
     def stay(self, now: float) -> None:
         """Ask for the mode in which it stays; there it is not driven, even if it could be."""
@@ -169,37 +173,39 @@ class MavlinkVehicle:
                 if self.profile is not before:
                     self.heard.forget()
                     self.orders.forget()
+                    self.learning.forget("")
                 self._heartbeat(frame, now)
             case Heard.ANSWER:
                 self._requests.answer(frame["command"], frame["result"], now)
-            case Heard.BOOTED:
-                self._learn_again(now, _BOOTED)
-            case Heard.ANOTHER:
-                self._learn_again(now, _ANOTHER)
+            case (Heard.BOOTED | Heard.ANOTHER) as start:
+                self._learn_again(now, start.value)
 
     def another_sender(self, now: float) -> None:
         """Frames come from another place from now on: perhaps it is another vehicle."""
         if self.system:
             self.heard.forget()
-            self._learn_again(now, _ANOTHER)
+            self._learn_again(now, Heard.ANOTHER.value)
 
     def step(self, now: float) -> None:
         """Let time pass: change the phase, and send what is due."""
         if now - self._stepped > _PAUSE_S:
             self._gate.close()
+            self.liveness.paused(now)
         self._stepped = now
         self.texts.step(now)
         self.telemetry.step(now)
         self._change_phase(now)
         self.orders.step(self.mode, now, armed=self.armed)
         self._do_alone(now)
+        self._do_better(now)
         self._sender.heartbeat(now)
         if self.system and (stamp := self.liveness.echo_due(now)):
             self._sender.message("TIMESYNC", ts1=stamp)
-        if self._sticks.due(self._gate.velocity, now):
+        if self._sticks.due(self._gate.velocity, now, lossy=self.liveness.lossy):
             self._send_velocity(now)
         self.tilt.step(self.telemetry.tilt, now, allowed=self._sends_sticks(now))
-        self._send_requests(now)
+        if self.system:
+            self.learning.send(self._sender, now, reads=self.phase is not AutopilotPhase.GONE)
 
     # State.
 
@@ -247,10 +253,6 @@ class MavlinkVehicle:
         """Whether it can be asked for a mode: one that starts would forget it."""
         return self.phase not in _AWAY and not self._starts and not self.twin
 
-    def _driving_order(self, profile: VehicleProfile, *, arms: bool = False) -> ModeOrder:
-        numbers = profile.drives_with(place=self.telemetry.position)
-        return ModeOrder(profile=profile, numbers=numbers, drives=True, arms=arms)
-
     def _heartbeat(self, frame: MavlinkFrame, now: float) -> None:
         self._sender.system = frame.system
         self.liveness.heartbeat(now)
@@ -267,19 +269,20 @@ class MavlinkVehicle:
         before = self.phase
         if self.system == 0:
             return
-        if self.liveness.gone(now):
+        if self.liveness.gone(now, was=before is AutopilotPhase.GONE):
             if before is not AutopilotPhase.GONE:
                 self._rest(now)
                 self.orders.gone()
                 self._twins.gone()
-                self._requests.drop(RequestKind.QUESTION)
+                self.learning.gone()
             self.phase = AutopilotPhase.GONE
         elif before in _AWAY:
-            self._learn(now, _STARTS if self._starts else "")
+            self._come_back(now)
         elif self._twins.seen(now) is not (self.learns_because == _TWINS):
             self._learn_again(now, "")
         elif before is AutopilotPhase.LEARNING:
             if self.learning.done(now) and not self._starts and not self._twins.seen(now):
+                self.learning.learnt = True
                 self._by_heartbeat(now)
         elif self.learning.is_silent(self.telemetry.measured, now):
             self._learn(now, _SILENT)
@@ -287,6 +290,15 @@ class MavlinkVehicle:
             self._by_heartbeat(now)
         if self.phase is not before:
             self._rest(now)
+
+    def _come_back(self, now: float) -> None:
+        """It is there: go on with a vehicle that is known, as soon as its telemetry shows that."""
+        back = self.learning.back(self.telemetry.measured, now)
+        if self._starts or self._twins.seen(now) or back is Return.LEARN:
+            self._learn(now, _STARTS if self._starts else self.learning.because)
+        elif back is Return.GO_ON:
+            self.learning.go_on()
+            self._by_heartbeat(now)
 
     def _by_heartbeat(self, now: float) -> None:
         """The phase of a vehicle that was learnt."""
@@ -311,6 +323,7 @@ class MavlinkVehicle:
     def _learn_again(self, now: float, because: str) -> None:
         self._rest(now)
         self.orders.forget()
+        self.learning.forget(because)
         if self.phase not in _AWAY:
             self._learn(now, because)
 
@@ -319,6 +332,7 @@ class MavlinkVehicle:
         if because == _STARTS or self.phase is AutopilotPhase.ARMING:
             self.orders.forget()
         self.phase = AutopilotPhase.LEARNING
+        self.learning.forget(because)
         self.learns_because = _TWINS if self._twins.seen(now) else because
         self._gate.close()
         self.learning.begin(self.profile, now)
@@ -346,22 +360,27 @@ class MavlinkVehicle:
             if self.armed and self.orders.chosen_here(self.mode, now):
                 self._ask_mode(number, now)
 
+    def _do_better(self, now: float) -> None:
+        """Ask for the best driving mode once it can be had; the operator has asked to drive."""
+        profile, place, rests = self.profile, self.telemetry.position, self._gate.velocity.neutral
+        drives = self.phase is AutopilotPhase.DRIVING and not self.orders.changing(now)
+        self.better.waits = False
+        if profile is None or not drives or self.orders.named:
+            return
+        if self.better.due(profile, self.mode, now, place=place, rests=rests):
+            self._change_mode(ModeOrder.driving(profile, place=True), now)
+
     def _sends_sticks(self, now: float) -> bool:
         """Whether sticks are sent: else a pilot or another station has the vehicle."""
-        chosen = self.phase in _BESIDE and self.orders.chosen_here(self.mode, now)
-        return chosen or self.phase in _FOLLOWED
+        if self.phase in _FOLLOWED:
+            return True
+        beside = self.phase in _BESIDE or (
+            self.phase is AutopilotPhase.GONE and self.armed and self.liveness.answered_lately(now)
+        )
+        return beside and self.orders.chosen_here(self.mode, now)
 
     def _send_velocity(self, now: float) -> None:
         if self.profile is None or not self._sends_sticks(now):
             return
         values, read = self.parameters.values, self.telemetry
-        buttons = self.lights.buttons(values, read.brightness, now)
-        self._sticks.send(self.profile, self.mode, self.velocity, values, read.gain, buttons, now)
-
-    def _send_requests(self, now: float) -> None:
-        request = self._requests.due(now) if self.system else None
-        if request is not None:
-            self._sender.command(request)
-        asks = self.system and self.phase is not AutopilotPhase.GONE
-        if asks and (name := self.parameters.due(now)):
-            self._sender.message("PARAM_REQUEST_READ", param_index=-1, param_id=name)
+        self._sticks.send(self.profile, self.mode, self.velocity, values, read, now)

@@ -35,6 +35,20 @@ def test_it_says_what_an_operator_asks_first(draw: Draw) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("changes", "row"),
+    [
+        ({"lost": 0.0}, "heard 0.4 s ago, echo 27 ms"),
+        ({"lost": 0.08}, "heard 0.4 s ago, echo 27 ms, 8% lost"),
+        ({"lost": 0.51, "round_trip_s": 0.8}, "heard 0.4 s ago, echo 800 ms, 51% lost"),
+    ],
+)
+def test_the_loss_and_the_delay_of_its_link_are_shown(
+    draw: Draw, changes: dict[str, float], row: str
+) -> None:
+    assert row in rows(draw, piloted(rover(**changes)))
+
+
 @pytest.mark.parametrize("phase", AutopilotPhase)
 def test_each_phase_is_said_and_why_it_does_not_move(draw: Draw, phase: AutopilotPhase) -> None:
     why = "" if phase is AutopilotPhase.DRIVING else "because of this"

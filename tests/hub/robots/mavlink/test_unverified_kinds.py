@@ -55,7 +55,7 @@ def test_a_copter_in_the_air_follows_velocities_and_on_the_ground_no_longer():
     bench.run(2.0)
     assert bench.vehicle.phase is AutopilotPhase.ELSEWHERE
     assert not any(bench.moving(since))
-    assert any("never compared" in text for text in warnings(bench.vehicle))
+    assert any("never compared" in text for text in warnings(bench.vehicle, bench.now))
 
 
 def test_px4_modes_are_asked_for_by_main_and_sub_mode():
@@ -107,7 +107,7 @@ def test_a_vehicle_that_does_not_tell_its_limits_does_not_move_and_says_so():
     assert not moves(bench.sent[-1][1])
     bench.velocity(turn=0.3)
     assert moves(bench.sent[-1][1])
-    assert [*warnings(bench.vehicle)] == [
+    assert [*warnings(bench.vehicle, bench.now)] == [
         "it does not tell PILOT_SPEED: it does not move where these are needed"
     ]
 

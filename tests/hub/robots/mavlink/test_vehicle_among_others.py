@@ -17,7 +17,7 @@ def test_the_first_vehicle_wins_and_the_other_is_named():
     assert bench.vehicle.system == 1
     assert bench.vehicle.telemetry.roll == 0.0
     assert len(bench.vehicle.identity.others) == 64
-    (text,) = warnings(bench.vehicle)
+    (text,) = warnings(bench.vehicle, bench.now)
     assert text == (
         "other vehicles are on its link, with the numbers 2, 3, 4, 5, 6, 7, 8, 9; Rune drives 1"
     )
@@ -231,4 +231,4 @@ def test_a_part_of_a_vehicle_that_uses_the_autopilots_number_is_not_the_vehicle(
     bench.tell("HEARTBEAT", type=kind, autopilot=autopilot)
     assert bench.vehicle.profile.name == "rover"
     assert bench.vehicle.phase is AutopilotPhase.DRIVING
-    assert not [*warnings(bench.vehicle)]
+    assert not [*warnings(bench.vehicle, bench.now)]

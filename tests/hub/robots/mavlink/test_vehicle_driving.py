@@ -5,6 +5,7 @@ import math
 import pytest
 
 from hub.gcm.autopilot import AutopilotPhase
+from hub.robots.mavlink.vehicle.reasons import warnings
 from tests.support.mavlink_numbers import (
     ARM,
     BLIMP,
@@ -62,7 +63,7 @@ def test_a_disarmed_vehicle_without_a_place_is_not_asked_for_a_mode_that_needs_o
     assert not bench.vehicle.orders.refusal()
 
 
-@pytest.mark.parametrize(("mode", "x"), [(POSITION_HOLD, 550), (DEPTH_HOLD, 166)])
+@pytest.mark.parametrize(("mode", "x"), [(POSITION_HOLD, 550), (DEPTH_HOLD, 288)])
 def test_a_sub_gets_less_stick_in_depth_hold_where_it_is_thrust(mode, x):
     bench = ScriptedAutopilot(SUB)
     bench.parameters["PILOT_SPEED"] = 200.0
@@ -71,6 +72,47 @@ def test_a_sub_gets_less_stick_in_depth_hold_where_it_is_thrust(mode, x):
     assert bench.mode == mode
     bench.velocity(ahead=0.3)
     assert bench.sent[-1][1]["x"] == pytest.approx(x, abs=30)
+
+
+def test_a_sub_armed_without_a_place_gets_position_hold_once_it_knows_its_place_and_rests():
+    bench = ScriptedAutopilot(SUB)
+    bench.position = False
+    bench.driving()
+    assert bench.mode == DEPTH_HOLD
+    bench.velocity(ahead=0.3)
+    bench.position = True
+    bench.run(5.0)
+    assert bench.mode == DEPTH_HOLD
+    assert any("changes to position hold" in each for each in warnings(bench.vehicle, bench.now))
+    bench.velocity()
+    bench.until(lambda: bench.mode == POSITION_HOLD, 3.0)
+    bench.run(1.0)
+    assert bench.vehicle.phase is AutopilotPhase.DRIVING
+    assert not [*warnings(bench.vehicle, bench.now)]
+    bench.velocity()
+    bench.velocity(ahead=0.3)
+    assert [*bench.moving(bench.now)]
+
+
+def test_a_sub_that_refuses_the_better_mode_is_driven_in_depth_hold_and_asked_once():
+    bench = ScriptedAutopilot(SUB)
+    bench.refused = {(SET_MODE, 1.0, float(POSITION_HOLD)): 4}
+    bench.position = False
+    bench.driving()
+    bench.position = True
+    bench.run(10.0)
+    assert bench.mode == DEPTH_HOLD
+    assert bench.vehicle.phase is AutopilotPhase.DRIVING
+    assert bench.commands(SET_MODE).count((1.0, float(POSITION_HOLD), 0.0)) == 1
+    assert any("ask it to drive" in each for each in warnings(bench.vehicle, bench.now))
+
+
+def test_a_sub_whose_operator_named_depth_hold_stays_in_it():
+    bench = ScriptedAutopilot(SUB).driving()
+    bench.vehicle.set_mode("depth hold", bench.now)
+    bench.run(10.0)
+    assert bench.mode == DEPTH_HOLD
+    assert not [*warnings(bench.vehicle, bench.now)]
 
 
 def test_a_new_velocity_leaves_at_once_and_an_old_one_at_20_hz():

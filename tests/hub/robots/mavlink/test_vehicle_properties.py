@@ -183,7 +183,7 @@ class AnyOrder(RuleBasedStateMachine):
             return
         vehicle = self.bench.vehicle
         assert len(why(vehicle, self.bench.now)) <= 1000
-        assert all(len(text) <= 1000 for text in warnings(vehicle))
+        assert all(len(text) <= 1000 for text in warnings(vehicle, self.bench.now))
         assert len(vehicle.identity.others) <= 64
         assert len(vehicle.telemetry.named) <= 64
         assert len(vehicle.texts.since(-math.inf)) <= 50

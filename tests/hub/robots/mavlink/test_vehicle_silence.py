@@ -28,6 +28,7 @@ def test_without_heartbeats_it_is_gone_and_only_the_order_to_disarm_is_sent():
     bench.run(1.0)
     bench.mute = True
     in_phase(bench, AutopilotPhase.GONE)
+    bench.run(2.0)
     since = bench.now + 0.001
     bench.velocity()
     bench.velocity(ahead=0.5)
