@@ -160,7 +160,11 @@ def _read_body(
             problems.add("[body]", f"[body], key 'urdf': {error}", "urdf")
         else:
             given = model.frames
-            outline = {} if fields["footprint"] else {"footprint": model.footprint}
+            if not fields["footprint"] and not model.fault:
+                outline = {"footprint": model.footprint}
+            elif not fields["footprint"] and "radius" not in data.get("body", {}):
+                text = f"{fields['urdf']}: {model.fault}; give 'footprint' or 'radius' too"
+                problems.add("[body]", f"[body], key 'urdf': {text}", "urdf")
     cameras = _cameras(data.get("camera", []), problems)
     ranges = read_each(RangeTable, data.get("range", []), "range", problems, range_faults)
     beams = sum(table.beams for table in ranges.values())

@@ -1,40 +1,31 @@
 """The frames and the outline in a URDF file; everything else in it is ignored.
 
-Joints stand at zero. The outline is a polygon around the collision shapes, seen from above;
-where there are none, around the visual ones. Poses count from `base_footprint`, else from
-`base_link`, else from the link without a parent.
+Joints stand at zero. The outline is a polygon around the collision shapes of each link, seen from
+above; where a link has none that can be read, around its visual ones. Poses count from
+`base_footprint`, else from `base_link`, else from the link without a parent.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from hub.errors import RobotFileError
 from hub.files import read_regular
-from hub.gcm.body import MOST_CORNERS, BodyFrame
-from hub.gcm.orientation import angles, rotation
+from hub.gcm.body import BodyFrame
+from hub.gcm.orientation import angles
 from hub.gcm.standard import BASE_LINK
 from hub.plain_text import is_plain
-from hub.robots.footprint import footprint_fault
+from hub.robots.urdf_outline import Matrix, origin_of, outline_of
+from hub.robots.xml_text import xml_root
 from hub.values import dataclass
-
-Matrix = npt.NDArray[np.float64]
-"""A pose as a matrix, shape (4, 4)."""
 
 _MOST_BYTES = 10_000_000
 _MOST_LINKS = 1000
-_LONGEST_M = 100.0
 _ROOTS = ("base_footprint", BASE_LINK)
-_RIM = math.tau * np.arange(MOST_CORNERS) / MOST_CORNERS
-"""Angles at which a round shape is sampled: those of the edges of the outline [rad]."""
-_EDGES = np.stack([np.cos(_RIM), np.sin(_RIM)])
-"""Directions of the edges, shape (2, MOST_CORNERS)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,67 +34,61 @@ class UrdfModel:
 
     Attributes:
         frames: The frame of each link but the root, by name.
-        footprint: Corners of the outline on the ground [m], counter-clockwise, shape (n, 2).
+        footprint: Corners of the outline on the ground [m], counter-clockwise, shape (n, 2); none:
+            no shape could be read.
+        fault: Why the outline is not known, or may be too small, in words; empty: it is whole.
+        reach: Radius of a circle around all that is known of it [m]; of a link that cannot be
+            read, only its place is.
     """
 
     frames: Mapping[str, BodyFrame]
     footprint: tuple[tuple[float, float], ...]
+    fault: str
+    reach: float
 
 
 def read_urdf(path: Path) -> UrdfModel:
     """Read a file.
 
     Raises:
-        RobotFileError: It cannot be read, is no URDF, or has no outline.
+        RobotFileError: It cannot be read, or is no URDF.
     """
     try:
         raw = read_regular(path, _MOST_BYTES)
     except (OSError, ValueError) as fault:
         reason = f"cannot be read: {fault.strerror}" if isinstance(fault, OSError) else str(fault)
         raise RobotFileError(str(path), [reason]) from fault
-    return _model_in(raw, str(path))
+    return _model_in(raw, str(path), path)
 
 
 def urdf_model(text: str, name: str) -> UrdfModel:
     """The model in the text of a file; errors name it by `name`.
 
     Raises:
-        RobotFileError: It is no URDF, or has no outline.
+        RobotFileError: It is no URDF.
     """
     raw = text.encode(errors="replace")
     if len(raw) > _MOST_BYTES:
         raise RobotFileError(name, [f"has {len(raw)} bytes, more than {_MOST_BYTES}"])
-    return _model_in(raw, name)
+    return _model_in(raw, name, None)
 
 
-def _model_in(raw: bytes, name: str) -> UrdfModel:
+def _model_in(raw: bytes, name: str, beside: Path | None) -> UrdfModel:
     try:
-        return _model(_parsed(raw))
+        return _model(_parsed(raw), beside)
     except ValueError as error:
         raise RobotFileError(name, [str(error)]) from error
 
 
 def _parsed(raw: bytes) -> Any:  # noqa: ANN401 - an element of lxml
-    try:
-        from lxml import etree  # noqa: TID251 - the only XML of the hub, read if it is asked for
-    except ImportError as error:
-        reason = "lxml is not installed, which reads URDF files; pip install lxml"
-        raise ValueError(reason) from error
-    parser = etree.XMLParser(
-        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False
-    )
-    try:
-        root = etree.fromstring(raw, parser)
-    except etree.XMLSyntaxError as fault:
-        reason = f"is not XML: {fault}"
-        raise ValueError(reason) from fault
+    root = xml_root(raw)
     if root.tag != "robot":
         reason = f"line {root.sourceline}: its first element is <{root.tag}>, not <robot>"
         raise ValueError(reason)
     return root
 
 
-def _model(root: Any) -> UrdfModel:  # noqa: ANN401 - an element of lxml
+def _model(root: Any, beside: Path | None) -> UrdfModel:  # noqa: ANN401 - an element of lxml
     links: dict[str, Any] = {}
     for link in root.iterfind("link"):
         name = _name(link)
@@ -120,7 +105,7 @@ def _model(root: Any) -> UrdfModel:  # noqa: ANN401 - an element of lxml
         if child in joints:
             reason = f"line {joint.sourceline}: link {child!r} has two parents"
             raise ValueError(reason)
-        joints[child] = parent, _origin(joint)
+        joints[child] = parent, origin_of(joint)
     poses = {name: _pose(name, joints) for name in links}
     base = next((name for name in _ROOTS if name in links), _only_root(links, joints))
     inverse = np.linalg.inv(poses[base])
@@ -130,7 +115,10 @@ def _model(root: Any) -> UrdfModel:  # noqa: ANN401 - an element of lxml
         for name, pose in placed.items()
         if name not in {base, BASE_LINK} and len(name) <= 64 and is_plain(name)
     }
-    return UrdfModel(frames=frames, footprint=_footprint(links, placed))
+    outline = outline_of(links, placed, beside)
+    return UrdfModel(
+        frames=frames, footprint=outline.corners, fault=outline.fault, reach=outline.reach
+    )
 
 
 def _name(element: Any) -> str:  # noqa: ANN401 - an element of lxml
@@ -170,104 +158,6 @@ def _pose(name: str, joints: Mapping[str, tuple[str, Matrix]]) -> Matrix:
     raise ValueError(reason)
 
 
-def _numbers(
-    element: Any,  # noqa: ANN401 - an element of lxml
-    attribute: str,
-    usual: str,
-    count: int,
-    least: float = -_LONGEST_M,
-) -> list[float]:
-    text = str(element.get(attribute, usual))
-    try:
-        numbers = [float(word) for word in text.split()]
-    except ValueError:
-        numbers = []
-    if len(numbers) != count or not all(least <= each <= _LONGEST_M for each in numbers):
-        reason = (
-            f"line {element.sourceline}: {attribute} of <{element.tag}> is not {count} numbers"
-            f" from {least:g} to {_LONGEST_M:g}"
-        )
-        raise ValueError(reason)
-    return numbers
-
-
-def _origin(element: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
-    """The pose in <origin>: fixed axes, roll first, then pitch, then yaw."""
-    pose: Matrix = np.eye(4)
-    origin = element.find("origin")
-    if origin is not None:
-        pose[:3, 3] = _numbers(origin, "xyz", "0 0 0", 3)
-        roll, pitch, yaw = _numbers(origin, "rpy", "0 0 0", 3)
-        pose[:3, :3] = rotation(roll, pitch, yaw)
-    return pose
-
-
 def _frame(name: str, pose: Matrix) -> BodyFrame:
     (roll, pitch, yaw), (x, y, z) = angles(pose[:3, :3]), pose[:3, 3].tolist()
     return BodyFrame(name=name, x=x, y=y, z=z, roll=roll, pitch=pitch, yaw=yaw)
-
-
-def _footprint(
-    links: Mapping[str, Any], placed: Mapping[str, Matrix]
-) -> tuple[tuple[float, float], ...]:
-    for kind in ("collision", "visual"):
-        reach = np.full(MOST_CORNERS, -np.inf)
-        for name, link in links.items():
-            for body in link.iterfind(kind):
-                for shape in body.iterfind("geometry/*"):
-                    if shape.tag in _SHAPES:
-                        points = _seen_from_above(shape, placed[name] @ _origin(body))
-                        np.maximum(reach, (points @ _EDGES).max(axis=0), out=reach)
-        if np.isfinite(reach).all():
-            return _hull(reach)
-    reason = "no link has a box, cylinder or sphere; give [body], key 'footprint' or 'radius'"
-    raise ValueError(reason)
-
-
-def _seen_from_above(shape: Any, pose: Matrix) -> Matrix:  # noqa: ANN401 - an element of lxml
-    """Points whose hull encloses a shape at a pose, seen from above [m], shape (n, 2)."""
-    turn = np.eye(3) if shape.tag == "sphere" else pose[:3, :3]
-    return np.asarray((_SHAPES[shape.tag](shape) @ turn.T + pose[:3, 3])[:, :2])
-
-
-def _box(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
-    half = np.array(_numbers(shape, "size", "", 3, 0.0)) / 2.0
-    corners = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
-    return np.asarray(corners * half)
-
-
-def _cylinder(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
-    (length,) = _numbers(shape, "length", "", 1, 0.0)
-    ends = [np.add(_sphere(shape), (0.0, 0.0, end)) for end in (-length / 2, length / 2)]
-    return np.concatenate(ends)
-
-
-def _sphere(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
-    """The corners of a polygon around its equator; a sphere looks the same from all sides."""
-    (radius,) = _numbers(shape, "radius", "", 1, 0.0)
-    outside = radius / math.cos(math.pi / len(_RIM))
-    return outside * np.stack([np.cos(_RIM), np.sin(_RIM), 0.0 * _RIM], axis=1)
-
-
-_SHAPES = {"box": _box, "cylinder": _cylinder, "sphere": _sphere}
-
-
-def _hull(reach: Matrix) -> tuple[tuple[float, float], ...]:
-    """The corners of a polygon with an edge in each direction of `_RIM`.
-
-    Neighbours i and i + 1 of the edges `x cos a + y sin a = reach` meet at a corner.
-
-    Args:
-        reach: How far its shapes go in these directions [m], shape (MOST_CORNERS,).
-    """
-    following, ahead = np.roll(reach, -1), np.roll(_RIM, -1)
-    between = math.sin(math.tau / MOST_CORNERS)
-    x = (reach * np.sin(ahead) - following * np.sin(_RIM)) / between
-    y = (following * np.cos(_RIM) - reach * np.cos(ahead)) / between
-    rounded = [(round(float(a), 4), round(float(b), 4)) for a, b in zip(x, y, strict=True)]
-    corners = tuple(dict.fromkeys(rounded))
-    fault = footprint_fault(corners)
-    if fault:
-        reason = f"the outline of its shapes {fault}"
-        raise ValueError(reason)
-    return corners

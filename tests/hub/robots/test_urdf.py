@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tracemalloc
 from pathlib import Path
 
@@ -22,7 +23,7 @@ ROBOT = f"""<?xml version="1.0"?>
   <link name="base_footprint"/>
   <link name="base_link">{BOX}</link>
   <link name="mast"/>
-  <link name="laser"><visual><geometry><mesh filename="laser.dae"/></geometry></visual></link>
+  <link name="laser"/>
   <joint name="a" type="fixed"><parent link="base_footprint"/><child link="base_link"/>
     <origin xyz="0 0 0.1"/></joint>
   <joint name="b" type="revolute"><parent link="base_link"/><child link="mast"/>
@@ -67,15 +68,11 @@ def test_a_robot_file_places_its_sensors_in_frames_of_the_urdf_file(tmp_path: Pa
         ("<robot", "is not XML"),
         ("<robots/>", "not <robot>"),
         ("<robot/>", "it has 0 links"),
-        ('<robot><link name="a"/></robot>', "no link has a box"),
         ('<robot><link name="a"/><link name="b"/></robot>', "2 links have no parent"),
         (ROBOT.replace('link="mast"', 'link="mats"', 1), "is no link"),
         (ROBOT.replace('<parent link="base_link"/>', '<parent link="laser"/>'), "circle of joints"),
         (ROBOT.replace("0.6 0.4 0.2", "0.6 0.4 nan"), "size of <box> is not 3 numbers"),
         (ROBOT.replace("0.6 0.4 0.2", "0.6 -0.4 0.2"), "size of <box> is not 3 numbers from 0 to"),
-        (ROBOT.replace("0.6 0.4 0.2", "60 40 20"), r"reaches 30 m from \[0, 0\]; at most 5 m"),
-        (ROBOT.replace("0.6 0.4 0.2", "0.6 0 0.2"), "is not a list of the corners"),
-        (ROBOT.replace('xyz="0 0 0.1"', 'xyz="0.4 0 0.1"'), r"does not enclose \[0, 0\]"),
         (ROBOT.replace('<link name="mast"/>', '<link name="laser"/>'), "the name of another link"),
         (ROBOT.replace('xyz="0 0 0.1"', 'xyz="0 0 1e9"'), "xyz of <origin> is not 3 numbers"),
     ],
@@ -83,6 +80,23 @@ def test_a_robot_file_places_its_sensors_in_frames_of_the_urdf_file(tmp_path: Pa
 def test_a_file_that_is_no_robot_is_refused(tmp_path: Path, text: str, reason: str) -> None:
     with pytest.raises(RobotFileError, match=reason):
         read_urdf(written(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ('<robot><link name="a"/></robot>', "no link has a box"),
+        (ROBOT.replace("0.6 0.4 0.2", "60 40 20"), r"reaches 30 m from \[0, 0\]; at most 5 m"),
+        (ROBOT.replace("0.6 0.4 0.2", "0.6 0 0.2"), "is not a list of the corners"),
+        (ROBOT.replace('xyz="0 0 0.1"', 'xyz="0.4 0 0.1"'), r"does not enclose \[0, 0\]"),
+        (
+            ROBOT.replace("<box", "<blob"),
+            r"lacks link 'base_link' at \[0, 0\] \(<blob> is not read",
+        ),
+    ],
+)
+def test_why_an_outline_is_not_known(tmp_path: Path, text: str, reason: str) -> None:
+    assert re.search(reason, read_urdf(written(tmp_path, text)).fault)
 
 
 def test_a_file_of_many_shapes_takes_little_memory(tmp_path: Path) -> None:

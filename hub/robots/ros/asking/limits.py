@@ -88,12 +88,13 @@ def description(found: RosFindings) -> str:
 
 
 def model(found: RosFindings) -> tuple[UrdfModel | None, str]:
-    """The robot's outline by its URDF, or None and why there is none; empty: it has no URDF."""
+    """The robot's URDF, or None; why its outline is not known, empty: it is, or it has no URDF."""
     text = description(found)
     if not text:
         return None, ""
     try:
-        return urdf_model(text, "robot_description"), ""
+        made = urdf_model(text, "robot_description")
+        return made, made.fault
     except RobotFileError as fault:
         return None, str(fault)
 

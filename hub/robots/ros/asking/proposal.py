@@ -71,7 +71,7 @@ class RosProposal:
 
     @functools.cached_property
     def outline(self) -> tuple[UrdfModel | None, str]:
-        """Its outline, or None and why there is none."""
+        """Its URDF, or None; why its outline is not known, empty: it is, or it has no URDF."""
         return limits.model(self.found)
 
     @property

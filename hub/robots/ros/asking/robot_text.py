@@ -7,12 +7,15 @@ from collections.abc import Iterator, Mapping
 from typing import Final
 
 from hub.plain_text import plain
+from hub.robots.footprint import FARTHEST_CORNER
 from hub.robots.ros.asking.findings import frame_name, plain_type
 from hub.robots.ros.asking.parts import RosParts
 from hub.robots.ros.asking.proposal import RosProposal
 from hub.robots.ros.asking.tables import Table
 
 _UNKNOWN_RADIUS: Final = 0.3
+_HALF_PART: Final = 0.1
+"""Half the size of a part whose place alone is known [m]."""
 _UNKNOWN_HEIGHT: Final = 0.4
 _MODULES: Final = {
     "driver": {},
@@ -124,14 +127,21 @@ def _limits(proposal: RosProposal) -> Iterator[str]:
 def _body(proposal: RosProposal) -> Iterator[str]:
     """The table `[body]`: the outline by its URDF, else the radius of its planner."""
     yield "[body]"
-    outline, radius = proposal.outline[0], proposal.radius
-    if outline is not None:
+    (outline, fault), radius = proposal.outline, proposal.radius
+    reach = math.ceil(100.0 * outline.reach) / 100.0 if outline is not None else 0.0
+    if outline is not None and not fault:
         yield f"footprint = {_value([[*corner] for corner in outline.footprint])}"
-    elif math.isfinite(radius):
+    elif radius >= reach:
         yield f"radius = {radius:g}    # as its planner has it"
     else:
-        yield f"radius = {_UNKNOWN_RADIUS:g}    # not known: measure the circle that encloses it"
+        least = _unknown_radius(reach)
+        yield f"radius = {least:g}    # not known: measure the circle that encloses it"
     yield f"height = {_UNKNOWN_HEIGHT:g}    # not known: measure it"
+
+
+def _unknown_radius(reach: float) -> float:
+    """A radius for a robot whose outline is not known, around its known parts [m]."""
+    return min(FARTHEST_CORNER, max(_UNKNOWN_RADIUS, reach + _HALF_PART if reach else 0.0))
 
 
 def _table(table: Table | Mapping[str, object]) -> Iterator[str]:

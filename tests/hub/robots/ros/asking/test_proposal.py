@@ -70,6 +70,27 @@ def test_a_robot_gets_its_file(name: str, tmp_path: Path) -> None:
     assert load_robot_table(str(tmp_path / "robot.toml")).robot.kind == "ros"
 
 
+PLOUGHER = """<robot name="p">
+<link name="base_link"><collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
+<link name="plough"><collision><geometry><mesh filename="package://r/plough.stl"/></geometry>
+</collision></link><joint name="j" type="fixed"><parent link="base_link"/><child link="plough"/>
+<origin xyz="0.5 0 0"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(("planner", "radius"), [(0.2, 0.6), (0.8, 0.8), (None, 0.6)])
+def test_a_mesh_that_cannot_be_read_makes_the_robot_larger(
+    planner: float | None, radius: float
+) -> None:
+    parameters: dict[str, object] = {"/state.robot_description": PLOUGHER}
+    parameters |= {"/local_costmap.robot_radius": planner} if planner else {}
+    proposal = RosProposal(driven(parameters))
+    assert "footprint" not in read(proposal)["body"]
+    assert read(proposal)["body"]["radius"] == pytest.approx(radius)
+    assert "its outline is not known: the outline lacks link 'plough' at [0.5, 0]" in "\n".join(
+        proposal.remarks()
+    )
+
+
 @pytest.mark.parametrize("counts", [True, False])
 def test_the_file_says_that_a_battery_counts_to_100(*, counts: bool) -> None:
     said_of = {"percentage": 57.0 if counts else 0.57}
