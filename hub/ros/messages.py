@@ -16,9 +16,7 @@ from hub.gcm.flight import FluidPressure
 from hub.gcm.geometry import Quaternion, Vector3
 from hub.gcm.imu import Acceleration, Imu
 from hub.gcm.joints import JointStates
-from hub.gcm.mapping import MOST_CELLS
 from hub.gcm.navigation import MOST_POINTS, Point
-from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.orientation import angles
 from hub.gcm.ranges import LaserScan, as_measured
 from hub.gcm.standard import Header, Time
@@ -55,6 +53,10 @@ def imu(value: RosValue, mount: FramePlace = HERE) -> Imu:
     }
     if not known:
         attitude[0] = -1.0
+    for name, each in zip(covariances, (spin, push), strict=True):
+        if not np.isfinite(each).all():
+            each[:] = 0.0
+            covariances[name][0] = -1.0
     return Imu(
         header=header(value.get("header")),
         orientation=orientation,
@@ -186,46 +188,6 @@ def _scan(group: RangeGroup, ranges: npt.NDArray[np.float32], value: RosValue) -
     )
 
 
-def occupancy_map(value: RosValue) -> OccupancyMap:
-    """A nav_msgs/OccupancyGrid; one whose origin is turned is not shown."""
-    info = value.get("info")
-    width, height = int(info.get("width")), int(info.get("height"))
-    cells = value.get("data")
-    origin, resolution = pose_of(info.get("origin")), float(info.get("resolution"))
-    if not (0 < width <= MOST_CELLS and 0 < height <= MOST_CELLS and len(cells) == width * height):
-        text = f"a map of {width}x{height} cells has {len(cells)} of them, or is too large"
-        raise RosMessageError(text)
-    if not 1e-3 <= resolution <= 1e3 or abs(origin.roll_pitch_yaw[2]) > 0.01:
-        text = "a map has no size of its cells, or is turned"
-        raise RosMessageError(text)
-    return OccupancyMap(
-        cells=np.clip(np.asarray(cells, np.int8), -1, 100).reshape(height, width),
-        resolution=resolution,
-        origin_x=_within(origin.origin[0]),
-        origin_y=_within(origin.origin[1]),
-    )
-
-
-def updated_map(before: OccupancyMap, update: RosValue) -> OccupancyMap:
-    """A map after a map_msgs/OccupancyGridUpdate; the part outside of the map is left out."""
-    x, y = int(update.get("x")), int(update.get("y"))
-    width, height = int(update.get("width")), int(update.get("height"))
-    data = np.asarray(update.get("data"), np.int8)
-    rows, columns = before.cells.shape
-    inside = x >= 0 and y >= 0 and x + width <= columns and y + height <= rows
-    if not inside or len(data) != width * height:
-        text = f"a change of {width}x{height} cells does not fit into the map"
-        raise RosMessageError(text)
-    cells = before.cells.copy()
-    cells[y : y + height, x : x + width] = np.clip(data, -1, 100).reshape(height, width)
-    return OccupancyMap(
-        cells=cells,
-        resolution=before.resolution,
-        origin_x=before.origin_x,
-        origin_y=before.origin_y,
-    )
-
-
 def path_points(value: RosValue, moved: FramePlace) -> tuple[Point, ...]:
     """The points of a nav_msgs/Path, some of them where they are too many."""
     poses = value.get("poses")
@@ -261,14 +223,16 @@ def is_touched(value: RosValue) -> bool:
 
 
 def planar(twist: RosValue) -> tuple[float, float, float, float]:
-    """Forward, left, up [m/s] and turning [rad/s] of a geometry_msgs/Twist."""
+    """Forward, left, up [m/s] and turning [rad/s] of a geometry_msgs/Twist; NaN: not known."""
     linear = _vector(twist.get("linear"), 100.0)
     return (*linear.tolist(), float(_vector(twist.get("angular"), 100.0)[2]))
 
 
 def _vector(value: RosValue, most: float) -> npt.NDArray[np.float64]:
+    """A vector within its limits; NaN: not known."""
     numbers = np.array([float(value.get(part)) for part in "xyz"])
-    cut: npt.NDArray[np.float64] = np.clip(np.nan_to_num(numbers), -most, most)
+    numbers[~np.isfinite(numbers)] = np.nan
+    cut: npt.NDArray[np.float64] = np.clip(numbers, -most, most)
     return cut
 
 

@@ -23,7 +23,13 @@ def header(frame: str) -> dict[str, Any]:
 
 
 def odometry(frame: str = "odom", child: str = "base_link") -> dict[str, Any]:
-    return {"header": header(frame), "child_frame_id": child}
+    zero = {"x": 0.0, "y": 0.0, "z": 0.0}
+    return {
+        "header": header(frame),
+        "child_frame_id": child,
+        "pose": {"pose": {"position": zero, "orientation": UPRIGHT}},
+        "twist": {"twist": {"linear": zero, "angular": zero}},
+    }
 
 
 def scan(frame: str, beams: int = 360, spread: float = math.tau) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from hub.robots.ros.goals.goal_actions import (
 )
 from hub.robots.ros.line import RosTopic
 from hub.robots.ros.line_loop import LineLoop
+from hub.robots.ros.odometry import odometry_fault
 from hub.robots.ros.own_nodes import foreign
 from hub.robots.ros_table import ROS_KIND, CommandType
 
@@ -123,6 +124,9 @@ def _odometry(found: RosFindings, robot: RobotDescription) -> Iterator[Finding]:
         why = heard.fault or "nothing came on it"
         advice = "correct [ros], key 'odom'; without it the frames of 'tf' count"
         yield warning(f"{name}: {why}", advice)
+    elif fault := odometry_fault(heard.value):
+        advice = "correct the node that publishes it: Rune does not drive without a place"
+        yield problem(f"{name}: {fault}", advice)
     elif heard.age > _OLD_S:
         text = f"{name} comes {heard.age:.1f} s late"
         yield problem(text, "run the hub on the robot's computer, or find what fills the network")

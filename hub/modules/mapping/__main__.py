@@ -17,6 +17,7 @@ from hub.gcm import imu, mapping, navigation, ranges
 from hub.gcm.beam_scans import LARGEST_TILT, ScanReader
 from hub.gcm.capability import Abilities, Capability
 from hub.gcm.common import COMMON_RESULT, CommonResult
+from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
@@ -91,6 +92,9 @@ class Mapping:
         client.subscribe(ranges.RANGES, self._ranges)
         if self._painted is not None:
             client.every(_OWN_S, functools.partial(self._follow_own, self._painted))
+            client.define(DIAGNOSTICS)
+            period = 1.0 / DIAGNOSTICS.rate_hz
+            client.every(period, functools.partial(self._publish_problems, self._painted))
         client.respond(mapping.MAP_REQUEST, mapping.MAP, self._map)
         client.respond(mapping.MAP_COMMAND, COMMON_RESULT, self._command)
         client.every(_UPDATE_S, self._update)
@@ -176,6 +180,9 @@ class Mapping:
         if painted.follow(time.monotonic()):
             self._stamp = time.time()
             self._changed = True
+
+    def _publish_problems(self, painted: PaintedMap) -> None:
+        self._client.publish(DIAGNOSTICS, painted.problems())
 
     def _map(self, request: mapping.MapRequest) -> mapping.Map:
         picture: OccupancyMap | None

@@ -54,24 +54,31 @@ def mount(values: TopicValues, frames: FrameTree, value: RosValue) -> FramePlace
 def robot_state(
     values: TopicValues, frames: FrameTree, fixed: str, battery: ShownMessage | None
 ) -> ShownMessage | None:
-    """Where the robot is in the fixed frame, how fast it moves, its charge; None: not known."""
+    """Where the robot is in the fixed frame, how fast it moves, its charge; None: not known.
+
+    What is not known of it is NaN.
+    """
     odometry = values.first(whole, RosRole.ODOMETRY)
     place, stamp = _place(values, frames, odometry, fixed)
     (forward_wanted, turn_wanted), commanded = _command(values)
-    forward = left = up = turning = 0.0
+    forward = left = up = turning = math.nan
     if odometry is not None:
         forward, left, up, turning = messages.planar(odometry.value.get("twist.twist"))
     others = (each.stamp for each in (odometry, battery) if each is not None)
     stamp = max(stamp, commanded, *others)
     if stamp < 0:
         return None
-    x, y = (float(each) for each in np.clip(place.origin[:2], -1e6, 1e6))
-    moves = any((forward, left, up, turning, forward_wanted, turn_wanted))
+    x = y = theta = math.nan
+    if place is not None:
+        x, y = (float(each) for each in np.clip(place.origin[:2], -1e6, 1e6))
+        theta = place.roll_pitch_yaw[2]
+    speeds = (forward, left, up, turning, forward_wanted, turn_wanted)
+    moves = any(each and not math.isnan(each) for each in speeds)
     state = RobotState(
         stamp=min(1e10, stamp * 1e-9),
         x=x,
         y=y,
-        theta=place.roll_pitch_yaw[2],
+        theta=theta,
         linear=forward,
         angular=turning,
         commanded_linear=forward_wanted,
@@ -109,8 +116,8 @@ def path_ahead(value: RosValue, frames: FrameTree, fixed: str) -> NavigationStat
 
 def _place(
     values: TopicValues, frames: FrameTree, odometry: ShownMessage | None, fixed: str
-) -> tuple[FramePlace, int]:
-    """The pose of the robot, and when it was logged [ns]; -1: it is not known."""
+) -> tuple[FramePlace | None, int]:
+    """The pose of the robot, None: it is not known; and when it was logged [ns], or -1."""
     newest = [
         values.newest[each.channel].stamp
         for each in values.of_role(RosRole.FRAMES)
@@ -123,11 +130,11 @@ def _place(
     if posed is not None:
         return posed.value, posed.stamp
     if odometry is None:
-        return HERE, -1
+        return None, -1
     try:
         reckoned = pose_of(odometry.value.get("pose.pose"))
     except RosMessageError:
-        return HERE, -1
+        return None, odometry.stamp
     outer = frames.place(str(odometry.value.get("header.frame_id")), fixed) if fixed else None
     return reckoned.after(outer or HERE), odometry.stamp
 

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
+from hub.errors import RosMessageError
 from hub.gcm.battery import BATTERY
 from hub.gcm.body import (
     MOST_PARTS,
@@ -36,6 +37,7 @@ from hub.recording.ros.topic_values import ShownMessage, TopicMessages, TopicVal
 from hub.ros import messages
 from hub.ros.decoding import RosDecoder
 from hub.ros.frame_tree import FrameTree, plain_frame
+from hub.ros.occupancy import RosGrid
 from hub.ros.values import RosValue
 from hub.values import dataclass
 
@@ -120,7 +122,8 @@ class RosRobot:
         self._frames = FrameTree()
         self._batteries = battery_readers(bag, self.values)
         self._waiting: list[LoggedMessage] = []
-        self._map: ShownMessage | None = None
+        self._grid: ShownMessage | None = None
+        self._map: tuple[ShownMessage, ShownMessage | None] | None = None
         self._map_frame = ""
         fixed = {each.channel for each in self.values.of_role(RosRole.FIXED_FRAMES)}
         found = bag.messages(channels=fixed) if fixed else iter(())
@@ -180,7 +183,7 @@ class RosRobot:
             messages={name: each for name, each in made.items() if each is not None},
             problems=problems,
             pictures=pictures,
-            map=self._map,
+            map=self._shown_map(),
         )
 
     def _battery(self) -> ShownMessage | None:
@@ -196,7 +199,7 @@ class RosRobot:
 
     def _find_map(self, stamp: int) -> None:
         """Make the map at a time: the newest whole one, and its changes since then."""
-        self._map = None
+        self._grid = None
         whole = next(
             (self.values.newest[each] for each in self._maps if each in self.values.newest), None
         )
@@ -209,21 +212,33 @@ class RosRobot:
                 self._take_map(message)
 
     def _take_map(self, message: LoggedMessage) -> None:
-        before = self._map
+        grid = self._grid
         if message.channel in self._maps:
             made = self.values.converted(message, self._whole_map)
-        elif before is not None:
-            made = self.values.converted(
-                message, lambda value: messages.updated_map(before.value, value)
-            )
+        elif grid is not None:
+            made = self.values.converted(message, grid.value.updated)
         else:
             return
         if made is not None:
-            self._map = ShownMessage(value=made, stamp=message.stamp)
+            self._grid = ShownMessage(value=made, stamp=message.stamp)
 
-    def _whole_map(self, value: RosValue) -> Any:  # noqa: ANN401 - what `converted` takes
+    def _shown_map(self) -> ShownMessage | None:
+        """The map with its rows along x of its frame; each is turned once."""
+        grid = self._grid
+        if grid is None:
+            return None
+        if self._map is None or self._map[0] is not grid:
+            try:
+                shown = ShownMessage(value=grid.value.on_axes(), stamp=grid.stamp)
+            except RosMessageError as error:
+                self.values.note(self._maps[0], error)
+                shown = None
+            self._map = grid, shown
+        return self._map[1]
+
+    def _whole_map(self, value: RosValue) -> RosGrid:
         self._map_frame = plain_frame(str(value.get("header.frame_id")))
-        return messages.occupancy_map(value)
+        return RosGrid.of(value)
 
     def _scans(self) -> list[tuple[str, ShownMessage]]:
         """Name, sensor and newest readings of each topic of ranges, and their frame."""

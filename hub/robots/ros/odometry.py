@@ -18,8 +18,10 @@ from typing import Final
 from hub.errors import RosMessageError
 from hub.gcm.fields import FARTHEST_M
 from hub.gcm.geometry import Twist, Vector3
-from hub.gcm.orientation import roll_pitch_yaw
 from hub.pose import Pose, wrapped
+from hub.robots.ros.topic_reader import UNFIT
+from hub.ros import messages
+from hub.ros.frame_tree import place_of
 from hub.ros.values import RosValue
 from hub.values import dataclass
 
@@ -37,6 +39,8 @@ _ONE_STEP: Final = 0.1
 """Longest way to the origin that is no new begin [m, rad]."""
 _SAME_CLOCK_S: Final = 1.0
 _FASTEST: Final = 100.0
+_IN_PLANE: Final = (0, 1, 3)
+"""Which numbers of `planar` each robot has: forward, left and turning."""
 _MOST: Final = 2**32 - 1
 
 
@@ -82,16 +86,16 @@ def place_of_odometry(value: RosValue, measured: float) -> RosPlace:
     Raises:
         RosMessageError: It is not finite, or too far away.
     """
-    pose, stamp = value.get("pose.pose"), value.get("header.stamp")
-    position, turn = pose.get("position"), pose.get("orientation")
-    x, y, z = (float(position.get(part)) for part in "xyz")
-    quaternion = [float(turn.get(part)) for part in "wxyz"]
-    size = math.hypot(*quaternion)
-    if not (all(abs(each) <= FARTHEST_M for each in (x, y, z)) and 0.5 < size < 2.0):
+    pose, stamp, twist = value.get("pose.pose"), value.get("header.stamp"), value.get("twist.twist")
+    place = place_of(pose.get("position"), pose.get("orientation"))
+    if place is None or abs(place.origin).max() > FARTHEST_M:
         text = "the place or the orientation of an odometry makes no sense"
         raise RosMessageError(text)
-    _, _, theta = roll_pitch_yaw(*(each / size for each in quaternion))
-    twist = value.get("twist.twist")
+    if any(math.isnan(messages.planar(twist)[each]) for each in _IN_PLANE):
+        text = "the velocity of an odometry is not a number"
+        raise RosMessageError(text)
+    x, y, z = place.origin.tolist()
+    theta = place.roll_pitch_yaw[2]
     return RosPlace(
         pose=Pose(x=x, y=y, theta=wrapped(theta)),
         z=z,
@@ -99,6 +103,15 @@ def place_of_odometry(value: RosValue, measured: float) -> RosPlace:
         stamp=int(stamp.get("sec")) + int(stamp.get("nanosec")) * 1e-9,
         measured=measured,
     )
+
+
+def odometry_fault(value: RosValue) -> str:
+    """Why a message of the topic of odometry cannot be used, in words; empty: it can."""
+    try:
+        place_of_odometry(value, 0.0)
+    except UNFIT as fault:
+        return str(fault)
+    return ""
 
 
 class RosOdometry:

@@ -8,7 +8,7 @@ from hub.robots.ros.frames import STATIC_FRAMES, RosFrames
 from hub.robots.ros.line import RosLine, RosMessage
 from hub.robots.ros.topic_reader import TopicReader
 from hub.robots.ros_table import RosTable
-from hub.ros import messages
+from hub.ros.occupancy import RosGrid
 from hub.ros.values import RosValue
 
 _UPDATES = "_updates"
@@ -33,6 +33,7 @@ class RosMap:
         """
         self._line = line
         self._frames = RosFrames(table)
+        self._grid: RosGrid | None = None
         self._map: OccupancyMap | None = None
         self._is_new = False
         self._reader = TopicReader(line)
@@ -71,8 +72,11 @@ class RosMap:
         self._frames.take(value, message.measured)
 
     def _mapped(self, value: RosValue, _: RosMessage) -> None:
-        self._map, self._is_new = messages.occupancy_map(value), True
+        self._renew(RosGrid.of(value))
 
     def _updated(self, value: RosValue, _: RosMessage) -> None:
-        if self._map is not None:
-            self._map, self._is_new = messages.updated_map(self._map, value), True
+        if self._grid is not None:
+            self._renew(self._grid.updated(value))
+
+    def _renew(self, grid: RosGrid) -> None:
+        self._grid, self._map, self._is_new = grid, grid.on_axes(), True

@@ -192,7 +192,8 @@ class SimulatedBridge:
             return
         try:
             value = self._decoder.decode(payload)
-            ahead, left, _, turn = planar(value.get("twist") if own.stamped else value)
+            given = planar(value.get("twist") if own.stamped else value)
+            ahead, left, _, turn = (each if math.isfinite(each) else 0.0 for each in given)
         except RosMessageError:
             return
         now = self._clock() - (time.monotonic() - at)

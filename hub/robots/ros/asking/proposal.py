@@ -20,6 +20,7 @@ from hub.robots.ros.asking.stopping import Stopping, stopping
 from hub.robots.ros.asking.tables import BodyTables
 from hub.robots.ros.goals.goal_actions import driving_nodes
 from hub.robots.ros.line import RosTopic
+from hub.robots.ros.odometry import odometry_fault
 from hub.robots.ros.own_nodes import foreign
 from hub.robots.ros.topic_reader import UNFIT
 from hub.robots.urdf import UrdfModel
@@ -245,6 +246,8 @@ class RosProposal:
         heard = found.of(parts.odometry)
         if heard.value is None:
             yield f"{parts.odometry}: {plain(heard.fault)[:200] or 'nothing came on it'}"
+        elif fault := odometry_fault(heard.value):
+            yield f"it cannot be driven until {parts.odometry} is right: {plain(fault)[:200]}"
         if parts.odometries:
             yield f"{parts.odometry} is its odometry; others are {_listed(parts.odometries)}"
 

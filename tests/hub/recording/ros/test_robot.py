@@ -232,6 +232,33 @@ def test_a_pose_is_known_without_frames(tmp_path: Path, topic: str, message: Any
     assert (state.x, state.y, state.theta) == pytest.approx((1, 2, 0.5))
 
 
+@pytest.mark.parametrize("part", ["x", "w"])
+def test_a_place_and_a_speed_that_are_not_known_are_not_zero(tmp_path: Path, part: str) -> None:
+    message = make("nav_msgs/msg/Odometry", header=header(START, "odom"))
+    message.pose.pose = pose(1, 2, 0.5)
+    message.twist.twist.linear.x = math.nan
+    if part == "x":
+        message.pose.pose.position.x = math.nan
+    else:
+        message.pose.pose.orientation = make("geometry_msgs/msg/Quaternion")
+    state = value(scene_of(tmp_path, ("/odom", message)), ROBOT_STATE.name)
+    assert all(map(math.isnan, (state.x, state.y, state.theta, state.linear)))
+    assert state.angular == 0.0
+    battery = make("sensor_msgs/msg/BatteryState", percentage=0.5)
+    state = value(scene_of(tmp_path, ("/b", battery)), ROBOT_STATE.name)
+    assert all(map(math.isnan, (state.x, state.y, state.theta, state.linear)))
+
+
+def test_a_turned_map_is_shown_on_the_axes_of_its_frame(tmp_path: Path) -> None:
+    info = make("nav_msgs/msg/MapMetaData", resolution=0.5, width=3, height=1)
+    info.origin = pose(1, 2, math.pi / 2)
+    grid = make("nav_msgs/msg/OccupancyGrid", info=info, data=np.array([0, 0, 100], np.int8))
+    scene = scene_of(tmp_path, ("/map", grid))
+    assert scene.map is not None
+    assert scene.map.value.cells.tolist() == [[0], [0], [100]]
+    assert (scene.map.value.origin_x, scene.map.value.origin_y) == pytest.approx((0.5, 2.0))
+
+
 def test_a_map_has_its_changes(tmp_path: Path) -> None:
     info = make("nav_msgs/msg/MapMetaData", resolution=0.1, width=4, height=3, origin=pose(0, 0, 0))
     grid = make("nav_msgs/msg/OccupancyGrid", info=info, data=np.zeros(12, np.int8))

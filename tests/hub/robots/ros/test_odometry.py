@@ -8,7 +8,13 @@ from hypothesis import strategies as st
 
 from hub.errors import RosMessageError
 from hub.pose import Pose
-from hub.robots.ros.odometry import FRESH_S, RosOdometry, RosPlace, place_of_odometry
+from hub.robots.ros.odometry import (
+    FRESH_S,
+    RosOdometry,
+    RosPlace,
+    odometry_fault,
+    place_of_odometry,
+)
 from hub.robots.ros.reckoning_file import ReckoningFile
 from hub.ros.values import NamedValue
 
@@ -52,8 +58,12 @@ def test_a_place_that_makes_no_sense_is_refused(wrong):
         place_of_odometry(message(**wrong), 7.0)
 
 
-def test_velocities_that_make_no_sense_are_none():
-    assert place_of_odometry(message(speed=math.nan), 7.0).velocity.linear.x == 0.0
+def test_a_velocity_that_is_no_number_is_not_zero():
+    with pytest.raises(RosMessageError, match="velocity"):
+        place_of_odometry(message(speed=math.nan), 7.0)
+    assert "velocity" in odometry_fault(message(speed=math.nan))
+    assert "orientation" in odometry_fault(message(w=0.0))
+    assert odometry_fault(message()) == ""
     assert place_of_odometry(message(speed=1e9), 7.0).velocity.linear.x == 100.0
 
 

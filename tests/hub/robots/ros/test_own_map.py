@@ -65,13 +65,23 @@ def test_it_counts_as_soon_as_its_place_is_known_and_once(scene):
     assert scene.map.take() is not None
 
 
+def test_a_turned_one_is_used_also_with_its_changes(scene):
+    scene.place()
+    scene.give(turn=0.5**0.5)  # a quarter to the left
+    found = scene.map.take()
+    assert not scene.map.fault
+    assert found.cells.shape == (20, 10)
+    assert (found.cells[:, -1] == 100).all()
+    assert (found.origin_x, found.origin_y) == pytest.approx((-2.5, 0.0), abs=1e-6)
+
+
 def test_one_that_makes_no_sense_is_named_and_the_last_stays(scene):
     scene.place()
     scene.give()
     before = scene.map.take()
-    scene.give(turn=0.5)
+    scene.give(resolution=0.0)
     assert scene.map.take() is None
-    assert "turned" in scene.map.fault
+    assert "no size of its cells" in scene.map.fault
     assert before is not None
 
 
@@ -85,6 +95,10 @@ def test_it_is_painted_in_the_place_of_scans_also_after_the_grid_was_cleared(sce
     whole = ours.whole()
     assert (whole.cells > 50).any()
     assert (whole.cells == 0).any() or ((whole.cells >= 0) & (whole.cells < 50)).any()
+    assert painted.problems().status == ()
+    scene.give(resolution=0.0)
+    assert not painted.follow(3.0)
+    assert [each.name for each in painted.problems().status] == ["own map"]
     ours.clear()
     painted.paint()
     assert (ours.whole().cells == whole.cells).all()
