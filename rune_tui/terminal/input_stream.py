@@ -32,7 +32,7 @@ _ALT_KEY: Final = 2
 _CURSOR: Final = re.compile(r"\x1b\[(\d{1,5});(\d{1,5})R")
 _KEYBOARD: Final = re.compile(r"\x1b\[\?(\d{1,5})u")
 _KEY: Final = re.compile(
-    r"""\x1b\[ (?P<code>\d{0,7}) (?::[\d:]*)?             # the key, other keys on its cap
+    r"""\x1b\[ (?P<code>\d{0,7}) (?::\d*(?::(?P<base>\d{1,7}))?[\d:]*)?  # with Shift, US
     (?: ; (?P<modifiers>\d{0,3}) (?: : (?P<move>[123]) )? )?
     (?: ; (?P<text>[\d:]*) )? (?P<final>[u~ABCDEFHPQS])
     """,
@@ -49,6 +49,9 @@ _MUTILATED: Final = re.compile("\x1b[\\[P\\]^_X].+|\ufffd.*", re.DOTALL)
 """A sequence without its end, and what follows it; or what no character is."""
 _REPORTS_RELEASES: Final = 2 | 8
 """Flags of the kitty keyboard protocol: events of keys, of those too that type text."""
+_CTRL_OR_ALT: Final = 2 | 4
+"""Bits of modifiers in the kitty keyboard protocol."""
+_ASCII_END: Final = 0x80
 KEYPAD: Final = (
     *("0", "1", "2", "3", "4", "5", "6", "7", "8", "9"),
     *("decimal", "divide", "multiply", "subtract", "add", "enter", "equal", "separator"),
@@ -83,12 +86,14 @@ class KeyReport:
         move: Its event.
         press: The text of the press from a terminal that reports only presses.
         keypad: Its name if it is one of the keypad, such as "kp_8", else empty.
+        base: The character that the key types on a US keyboard; empty: not told, or the same.
     """
 
     code: str
     move: KeyMove
     press: str
     keypad: str = ""
+    base: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -231,7 +236,10 @@ class InputStream:
         move = KeyMove(int(found["move"] or 1))
         code, final = found["code"] or "1", found["final"]
         modifiers, text = found["modifiers"] or "1", found["text"]
-        parts = [code, modifiers, *filter(None, [text])]
+        base = _base(found["base"])
+        # Keys with Ctrl or Alt are named after Latin letters, on every keyboard.
+        meant = str(ord(base)) if base and (int(modifiers) - 1) & _CTRL_OR_ALT else code
+        parts = [meant, modifiers, *filter(None, [text])]
         if modifiers == "1" and not text:
             parts = [found["code"]]
         press = f"\x1b[{';'.join(parts)}{final}"
@@ -239,7 +247,13 @@ class InputStream:
             return None
         number = int(code) - _FIRST_OF_KEYPAD if final == "u" else -1
         keypad = f"kp_{KEYPAD[number]}" if 0 <= number < len(KEYPAD) else ""
-        return KeyReport(code=f"{code}{final}", move=move, press=press, keypad=keypad)
+        return KeyReport(code=f"{code}{final}", move=move, press=press, keypad=keypad, base=base)
+
+
+def _base(code: str | None) -> str:
+    """The character of a key on a US keyboard; empty if it types none."""
+    character = chr(int(code)) if code and int(code) < _ASCII_END else ""
+    return character if character.isprintable() and character != " " else ""
 
 
 def _given_up(held: str) -> InputPart:

@@ -31,15 +31,19 @@ class KeyMoved(Message):
         character: The character it types, if any.
         move: Press, repeat or release.
         keypad: Its name on the keypad; else empty.
+        base: What it types on a US keyboard; empty: the same, or not told.
     """
 
-    def __init__(self, key: str, character: str | None, move: KeyMove, keypad: str = "") -> None:
+    def __init__(
+        self, key: str, character: str | None, move: KeyMove, keypad: str = "", base: str = ""
+    ) -> None:
         """Prepare."""
         super().__init__()
         self.key = key
         self.character = character
         self.move = move
         self.keypad = keypad
+        self.base = base
 
 
 class KeysDropped(Message):

@@ -121,6 +121,7 @@ class InputEvents:
         stale = self.is_stale(now)
         pressed = self.keyboard.press(key, now, read=event.time, fine=fine, stale=stale)
         self._handle(pressed, event.time)
+        self._tell_unbound(key)
 
     def keys_dropped(self, event: KeysDropped) -> None:
         """Release all inputs, as these keys were not typed; a stop among them counts."""
@@ -148,7 +149,7 @@ class InputEvents:
         now = self.time_now()
         key, fine = event.keypad, False
         if not (key and self._current.dispatch.waits_for(key)):
-            key, fine = self.names.named(event.key, event.character)
+            key, fine = self.names.named(event.key, event.character, event.base)
         if event.move is KeyMove.RELEASE:
             self._handle(self.keyboard.up(key, now))
         elif self._app.covered or key == WAY_OUT:
@@ -157,6 +158,11 @@ class InputEvents:
             repeat, stale = event.move is KeyMove.REPEAT, self.is_stale(now)
             moved = self.keyboard.down(key, now, repeat=repeat, fine=fine, stale=stale)
             self._handle(moved)
+            self._tell_unbound(key)
+
+    def _tell_unbound(self, key: str) -> None:
+        if text := self.names.unbound(key):
+            self._notify(text)
 
     def is_stale(self, now: float) -> bool:
         """Whether an input that arrives now may be from a pause of the console."""

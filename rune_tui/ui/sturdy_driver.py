@@ -58,16 +58,16 @@ _UNUSABLE: Final = re.compile(r"\d{7}|\x1b\[(?!.*t\Z)[\d:]*:|\x1b\[(?!.*t\Z)[\d:
 """Numbers that Textual misreads, and parts of numbers that end its parser."""
 _READ_S: Final = 0.1
 """Longest wait for input before the loop checks the clock [s]."""
-_REPORT_RELEASES: Final = "\x1b[=2;2u\x1b[?u"
-"""Kitty keyboard protocol: turn on reports of repeats and releases, and ask if they are on."""
+_REPORT_RELEASES: Final = "\x1b[=6;2u\x1b[?u"
+"""Kitty keyboard protocol: turn on reports of repeats, releases and US keys; ask what is on."""
 _MOST_DOWN: Final = 64
 """Most keys that are down together; one more means that the first one's release was lost."""
 _TYPES_TEXT: Final = ("enter", "tab")
 """Keys of text that are not printable."""
 _MOST_PASTED: Final = 4096
 """Most characters of a paste without its end that are looked at for stops."""
-_Key = tuple[str, str | None, str]
-"""Textual's name of a key, the character it types, and its name on the keypad."""
+_Key = tuple[str, str | None, str, str]
+"""Textual's name of a key, the character it types, its name on the keypad, its US character."""
 
 
 def understood(sequence: str) -> bool:
@@ -220,7 +220,7 @@ class SturdyDriver(InsideDriver):
             keys = down[report.code]
         else:
             found = parser.keys_of(report.press)
-            keys = tuple((key.key, key.character, report.keypad) for key in found)
+            keys = tuple((key.key, key.character, report.keypad, report.base) for key in found)
             if report.code in down or len(down) >= _MOST_DOWN:
                 lost = report.code if report.code in down else next(iter(down))
                 self._post_keys(down.pop(lost), KeyMove.RELEASE)
@@ -228,8 +228,8 @@ class SturdyDriver(InsideDriver):
         self._post_keys(keys, report.move)
 
     def _post_keys(self, keys: tuple[_Key, ...], move: KeyMove) -> None:
-        for key, character, keypad in keys:
-            self.process_message(KeyMoved(key, character, move, keypad))
+        for key, character, keypad, base in keys:
+            self.process_message(KeyMoved(key, character, move, keypad, base))
 
     def _post(self, event: Message) -> None:
         """Post an event; drop a move of the mouse if the console is behind."""

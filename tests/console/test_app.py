@@ -131,6 +131,26 @@ def test_a_key_drives_on_and_a_button_is_let_go_when_another_size_moves_viewport
     play(script)
 
 
+def test_a_key_of_another_script_is_the_us_key_or_is_said_to_do_nothing(
+    play: Callable[[Script], None], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("LC_ALL", "C")
+
+    async def script(desk: Desk) -> None:
+        console = desk.console
+        console.post_message(events.Key("ц", "ц"))
+        console.post_message(events.Key("ц", "ц"))
+        await desk.until(lambda: [text for text in desk.notices if "ц (U+0446) is bound" in text])
+        console.post_message(ReleasesReported(reported=True))
+        console.post_message(KeyMoved("ц", "ц", KeyMove.PRESS, base="w"))
+        await desk.until(lambda: desk.robot.speeds[-1:] > [0.0])
+        console.post_message(KeyMoved("ц", "ц", KeyMove.RELEASE, base="w"))
+        await desk.until(lambda: desk.robot.speeds[-1] == 0.0)
+        assert len([text for text in desk.notices if "is bound to nothing" in text]) == 1
+
+    play(script)
+
+
 def test_what_is_held_is_let_go_when_the_terminal_tells_of_releases_no_longer(
     play: Callable[[Script], None],
 ):

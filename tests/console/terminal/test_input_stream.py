@@ -100,6 +100,27 @@ def test_keys_of_the_keypad_are_told_by_their_own_names(code: int, name: str) ->
     assert [part.keypad for part in parts if isinstance(part, KeyReport)] == [name, name, ""]
 
 
+@for_each(
+    ("sequence", "press", "base"),
+    [
+        ("\x1b[1094::119;;1094u", "\x1b[1094;1;1094u", "w"),
+        ("\x1b[1094:1062:119;2;1062u", "\x1b[1094;2;1062u", "w"),
+        ("\x1b[1089::99;5u", "\x1b[99;5u", "c"),
+        ("\x1b[38::49;;38u", "\x1b[38;1;38u", "1"),
+        ("\x1b[119::1094;;119u", "\x1b[119;1;119u", ""),
+        ("\x1b[119::;;119u", "\x1b[119;1;119u", ""),
+        ("\x1b[119:87:119:1:2;;119u", "\x1b[119;1;119u", "w"),
+    ],
+)
+def test_a_key_of_another_keyboard_is_told_with_what_it_types_on_a_us_keyboard(
+    sequence: str, press: str, base: str
+) -> None:
+    stream = InputStream(lambda _: True)
+    _, part = stream.feed(f"{TELLS}{sequence}", 0.0)
+    assert isinstance(part, KeyReport)
+    assert (part.press, part.base) == (press, base)
+
+
 def test_keys_are_taken_apart_only_for_a_terminal_that_tells_releases() -> None:
     assert split("\x1b[?1u", "\x1b[97;5u") == [KeyboardReport(reports_releases=False), "\x1b[97;5u"]
     stream = InputStream(KEYS.__contains__)
