@@ -323,7 +323,7 @@ def test_teleoperation_without_assistance_refuses_goals_and_drives(folder: Path)
         session.type("\r")
         session.wait_for_picture()
         shows(session, "ASSISTANCE OFF")
-        for key in ("e", "\x1b[19~"):  # F8 switches assistance
+        for key in ("e", "\x1b[15~"):  # F5 switches assistance
             session.type(key)
         shows(session, "not in this condition")
         session.pump(1.5)
@@ -342,7 +342,7 @@ def test_teleoperation_without_assistance_refuses_goals_and_drives(folder: Path)
         states = [each.assistance for _, each in log.values("magellan", ROBOT_STATE)]
         used = {(each.input, each.outcome) for _, each in log.own(RUNE_INPUT) if each.pressed}
     assert states[-1] is Assistance.OFF
-    assert {("e", InputOutcome.REFUSED), ("f8", InputOutcome.REFUSED)} < used
+    assert {("e", InputOutcome.REFUSED), ("f5", InputOutcome.REFUSED)} < used
     assert ("w", InputOutcome.SENT) in used
     with Recording.open(files[2]) as recording:
         kept = recording.about["rune"]
