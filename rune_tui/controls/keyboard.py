@@ -59,6 +59,8 @@ _RESUMES_S = 1.0
 """Longest pause of the line after which a key that is still down drives again [s]."""
 _LIVE_REPEATS = 3
 """Number of live repeats in a row that show that a finger is on the key now."""
+_REFUSED = 6
+"""Number of reports, one by one, after which the operator learns that a late key does not drive."""
 _LIVE_SHARE = 0.6
 """Least distance of a live repeat from the one before, as a share of the repeat interval."""
 
@@ -109,9 +111,12 @@ class _Hold:
     """After a pause of the line: least interval of live repeats [s]."""
     live: int = 0
     """Number of live repeats in a row."""
+    refused: int = 0
+    """Number of reports one by one since it was late."""
 
     def is_live(self, read: float) -> bool:
         """Whether live repeats show that a key from before a pause of the line is down now."""
+        self.refused += read - self.last >= _BURST_S
         self.live = self.live + 1 if read - self.last >= self.live_from else 0
         return self.live >= _LIVE_REPEATS
 
@@ -159,8 +164,19 @@ class KeyboardHold:
 
     @property
     def must_release(self) -> tuple[str, ...]:
-        """Keys that must be released before a key drives."""
-        return self._guard.waited_for
+        """Keys that must be released before a key drives.
+
+        A late key is none of them while live repeats may let it drive on. If it is up already,
+        nothing comes of it, and the wait ends without the operator.
+        """
+        if not self._resumable:
+            return self._guard.waited_for
+        holds = self._holds
+        return tuple(
+            key
+            for key in self._guard.waited_for
+            if key not in holds or holds[key].refused > _REFUSED
+        )
 
     @property
     def tap_first(self) -> bool:
@@ -366,6 +382,7 @@ class KeyboardHold:
         self._guard.stop({key}, now)
         self._resumable = free or self._resumable
         hold.must_release = hold.ended = True
+        hold.refused = 0
         return (ControlEvent(name=key, pressed=False),)
 
     def _guarded(self, key: str, hold: _Hold, now: float, *, repeat: bool) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import re
 from collections.abc import Iterator
 
 from hub.values import dataclass
@@ -21,6 +22,7 @@ from rune_tui.layout.rules import (
 from rune_tui.layout.spec import ControlKind, EventSpec, LayoutSpec, ViewportSpec, WidgetSpec
 
 _WHEEL = MOUSE + "wheel"
+_WORDS = re.compile("[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +32,7 @@ class Action:
     Attributes:
         words: Their action.
         help: The same at length.
+        also: Further words by which the list finds it: those of its rule, and its handler's name.
         inputs: Which they are, in words.
         robot: Its robot; empty: the console itself.
         event: The first of their events, as the layout has it.
@@ -41,6 +44,7 @@ class Action:
 
     words: str
     help: str
+    also: str
     inputs: tuple[str, ...]
     robot: str
     event: EventSpec
@@ -92,6 +96,7 @@ def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
                     yield Action(
                         words=_words(widget, moved, rule),
                         help=rule.meaning,
+                        also=f"{rule.also} {_name_in_words(widget.handler)}",
                         inputs=(said,),
                         robot=owner if rule.needs_robot else "",
                         event=event,
@@ -100,6 +105,11 @@ def _single_actions(layout: LayoutSpec) -> Iterator[Action]:
                         safe=rule.under_help,
                         at_once=not (rule.pointed or rule.held or _both_ways(event)),
                     )
+
+
+def _name_in_words(handler: str) -> str:
+    """The words of a handler's name: "take over" for "widgetTakeOver"."""
+    return " ".join(_WORDS.findall(handler.removeprefix("widget"))).lower()
 
 
 def _both_ways(event: EventSpec) -> bool:

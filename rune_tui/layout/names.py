@@ -95,7 +95,19 @@ RARE_KEYS: Mapping[str, str] = {
 }
 """Keys that only terminals with the kitty keyboard protocol report, and the others' report."""
 
-KEYS = (*NAMED_KEYS, *FUNCTION_KEYS, *CONTROL_KEYS, *RARE_KEYS)
+SHIFT, ALT = "shift+", "alt+"
+_MOVED_KEYS = ("up", "down", "left", "right", "home", "end", "pageup", "pagedown", "delete")
+SHIFT_KEYS = tuple(
+    SHIFT + key for key in (*string.ascii_lowercase, *_MOVED_KEYS, "tab", *FUNCTION_KEYS)
+)
+"""Keys with Shift that every terminal reports; digits and marks with Shift are other characters."""
+ALT_KEYS = tuple(
+    ALT + key
+    for key in (*string.ascii_lowercase, *_MOVED_KEYS, *FUNCTION_KEYS)
+    if key not in {"b", "f"}
+)
+"""Keys with Alt that every terminal reports; B and F look like arrows with Ctrl in some."""
+KEYS = (*NAMED_KEYS, *FUNCTION_KEYS, *CONTROL_KEYS, *SHIFT_KEYS, *ALT_KEYS, *RARE_KEYS)
 """Keys with a name; every single printable character in lower case is a key as well."""
 
 _SHORT_NAMES = {
@@ -118,7 +130,9 @@ KEY_ALIASES: Mapping[str, str] = {_long_name(mark): mark for mark in string.punc
 """Long names of punctuation keys, such as "plus" for "+"."""
 
 KEY_RULE = (
-    "a key is one printable character in lower case, ctrl+ and a letter, f1 to f24, kp_ and a key "
+    "a key is one printable character in lower case, ctrl+ and a letter, alt+ and a letter "
+    "but b and f, shift+ and a letter, shift+ or alt+ and an arrow, home, end, pageup, pagedown, "
+    "delete or f1 to f12, shift+tab, f1 to f24, kp_ and a key "
     "of the keypad, left_ or right_ and shift, control, alt or super, or one of "
     + ", ".join(NAMED_KEYS)
 )

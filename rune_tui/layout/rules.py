@@ -271,6 +271,7 @@ class HandlerRule:
             and names of options, for their values. Empty: made of its meaning.
         purpose: Its meaning for the rest of the console; None for most.
         purpose_with: Values of options without which it does not have that purpose.
+        also: Other words by which the list of actions finds it.
     """
 
     meaning: str
@@ -288,6 +289,7 @@ class HandlerRule:
     says: Mapping[str, str] = field(default_factory=dict)
     purpose: Purpose | None = None
     purpose_with: Mapping[str, str] = field(default_factory=dict)
+    also: str = ""
 
 
 class RuledVisualizer(Protocol):

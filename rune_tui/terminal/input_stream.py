@@ -86,7 +86,7 @@ class KeyReport:
         move: Its event.
         press: The text of the press from a terminal that reports only presses.
         keypad: Its name if it is one of the keypad, such as "kp_8", else empty.
-        base: The character that the key types on a US keyboard; empty: not told, or the same.
+        base: The character that the key types on a US keyboard; empty: not reported, or the same.
     """
 
     code: str

@@ -31,7 +31,7 @@ class KeyMoved(Message):
         character: The character it types, if any.
         move: Press, repeat or release.
         keypad: Its name on the keypad; else empty.
-        base: What it types on a US keyboard; empty: the same, or not told.
+        base: What it types on a US keyboard; empty: the same, or not reported.
     """
 
     def __init__(

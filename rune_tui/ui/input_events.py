@@ -121,7 +121,7 @@ class InputEvents:
         stale = self.is_stale(now)
         pressed = self.keyboard.press(key, now, read=event.time, fine=fine, stale=stale)
         self._handle(pressed, event.time)
-        self._tell_unbound(key)
+        self._name_unbound(key)
 
     def keys_dropped(self, event: KeysDropped) -> None:
         """Release all inputs, as these keys were not typed; a stop among them counts."""
@@ -158,9 +158,9 @@ class InputEvents:
             repeat, stale = event.move is KeyMove.REPEAT, self.is_stale(now)
             moved = self.keyboard.down(key, now, repeat=repeat, fine=fine, stale=stale)
             self._handle(moved)
-            self._tell_unbound(key)
+            self._name_unbound(key)
 
-    def _tell_unbound(self, key: str) -> None:
+    def _name_unbound(self, key: str) -> None:
         if text := self.names.unbound(key):
             self._notify(text)
 

@@ -6,14 +6,14 @@ from textual import events
 
 from rune_tui.controls.keyboard import name_of_key, without_shift
 from rune_tui.controls.keyboard_layouts import us_key
-from rune_tui.layout.names import canonical_key
+from rune_tui.layout.names import SHIFT, canonical_key
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, standing
 from rune_tui.model.own_keys import own_key
 from rune_tui.ui.current_layout import CurrentLayout
 
-_MOST_TOLD = 8
-"""Number of keys that do nothing and are named."""
+_MOST_NAMED = 8
+"""Number of keys that do nothing and are named to the operator."""
 
 
 class KeyNames:
@@ -23,7 +23,7 @@ class KeyNames:
         """Take the open layout."""
         self._current = current
         self._takes_control = True
-        self._told: set[str] = set()
+        self._named: set[str] = set()
 
     def follow(self, state: ConsoleState) -> None:
         """Note whether a key that drives may take control of a robot."""
@@ -38,7 +38,7 @@ class KeyNames:
         Args:
             key: Textual's name of it.
             character: What it types, if anything.
-            base: What it types on a US keyboard, by the terminal; empty: not told.
+            base: What it types on a US keyboard, by the terminal; empty: not reported.
         """
         name, fine = self._typed(key, character)
         if not self._is_bound(name):
@@ -51,9 +51,9 @@ class KeyNames:
     def unbound(self, name: str) -> str:
         """Words for a key of another script that does nothing, once for each; else empty."""
         foreign = len(name) == 1 and not name.isascii() and not self._is_bound(name)
-        if not foreign or name in self._told or len(self._told) >= _MOST_TOLD:
+        if not foreign or name in self._named or len(self._named) >= _MOST_NAMED:
             return ""
-        self._told.add(name)
+        self._named.add(name)
         return f"{name} (U+{ord(name):04X}) is bound to nothing: switch to Latin letters"
 
     def _is_bound(self, name: str) -> bool:
@@ -61,6 +61,8 @@ class KeyNames:
 
     def _typed(self, key: str, character: str | None) -> tuple[str, bool]:
         name, plain = name_of_key(key, character), without_shift(key, character)
+        if plain and self._current.dispatch.waits_for(SHIFT + plain):
+            return SHIFT + plain, False
         fine = bool(plain) and (name == plain or not self._current.dispatch.waits_for(name))
         return (plain, True) if fine else (name, False)
 

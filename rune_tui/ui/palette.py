@@ -38,12 +38,18 @@ def palette_of(actions: Sequence[Action], act: Act) -> CommandPalette:
         async def search(self, query: str) -> Hits:
             """Actions that match the query, with their scores."""
             matcher = self.matcher(query)
+            missing = True
             for title, action in listed.items():
                 if (
-                    score := match(query, title, action.help) or min(matcher.match(title), 1.0)
+                    score := match(query, title, f"{action.help} {action.also}")
+                    or min(matcher.match(title), 1.0)
                 ) > 0:
+                    missing = False
                     marked = matcher.highlight(title)
                     yield Hit(score, marked, partial(act, action), title, _inputs(action))
+            if missing:
+                text = f"Nothing here is called {query!r}: type less, or Escape"
+                yield Hit(0.01, Content(text), lambda: None, text, "F1 shows all keys")
 
     return CommandPalette([Actions], placeholder="What shall be done?")
 

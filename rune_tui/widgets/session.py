@@ -38,6 +38,7 @@ class Screenshot(EffectWidget):
         section=Section.SESSION,
         says={"": "Keep a picture of the screen"},
         meaning="Writes what is shown into files in your pictures folder: PNG and text.",
+        also="photo screenshot snapshot image",
         needs_robot=False,
     )
 

@@ -23,6 +23,8 @@ _MISSING = (
 _SYN, _REPORT, _DROPPED = 0, 0, 3
 """Type of the event that ends a report, and its codes: complete, or events were lost."""
 _LONGEST = 1000
+_VIRTUAL = "/devices/virtual/input/"
+"""Where Linux keeps input devices that programs made by uinput."""
 
 
 class EvdevKind:
@@ -69,6 +71,7 @@ class EvdevKind:
                 name=plain_text(_text(about / "name")),
                 port=plain_text(_text(about / "phys")),
                 bus=bus,
+                virtual=_VIRTUAL in os.path.realpath(about),
             )
 
 

@@ -32,6 +32,7 @@ class DeviceInfo:
         port: Its port; empty: the system does not report it.
         bus: Linux's number of the bus: 3 USB, 5 Bluetooth; 0: not reported.
         machine: The machine at which it is plugged in; empty: this one.
+        virtual: Whether a program of this machine made it, often as a copy of a real one.
     """
 
     path: str
@@ -43,6 +44,7 @@ class DeviceInfo:
     port: str = ""
     bus: int = 0
     machine: str = ""
+    virtual: bool = False
 
     @property
     def shown(self) -> str:
@@ -85,7 +87,7 @@ def assigned(
     2. A device that is plugged in again goes to its last joystick, found by its serial number, else
        by its port.
     3. The other devices go to the other joysticks in the order of the layout. Joysticks with more
-       conditions come first, and devices of this machine come first.
+       conditions come first. Devices of this machine come first, those that a program made last.
     4. A joystick that had a device of one machine gets no device of another machine: another person
        may use that.
 
@@ -95,7 +97,7 @@ def assigned(
         last: The last device of each joystick, by the joystick's name.
     """
     found: dict[str, DeviceInfo] = {}
-    free = sorted((each for each in devices), key=lambda each: (each.machine, each.port, each.path))
+    free = sorted(devices, key=_order)
     by_care = sorted(specs, key=lambda spec: (not spec.serial, spec.vid is None, not spec.device))
     for same in (_same_path, _same_serial, _same_port, _same_kind, _any):
         for spec in by_care:
@@ -107,6 +109,11 @@ def assigned(
                     free.remove(device)
                     break
     return found
+
+
+def _order(device: DeviceInfo) -> tuple[str, bool, bool, str, str]:
+    """Devices of this machine first; copies made by programs after what may be their original."""
+    return device.machine, device.virtual, not device.port, device.port, device.path
 
 
 def _same_kind(before: DeviceInfo | None, device: DeviceInfo) -> bool:

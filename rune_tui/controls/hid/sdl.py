@@ -18,6 +18,7 @@ _STICKS = {"leftx", "lefty", "rightx", "righty", "lefttrigger", "righttrigger"}
 _BUTTONS = {"a", "b", "x", "y", "back", "guide", "start", "leftshoulder", "rightshoulder"}
 _PRESSED = {"leftstick", "rightstick", "dpup", "dpdown", "dpleft", "dpright"}
 _ROLES = _STICKS | _BUTTONS | _PRESSED
+_WHOLE_AXES = {"leftx", "lefty", "rightx", "righty"}
 _AXIS_CODES = {
     "x": 0,
     "y": 1,
@@ -50,7 +51,11 @@ _KEY_CODES = {
 }
 _FIRST_BUTTON, _MANY_BUTTONS, _BUTTON_CODES_END = 0x130, 0x2C0, 0x300
 _UNKNOWN_KEY = 240
-_PLACE = re.compile(r"([abh])([0-9]{1,3})(?:\.[0-9]+)?(~?)")
+_PLACE = re.compile(r"([abh])([0-9]{1,3})(?:\.([0-9]{1,2}))?(~?)")
+_HALF = re.compile(r"([+-])a([0-9]{1,3})")
+_HAT_BITS = {"dpup": "1", "dpright": "2", "dpdown": "4", "dpleft": "8"}
+_LONGEST_NAME = 11
+"""Bytes of a device's name in a GUID."""
 _VENDOR_NUMBERING = 0x8000
 
 
@@ -61,16 +66,41 @@ class _Line:
     places: Mapping[str, str]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SdlRoles:
+    """The controls of a device with the roles of its line.
+
+    Attributes:
+        controls: The controls.
+        left_out: Roles of the line that Rune cannot give; its own guess counts for these.
+    """
+
+    controls: tuple[PhysicalControl, ...]
+    left_out: tuple[str, ...] = ()
+
+
+def guid_end(vid: int, pid: int, name: str) -> str:
+    """The part of a device's GUIDs that follows bus and checksum and is always the same, in hex.
+
+    A device without numbers has the beginning of its name there.
+    """
+    if vid or pid:
+        return b"".join(number.to_bytes(4, "little") for number in (vid, pid)).hex()
+    return name.encode()[:_LONGEST_NAME].hex()
+
+
 def roles_from_sdl(
     lines: Iterable[str],
     controls: Sequence[PhysicalControl],
     vid: int,
     pid: int,
     bus: int,
-) -> tuple[PhysicalControl, ...]:
+    name: str = "",
+) -> SdlRoles:
     """The controls with the roles of the line that fits best; as they are if none fits.
 
-    Lines for other systems count in other ways and are left out, as are places of halves of axes.
+    Lines for other systems count in other ways and are left out. One control has one role here. So
+    a half of an axis has none, except where a line names both halves of one stick's axis.
 
     Args:
         lines: Lines of such a file; others are skipped.
@@ -78,10 +108,12 @@ def roles_from_sdl(
         vid: The maker's number.
         pid: The product's.
         bus: As Linux counts: 3 USB, 5 Bluetooth.
+        name: The device's name.
     """
-    fitting = [line for each in lines if (line := _read(each, vid, pid)) is not None]
+    end = guid_end(vid, pid, name)
+    fitting = [line for each in lines if (line := _read(each, end)) is not None]
     if not fitting:
-        return tuple(controls)
+        return SdlRoles(controls=tuple(controls))
     # With the upper bit of the version they count the controls of a vendor's own driver.
     best = min(fitting, key=lambda line: (line.bus != bus, line.version & _VENDOR_NUMBERING))
     order = {
@@ -89,29 +121,72 @@ def roles_from_sdl(
         "b": _in_order(controls, _button_codes(controls)),
         "h": [place for place, each in enumerate(controls) if each.kind is ControlKind.HAT],
     }
+    given: dict[int, tuple[str, bool]] = {}
+    left_out = []
+    for role, place in _whole_axes(best.places).items():
+        which = _control_at(role, place, order)
+        hat = which is not None and controls[which].kind is ControlKind.HAT
+        if which is None or (which in given and not hat):
+            left_out.append(role)
+        else:
+            given[which] = ("dpad" if hat else role, place.endswith("~"))
     result = [_without_role(each) for each in controls]
-    for role, place in best.places.items():
-        match = _PLACE.fullmatch(place)
-        if match is None or role not in _ROLES:
-            continue
-        kind, number, inverted = match[1], int(match[2]), bool(match[3])
-        if number < len(order[kind]):
-            which = order[kind][number]
-            result[which] = _with_role(result[which], role, inverted=inverted)
-    return tuple(result)
+    for which, (role, inverted) in given.items():
+        result[which] = _with_role(result[which], role, inverted=inverted)
+    _keep_guess(result, controls, given, left_out)
+    return SdlRoles(controls=tuple(result), left_out=tuple(left_out))
 
 
-def _read(text: str, vid: int, pid: int) -> _Line | None:
-    guid, _, rest = text.strip().partition(",")
-    if not re.fullmatch("[0-9a-f]{32}", guid):
+def _whole_axes(places: Mapping[str, str]) -> dict[str, str]:
+    """Places by role; two halves of one axis that are two halves of one role are a whole one."""
+    whole = {role: place for role, place in places.items() if role in _ROLES}
+    for role in _STICKS:
+        halves = [_HALF.fullmatch(places.get(f"{sign}{role}", "")) for sign in "+-"]
+        if halves[0] and halves[1] and halves[0][2] == halves[1][2]:
+            if halves[0][1] != halves[1][1]:
+                whole[role] = f"a{halves[0][2]}" + ("" if halves[0][1] == "+" else "~")
+        elif any(f"{sign}{role}" in places for sign in "+-"):
+            whole.setdefault(role, "")
+    return whole
+
+
+def _control_at(role: str, place: str, order: Mapping[str, Sequence[int]]) -> int | None:
+    """Position of the control at a place of a line; None: it has none, or cannot have the role."""
+    match = _PLACE.fullmatch(place)
+    if match is None or int(match[2]) >= len(order[match[1]]):
+        return None
+    kind, bit = match[1], match[3]
+    if kind == "h":
+        fits = _HAT_BITS.get(role) == bit
+    else:
+        fits = role in _STICKS if kind == "a" else role not in _WHOLE_AXES
+    return order[kind][int(match[2])] if fits else None
+
+
+def _keep_guess(
+    result: list[PhysicalControl],
+    controls: Sequence[PhysicalControl],
+    given: Mapping[int, object],
+    left_out: Iterable[str],
+) -> None:
+    """Keep the guessed roles that the line has but cannot give; and those of the left stick."""
+    wanted = {"dpad" if role in _HAT_BITS else role for role in left_out} | {"leftx", "lefty"}
+    taken = {each.role for each in result}
+    for which, guessed in enumerate(controls):
+        if which not in given and guessed.role in wanted - taken:
+            result[which] = guessed
+
+
+def _read(text: str, end: str) -> _Line | None:
+    guid, _, rest = text.strip().lstrip("\ufeff").partition(",")
+    guid = guid.lower()
+    if not re.fullmatch("[0-9a-f]{32}", guid) or not end or not guid.startswith(end, 8):
         return None
     words = [int.from_bytes(bytes.fromhex(guid[at : at + 4]), "little") for at in range(0, 28, 4)]
-    if (words[2], words[3], words[4], words[5]) != (vid, 0, pid, 0):
-        return None
     pairs = [part.partition(":") for part in rest.split(",")[1:]]
     places = {name: place for name, _, place in pairs if place}
-    if places.pop("platform", "Linux") != "Linux":
-        return None
+    if places.pop("platform", "Linux") != "Linux" or places.get("hint", "").startswith("!"):
+        return None  # the line without "!" names buttons by the letters on them, as Rune does
     return _Line(bus=words[0], version=words[6], places=places)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from hub.files import read_regular
 from rune_tui.controls.devices.matching import DeviceInfo
 from rune_tui.controls.hid.device_controls import PhysicalControl
-from rune_tui.controls.hid.sdl import roles_from_sdl
+from rune_tui.controls.hid.sdl import guid_end, roles_from_sdl
 from rune_tui.controls.joystick.user_files import user_file
 
 FILE_NAME = "gamecontrollerdb.txt"
@@ -47,13 +47,19 @@ class Mappings:
             )
             return controls
         lines = islice(_lines_of(device, text), _MOST_LINES)
-        return roles_from_sdl(lines, controls, device.vid, device.pid, device.bus)
+        found = roles_from_sdl(lines, controls, device.vid, device.pid, device.bus, device.name)
+        if found.left_out:
+            self.fault = (
+                f"{device.shown}: its line in {self.path} has {', '.join(found.left_out)} in a "
+                "form that Rune cannot use; its own guess counts for them, see rune joytest"
+            )
+        return found.controls
 
 
 def _lines_of(device: DeviceInfo, text: str) -> Iterator[str]:
     """Lines with its numbers; to parse each line of a large file would delay input."""
-    numbers = b"".join(number.to_bytes(4, "little") for number in (device.vid, device.pid)).hex()
-    at = text.find(numbers)
+    numbers = guid_end(device.vid, device.pid, device.name)
+    at = text.find(numbers) if numbers else -1
     while at >= 0:
         begin, end = text.rfind("\n", 0, at) + 1, text.find("\n", at)
         end = len(text) if end < 0 else end

@@ -29,7 +29,10 @@ def test_a_careless_enter_neither_ends_the_console_nor_commands_a_robot(path: Pa
 def found(query: str) -> list[str]:
     """What the list of `search` has for some words, the best first."""
     listed = choices(actions_of(open_layout(LAYOUTS[0].with_name("search.xml"))))
-    scores = {title: match(query, title, action.help) for title, action in listed.items()}
+    scores = {
+        title: match(query, title, f"{action.help} {action.also}")
+        for title, action in listed.items()
+    }
     return sorted((title for title, score in scores.items() if score), key=lambda t: -scores[t])
 
 
@@ -41,6 +44,11 @@ def found(query: str) -> list[str]:
         ("sp li up", "Speed limit up"),
         ("pan", "Look left"),
         ("mode", "Night mode on or off"),
+        ("photo", "Keep a picture of the screen"),
+        ("screenshot", "Keep a picture of the screen"),
+        ("snap", "Keep a picture of the screen"),
+        ("autonomy", "Explore by itself"),
+        ("undo", "Take back your newest mark"),
     ],
 )
 def test_words_of_the_title_come_before_words_of_the_help(query: str, first: str):

@@ -113,3 +113,14 @@ def test_of_several_the_one_at_this_machine_comes_first_and_machines_are_not_mix
     assert assigned([ONE], [near], {"one": far}) == {}
     again = device("c", port="1", machine="desk")
     assert assigned([ONE], [near, again], {"one": far})["one"] == again
+
+
+def test_a_copy_that_a_program_made_comes_after_the_real_pad() -> None:
+    copy = device("/dev/input/event3", virtual=True)
+    no_port = device("/dev/input/event4")
+    real = device("/dev/input/event9", port="usb-1")
+    spec = joystick()
+    assert assigned([spec], [copy, no_port, real], {}) == {"pad": real}
+    assert assigned([spec], [copy, no_port], {}) == {"pad": no_port}
+    assert assigned([spec], [copy], {}) == {"pad": copy}
+    assert assigned([spec], [copy, real], {"pad": copy}) == {"pad": copy}, "it keeps what it has"

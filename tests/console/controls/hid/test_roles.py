@@ -98,7 +98,7 @@ def test_profiles_and_guesses_agree_with_the_database(name: str) -> None:
     each = device(name)
     own = each.decoder().controls
     unnamed = DeviceDecoder(each.descriptor, vid=0, pid=0).controls
-    assert roles_from_sdl(SDL, unnamed, each.vid, each.pid, each.bus) == own
+    assert roles_from_sdl(SDL, unnamed, each.vid, each.pid, each.bus).controls == own
 
 
 def test_buttons_without_a_name_have_their_number() -> None:
@@ -188,7 +188,7 @@ def test_database_may_turn_an_axis_round_and_place_the_hat() -> None:
     pad = decoder(axis(0x30), axis(0x31), axis(0x36), axis(0x36), axis(0x39, maximum=7), buttons)
     line = "03000000341200007856000000010000,pad,lefttrigger:a3~,lefty:a0~,leftx:a1,"
     line += "righttrigger:+a2,a:b7,dpup:h0.1,rightx:a9,paddle1:b2,platform:Linux"
-    changed = roles_from_sdl([line], pad.controls, 0x1234, 0x5678, 3)
+    changed = roles_from_sdl([line], pad.controls, 0x1234, 0x5678, 3).controls
     assert [(each.usage, each.role, each.flipped) for each in changed[:5]] == [
         ("x", "lefty", False),
         ("y", "leftx", False),
@@ -202,4 +202,48 @@ def test_database_may_turn_an_axis_round_and_place_the_hat() -> None:
 def test_without_a_line_for_it_a_device_keeps_its_roles() -> None:
     each = device("saitek_x52")
     controls = each.decoder().controls
-    assert roles_from_sdl(SDL, controls, each.vid, each.pid, each.bus) == controls
+    assert roles_from_sdl(SDL, controls, each.vid, each.pid, each.bus).controls == controls
+
+
+def padded(*parts: str, name: str = "", guid: str = "") -> tuple[dict[str, str], tuple[str, ...]]:
+    """Usages by role that a line gives a plain pad, and the roles that it cannot give."""
+    buttons = item(0x04, 9) + item(0x24, 1) + item(0x74, 1) + item(0x94, 8)
+    buttons += item(0x18, 1) + item(0x28, 8) + item(0x80, VARIABLE)
+    axes = [axis(usage) for usage in (0x30, 0x31, 0x32, 0x35)]
+    pad = decoder(*axes, axis(0x39, maximum=7), buttons, usage=5)
+    numbers = (0, 0) if name else (0x1234, 0x5678)
+    guid = guid or "03000000341200007856000000010000"
+    line = ",".join((guid, "pad", *parts, "platform:Linux", ""))
+    found = roles_from_sdl([line], pad.controls, *numbers, 3, name)
+    roles_found = {each.role: each.usage for each in found.controls}
+    named = {role: usage for role, usage in roles_found.items() if role and "button" not in role}
+    return named, found.left_out
+
+
+def test_every_form_of_a_line_gives_its_roles_or_keeps_the_guess_and_says_so() -> None:
+    sticks = {"leftx": "x", "lefty": "y"}
+    full = ("leftx:a0", "lefty:a1")
+    assert padded(*full) == (sticks, ())
+    assert padded("+leftx:+a1", "-leftx:-a1", "lefty:a0") == ({"leftx": "y", "lefty": "x"}, ())
+    assert padded(*full, "dpup:h0.1", "dpleft:h0.8") == (sticks | {"dpad": "hat switch"}, ())
+    assert padded(*full, "dpup:b0", "righttrigger:b1")[1] == ()
+    odd = padded(*full, "dpup:-a1", "dpdown:+a1", "lefttrigger:+a2", "righttrigger:-a2")
+    hat = {"dpad": "hat switch"}
+    assert odd == (sticks | hat, ("dpup", "dpdown", "lefttrigger", "righttrigger"))
+    guessed = {"rightx": "z", "righty": "rz"}
+    assert padded(*full, "rightx:h0.2", "righty:b3") == (sticks | guessed, ("rightx", "righty"))
+    assert padded("dpup:h0.2") == (sticks | {"dpad": "hat switch"}, ("dpup",))
+    assert padded("dpup:-a1", "dpdown:+a1", "a:b0")[0] == {**sticks, **hat, "a": "button 1"}
+    assert padded("a:b0", "x:b0")[1] == ("x",)
+    assert padded(*full, "misc1:b2", "paddle1:b3", "crc:d0c3", "type:ps5") == (sticks, ())
+    assert padded("leftx:a1", "hint:!SDL_GAMECONTROLLER_USE_BUTTON_LABELS:=1")[1] == ()
+
+
+def test_a_device_without_numbers_has_its_line_by_the_name() -> None:
+    name = "PLAYSTATION(R)3 Controller"
+    guid = "0300abcd" + name[:11].encode().hex() + "00"
+    swapped = ("leftx:a1", "lefty:a0")
+    assert padded(*swapped, name=name, guid=guid)[0] == {"leftx": "y", "lefty": "x"}
+    assert padded(*swapped, name="Other", guid=guid)[0]["leftx"] == "x"
+    upper = "\ufeff03000000341200007856000000010000".upper()
+    assert padded(*swapped, guid=upper)[0]["leftx"] == "y"

@@ -66,7 +66,7 @@ def test_a_file_that_cannot_be_read_is_told_of_and_the_pad_works(path: Path, dam
 
 @given(st.lists(st.tuples(PADS_LINE, st.text(max_size=60)).map("".join), max_size=4))
 def test_any_text_gives_known_roles_or_none(lines: list[str]) -> None:
-    given_roles = [each.role for each in roles_from_sdl(lines, PAD, 0x046D, 0xC216, 3)]
+    given_roles = [each.role for each in roles_from_sdl(lines, PAD, 0x046D, 0xC216, 3).controls]
     assert all(role in ROLES or not role for role in given_roles)
 
 
@@ -83,7 +83,9 @@ def test_any_text_gives_known_roles_or_none(lines: list[str]) -> None:
 )
 def test_any_places_give_no_role_twice(places: list[tuple[str, str, str, str]]) -> None:
     pairs = ",".join(f"{role}:{''.join(place)}" for role, *place in places)
-    found = roles_from_sdl([f"{SWAPPED.partition('leftx')[0]}{pairs}"], PAD, 0x046D, 0xC216, 3)
+    found = roles_from_sdl(
+        [f"{SWAPPED.partition('leftx')[0]}{pairs}"], PAD, 0x046D, 0xC216, 3
+    ).controls
     given_roles = [each.role for each in found if each.role]
     assert len(given_roles) == len(set(given_roles))
 
