@@ -85,15 +85,14 @@ def test_the_page_of_layouts_has_all_their_keys() -> None:
     sections = list(Section)
     for name, layout in layouts.items():
         for action in actions_of(layout):
-            keys = [each for each in action.inputs if each in _shown_keys(layout)]
-            for key in keys:
+            for key in filter(_shown_keys(layout).__contains__, action.inputs):
                 rows[sections.index(action.section), action.words][key].add(name)
     lines = (ROOT / "docs/layouts.md").read_text().splitlines()
     table = []
     for (_, words), keys in sorted(rows.items(), key=lambda row: row[0][0]):
         groups: defaultdict[frozenset[str], list[str]] = defaultdict(list)
-        for key, names in keys.items():
-            groups[frozenset(names)].append(key)
+        for key, users in keys.items():
+            groups[frozenset(users)].append(key)
         for names, same in groups.items():
             missing = layouts.keys() - names
             where = ", ".join(sorted(names))

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import cast
 
 import pytest
+from textual import events
 
 from rune_tui.dispatch import Dispatch
 from rune_tui.layout.names import ALT_KEYS, SHIFT_KEYS, is_key
@@ -60,6 +61,7 @@ def test_keys_with_shift_and_alt_have_names(
     keys = [*parser.feed(sequence)]
     until(lambda: keys.extend(parser.tick()) or keys, 5.0)
     (key,) = keys
+    assert isinstance(key, events.Key)
     assert names.named(key.key, key.character) == (name, fine)
 
 
