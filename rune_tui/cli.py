@@ -6,7 +6,6 @@ import argparse
 import functools
 import gc
 import os
-import shutil
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -18,6 +17,7 @@ from hub.plain_text import plain
 from rune_tui.commands.arguments import parser
 from rune_tui.commands.demo import AUTO, DEMO_LAYOUT
 from rune_tui.commands.log_file import LogFile, log_to_file
+from rune_tui.commands.own_terminal import ask_terminal
 from rune_tui.compositor.depth import ColourDepth
 from rune_tui.compositor.glyph_set import GlyphSet
 from rune_tui.errors import ConsoleError, DamagedLogError, TunnelError
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from rune_tui.link.fleet_mirrors import FleetMirrors
     from rune_tui.link.robot_links import RobotLinks
     from rune_tui.link.tunnel import Tunnel
-    from rune_tui.terminal.questions import Answers
-    from rune_tui.terminal.traits import Traits
 
 _WITHOUT_TERMINAL = "`rune joytest --list` lists what is plugged in"
 _COLLECT_AFTER = 10_000
@@ -64,6 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "shot": _shot,
         "replay": _replay,
         "terminal": _terminal,
+        "draw-test": _draw_test,
         "joytest": _joytest,
         "pad": _pad,
         "study": lambda _: _study(words[1:]),
@@ -318,7 +317,7 @@ def _replay(options: argparse.Namespace) -> int:
     log_to_file()
     from rune_tui.replay.command import show
 
-    _report(*show(options, opened, lambda: _ask_terminal(options)[:3]))
+    _report(*show(options, opened, lambda: ask_terminal(options)[:3]))
     return ExitCode.OK
 
 
@@ -383,7 +382,7 @@ def _console(
 ) -> int:
     from rune_tui.app import Console
 
-    traits, answers, took, _ = _ask_terminal(options)
+    traits, answers, took, _ = ask_terminal(options)
     gc.freeze()  # loaded modules stay: garbage collection skips them
     round_trip = took if answers.complete else 0.0
     given = (source, links, traits, round_trip, log.trouble)
@@ -404,27 +403,22 @@ def _terminal(options: argparse.Namespace) -> int:
     from rune_tui.terminal.report import as_json, report
 
     _need_terminal(instead="there is nothing to ask, so call it in the terminal itself")
-    sys.stdout.write((as_json if options.json else report)(*_ask_terminal(options)))
+    sys.stdout.write((as_json if options.json else report)(*ask_terminal(options)))
     return ExitCode.OK
 
 
-def _ask_terminal(options: argparse.Namespace) -> tuple[Traits, Answers, float, tuple[int, int]]:
-    """The terminal's traits, its answers, their time [s], and its size."""
-    from rune_tui.terminal.questions import Answers
-    from rune_tui.terminal.traits import traits_of
+def _draw_test(options: argparse.Namespace) -> int:
+    _need_terminal(instead="there is nothing to draw on, so call it in the terminal itself")
+    if sys.platform == "win32":
+        text = "draw-test works on Unix only"
+        raise _UsageError(text)
+    from rune_tui.terminal.draw_speed import measure
 
-    answers, took = Answers(), 0.0
-    if sys.platform != "win32":
-        from rune_tui.terminal.asking import ask_own
-
-        answers, took = ask_own()
-    columns, rows = shutil.get_terminal_size()
-    depth = ColourDepth(options.colors) if options.colors else None
-    glyphs = GlyphSet(options.glyphs) if options.glyphs else None
-    traits = traits_of(
-        answers, os.environ, (columns, rows), depth=depth, glyphs=glyphs, aspect=options.aspect
-    )
-    return traits, answers, took, (columns, rows)
+    traits, _, _, size = ask_terminal(options)
+    source, sink = sys.stdin.fileno(), sys.stderr.fileno()
+    speed = measure(source, sink, traits, size, options.seconds)
+    sys.stdout.write(speed.as_json() if options.json else speed.report())
+    return ExitCode.OK if speed.frames else ExitCode.FAULT
 
 
 def _load(name_or_path: str, variables: Sequence[tuple[str, str]]) -> LayoutSpec:

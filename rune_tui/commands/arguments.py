@@ -130,13 +130,12 @@ def parser() -> CommandParser:
     _add_robot_and_arena(demo, shot)
     shot.add_argument("--offline", action="store_true", help="draw it even if no hub answers")
     replay = _add_replay(commands)
-    terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
-    terminal.add_argument("--json", action="store_true", help="in one line, for machines")
+    terminal, draw_test = _add_terminal(commands)
     _add_fleet(run, shot)
     _add_operator_and_record(run, demo, drive)
-    for command in (run, demo, drive, shot, replay, terminal):
+    for command in (run, demo, drive, shot, replay, terminal, draw_test):
         command.add_argument("--glyphs", choices=glyphs, help=glyphs_help)
-    for command in (run, demo, drive, replay, terminal):
+    for command in (run, demo, drive, replay, terminal, draw_test):
         command.add_argument("--colors", choices=colors, help=colors_help)
         command.add_argument("--aspect", type=_aspect, metavar="RATIO", help=_ASPECT_HELP)
     joytest = _add_joytest(commands)
@@ -324,6 +323,17 @@ def _autopilot(text: str) -> str:
         return AUTOPILOT_PREFIX + text
     message = f"{text!r} is none of {', '.join(AUTOPILOTS)}"
     raise argparse.ArgumentTypeError(message)
+
+
+def _add_terminal(commands: Commands) -> tuple[CommandParser, CommandParser]:
+    terminal = commands.add_parser("terminal", help="say what this terminal can do, and why")
+    draw_test = commands.add_parser("draw-test", help="measure how fast this terminal draws")
+    draw_test.add_argument(
+        "--seconds", type=_seconds, default=5.0, metavar="S", help="how long it draws (5)"
+    )
+    for command in (terminal, draw_test):
+        command.add_argument("--json", action="store_true", help="in one line, for machines")
+    return terminal, draw_test
 
 
 def _add_joytest(commands: Commands) -> CommandParser:

@@ -40,7 +40,7 @@ def ask(source: int, sink: int, wait_s: float = WAIT_S) -> tuple[Answers, float]
     """
     began = time.monotonic()
     received = b""
-    with _unbuffered(source), contextlib.suppress(OSError):
+    with unbuffered(source), contextlib.suppress(OSError):
         os.write(sink, f"{_ENTER}{RESET}{QUESTIONS}".encode())
         with selectors.DefaultSelector() as selector:
             selector.register(source, selectors.EVENT_READ)
@@ -59,7 +59,7 @@ def ask(source: int, sink: int, wait_s: float = WAIT_S) -> tuple[Answers, float]
 
 
 @contextlib.contextmanager
-def _unbuffered(source: int) -> Iterator[None]:
+def unbuffered(source: int) -> Iterator[None]:
     """Input byte by byte, without echo; afterwards the old mode, or a shell's mode."""
     try:
         before = _for_a_shell(termios.tcgetattr(source))
