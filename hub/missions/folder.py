@@ -23,6 +23,7 @@ from hub.missions.records import Begun
 _ID = re.compile(r"[0-9]{8}-[0-9]{6}(-[0-9]{1,3})?")
 _SHEET = re.compile(r"sheet-([0-9]{1,10})\.grid")
 _MOST_AT_ONCE = 100
+_LONGEST_POINTER = 100
 
 
 class MissionFolder:
@@ -51,14 +52,31 @@ class MissionFolder:
         Raises:
             MissionFileError: It cannot be read.
         """
+        return self.find_running()[0]
+
+    def find_running(self) -> tuple[str, str]:
+        """The same, and what is wrong with the file that says it; empty: nothing.
+
+        Where that file is damaged, it is the newest mission, if that was not ended.
+
+        Raises:
+            MissionFileError: It cannot be read.
+        """
         pointer = self.path / "running"
         try:
-            name = files.read(pointer, 100).decode("ascii", "replace").strip()
+            name = files.read(pointer, _LONGEST_POINTER).decode("ascii", "replace").strip()
         except MapFileError as error:
             if not pointer.exists():
-                return ""
-            raise MissionFileError(str(error)) from error
-        return name if _ID.fullmatch(name) and (self.path / name / "journal").exists() else ""
+                return "", ""
+            if not pointer.is_file() or pointer.stat().st_size <= _LONGEST_POINTER:
+                raise MissionFileError(str(error)) from error
+            name = ""
+        if _ID.fullmatch(name) and (self.path / name / "journal").exists():
+            return name, ""
+        newest = next(reversed(self.missions()), "")
+        if newest and self.reading(newest)[0].running:
+            return newest, f"{pointer} is damaged; the newest mission, {newest}, goes on"
+        return "", f"{pointer} is damaged, and the newest mission is ended; none goes on"
 
     def set_running(self, mission: str) -> None:
         """Write the id of the running mission; empty: none.

@@ -103,7 +103,10 @@ class MissionKeeper:
         self._faults.pop("open", None)
         try:
             self._take_lock()
-            mission = self.folder.running()
+            mission, damage = self.folder.find_running()
+            if damage:
+                self._faults["pointer"] = damage
+                self.folder.set_running(mission)
             if not mission:
                 return None
             book, reading = self.folder.reading(mission)

@@ -81,6 +81,30 @@ def test_a_mark_begins_a_mission_and_comes_back_with_its_number(
     again.close()
 
 
+@pytest.mark.parametrize("damage", [b"", b"\0" * 15, b"x" * 4000, b"20260101-000000", b"../a"])
+def test_a_damaged_pointer_drops_no_mission(
+    keeper: MissionKeeper, tmp_path: Path, damage: bytes
+) -> None:
+    keeper.begin("first", "Ada")
+    keeper.end("Ada")
+    for x in range(8):
+        keeper.mark(victim(3.0 * x), "Ada")
+    pointer = keeper.folder.path / "running"
+    pointer.write_bytes(damage)
+    again = reopened(keeper, tmp_path)
+    again.open()
+    assert (len(again.points.points), again.id) == (8, keeper.id)
+    assert again.fault == f"{pointer} is damaged; the newest mission, {keeper.id}, goes on"
+    assert pointer.read_text() == keeper.id
+    again.end("Ada")
+    pointer.write_bytes(damage)
+    last = reopened(again, tmp_path)
+    last.open()
+    assert last.state.running == 0
+    assert "is damaged, and the newest mission is ended" in last.fault
+    last.close()
+
+
 def test_the_map_comes_back_to_a_step_of_its_log_odds(
     keeper: MissionKeeper, tmp_path: Path
 ) -> None:
