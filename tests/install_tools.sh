@@ -11,6 +11,7 @@ missing() {
     command -v tmux >/dev/null || echo tmux
     command -v cc >/dev/null || command -v gcc >/dev/null || echo gcc libc6-dev
     command -v sshd >/dev/null || echo openssh-server
+    command -v xmllint >/dev/null || echo libxml2-utils
 }
 
 # Where services are started, installing an ssh server would open this machine to the network.

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import importlib.resources
 import os
+import shutil
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 from lxml import etree
 
 from tests.support.layouts import relax_ng
@@ -82,3 +85,35 @@ def test_the_schema_allows_what_the_shipped_layouts_hold() -> None:
     validator = relax_ng()
     for path in (PATH.parents[1] / "layouts").glob("*.xml"):
         assert validator.validate(etree.parse(path))
+
+
+LAYOUTS = sorted(
+    path
+    for folder in ("layouts", "studies", "rune_study")
+    for path in (PATH.parents[1] / folder).rglob("*.xml")
+)
+
+
+needs_xmllint = pytest.mark.skipif(shutil.which("xmllint") is None, reason="xmllint is missing")
+
+
+def said_of(*layouts: Path) -> str:
+    """What the command in the docs says of layouts."""
+    command = ["xmllint", "--noout", "--relaxng", PATH.parents[1] / "rune_tui/layout/schema.rng"]
+    return subprocess.run([*command, *layouts], capture_output=True, text=True, check=False).stderr
+
+
+@needs_xmllint
+def test_xmllint_takes_every_layout() -> None:
+    """Its expressions are those of XML Schema, and stricter than those of Python."""
+    said = said_of(*LAYOUTS)
+    assert len(LAYOUTS) > 10
+    assert said.count(" validates\n") == len(LAYOUTS) == said.count("\n"), said
+
+
+@needs_xmllint
+def test_xmllint_refuses_what_is_no_variable(tmp_path: Path) -> None:
+    for number, run in enumerate(("x", "$", "${", "${1}", "$x{y}")):
+        path = tmp_path / f"{number}.xml"
+        path.write_text(LAYOUTS[0].read_text().replace('run="1"', f'run="{run}"', 1))
+        assert "fails to validate" in said_of(path), run
