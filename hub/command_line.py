@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import NoReturn, TypeAlias, TypeVar
 
 from hub.nearest import did_you_mean, nearest_word
+from hub.plain_text import plain
 
 N = TypeVar("N", int, float)
 
@@ -81,7 +82,7 @@ class CommandParser(argparse.ArgumentParser):
             message = message[: wrong.start()] + _unknown(wrong["word"], known)
         advice = self.advice or f"{self.prog} --help says more"
         more = "" if message.endswith("?") else f"; {advice}"
-        self.exit(ExitCode.USAGE, f"{self.prog}: {message}{more}\n")
+        self.exit(ExitCode.USAGE, plain(f"{self.prog}: {message}{more}", lines=True) + "\n")
 
 
 Commands: TypeAlias = "argparse._SubParsersAction[CommandParser]"  # noqa: SLF001 - it has no public name

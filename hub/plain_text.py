@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import html
 import unicodedata
 from typing import Final
 
@@ -39,6 +40,11 @@ def _shown(one: str) -> str:
     if unicodedata.category(one) not in _HIDDEN:
         return one
     return one.encode("unicode_escape").decode()
+
+
+def markup(text: str) -> str:
+    """A text for HTML, SVG and XML: as `plain` with its lines, and no part of it is a tag."""
+    return html.escape(plain(text, lines=True))  # noqa: TID251 - the one place
 
 
 def counted(number: int, thing: str) -> str:

@@ -135,7 +135,7 @@ def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
 
 
 def _show(shown: supervision.LogLines) -> None:
-    sys.stdout.write(shown.text)
+    sys.stdout.write(plain(shown.text, lines=True))
     sys.stdout.flush()
 
 

@@ -19,6 +19,7 @@ from typing import Self
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
 from hub.recording.chunks import LoggedMessage
+from hub.recording.holes import time_line
 from hub.recording.open_recording import OpenRecording
 from hub.recording.reader import AttachmentPlace
 from hub.recording.ros.bag import Bag
@@ -42,6 +43,7 @@ class RecordingSet(OpenRecording):
         counts: Number of messages by channel, where the files say it.
         attachments: Files within the recordings.
         finished: All files have their index.
+        holes: Long times without messages, after `skip_strays`: begin and end of each [ns].
     """
 
     def __init__(self, recordings: Sequence[Bag]) -> None:
@@ -65,6 +67,15 @@ class RecordingSet(OpenRecording):
             self._own.append(numbers)
         self.attachments = tuple(place for each in recordings for place in each.attachments)
         self.finished = all(each.finished for each in recordings)
+        self.holes: Sequence[tuple[int, int]] = ()
+        self._time_faults: Sequence[str] = ()
+
+    def skip_strays(self) -> None:
+        """Leave out messages whose stamps are far from all others, and find holes; see `faults`.
+
+        `newest` still knows those before the start: what is said once holds on.
+        """
+        self.start, self.end, self.holes, self._time_faults = time_line(self)
 
     @classmethod
     def open(cls, paths: Sequence[Path], *, partial: bool = False, unpacked: int = 0) -> Self:
@@ -100,6 +111,12 @@ class RecordingSet(OpenRecording):
     def faults(self) -> list[str]:
         """What is wrong with the files, in sentences."""
         several = len(self.recordings) > 1
+        return [
+            *self._time_faults,
+            *self._faults_of_files(several=several),
+        ]
+
+    def _faults_of_files(self, *, several: bool) -> list[str]:
         return [
             f"{each.path.name}: {fault}" if several else fault
             for each in self.recordings
@@ -158,10 +175,11 @@ class RecordingSet(OpenRecording):
         reverse: bool = False,
     ) -> Iterator[LoggedMessage]:
         """All messages by stamp; see `Recording.messages`."""
+        begin = self.start if start is None else start
+        until = self.end if end is None else end
 
         def of(recording: Bag, shift: int, numbers: Mapping[int, int]) -> Iterator[LoggedMessage]:
-            first = None if start is None else start - shift
-            last = None if end is None else end - shift
+            first, last = begin - shift, until - shift
             own = _wanted(numbers, channels)
             for message in recording.messages(first, last, own, reverse=reverse):
                 if message.channel in numbers:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from html import escape
 
+from hub.plain_text import markup
 from rune_study.estimate import Estimate
 
 STYLE = """
@@ -52,7 +52,7 @@ def page(title: str, parts: Iterable[str]) -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(title)}</title><style>{STYLE}</style></head>\n<body>\n<main>\n"
+        f"<title>{markup(title)}</title><style>{STYLE}</style></head>\n<body>\n<main>\n"
         + "\n".join(parts)
         + "\n</main>\n</body>\n</html>\n"
     )
@@ -60,7 +60,7 @@ def page(title: str, parts: Iterable[str]) -> str:
 
 def paragraph(text: str) -> str:
     """A paragraph."""
-    return f"<p>{escape(text)}</p>"
+    return f"<p>{markup(text)}</p>"
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, caption: str = "") -> str:
@@ -71,10 +71,10 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, caption: str =
         rows: Cells.
         caption: What it shows; empty: the text before it says so.
     """
-    above = f"<caption>{escape(caption)}</caption>" if caption else ""
-    head = "".join(f'<th scope="col">{escape(each)}</th>' for each in heads)
+    above = f"<caption>{markup(caption)}</caption>" if caption else ""
+    head = "".join(f'<th scope="col">{markup(each)}</th>' for each in heads)
     lines = "".join(
-        "<tr>" + "".join(f"<td{_class(cell)}>{escape(cell)}</td>" for cell in row) + "</tr>"
+        "<tr>" + "".join(f"<td{_class(cell)}>{markup(cell)}</td>" for cell in row) + "</tr>"
         for row in rows
     )
     return f'<div class="wide"><table>{above}<tr>{head}</tr>{lines}</table></div>'

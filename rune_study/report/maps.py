@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from html import escape
 
 import numpy as np
 
-from hub.plain_text import counted
+from hub.plain_text import counted, markup
 from hub.sim.arena import Footprints
 from hub.values import dataclass
 from rune_study.data.overlay import CELL_M, Cell, TrialOverlay
@@ -107,8 +106,8 @@ def condition_map(
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {plan.width} {plan.height}" '
         f'role="img" aria-labelledby="{names}" font-family="sans-serif" '
         f'font-size="{plan.text}" class="map">'
-        f'<title id="map{number}-title">{escape(title)}</title>'
-        f'<desc id="map{number}-words">{escape(words)}</desc>'
+        f'<title id="map{number}-title">{markup(title)}</title>'
+        f'<desc id="map{number}-words">{markup(words)}</desc>'
         f'<rect width="{plan.width}" height="{plan.height}" fill="#fff" class="paper"/>'
         f"{''.join(parts)}</svg>"
     )

@@ -5,9 +5,8 @@ from __future__ import annotations
 import datetime
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from html import escape
 
-from hub.plain_text import counted
+from hub.plain_text import counted, markup
 from hub.values import dataclass
 from rune_study.data.rows import TrialRow
 from rune_study.plan.design_report import DesignReport, design_lines
@@ -54,7 +53,7 @@ def html_page(report: StudyReport) -> str:
     return page(
         report.title,
         [
-            f"<h1>{escape(report.title)}</h1>",
+            f"<h1>{markup(report.title)}</h1>",
             paragraph(_summary(report)),
             "<h2>Design</h2>",
             *_design(report),
@@ -93,7 +92,7 @@ def _summary(report: StudyReport) -> str:
 
 def _design(report: StudyReport) -> Iterator[str]:
     yield _conditions(report)
-    yield f"<pre>{escape(chr(10).join(design_lines(report.design)))}</pre>"
+    yield f"<pre>{markup(chr(10).join(design_lines(report.design)))}</pre>"
     yield from (paragraph(f"Note: {each}.") for each in report.design.warnings)
     if report.fixed:
         rows = [[name, text, meaning] for name, (text, meaning) in report.fixed.items()]
@@ -201,7 +200,7 @@ def _maps(report: StudyReport) -> Iterator[str]:
         ],
     )
     pictures = (
-        f"<figure><figcaption>{escape(title)}</figcaption>{each.svg}</figure>"
+        f"<figure><figcaption>{markup(title)}</figcaption>{each.svg}</figure>"
         for title, each in report.maps.items()
     )
     yield f'<div class="pictures">{"".join(pictures)}</div>'

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from html import escape
 
 import numpy as np
 
+from hub.plain_text import markup
 from hub.values import dataclass
 from rune_study.data.rows import TrialRow
 from rune_study.estimate import Estimate
@@ -147,7 +147,7 @@ def _untested(found: Results) -> Iterator[str]:
 def _metric(found: Results, result: MetricResult) -> Iterator[str]:
     words = found.words_of(result.metric)
     chosen = " (chosen to decide)" if result.metric in found.primary else ""
-    yield f"<h3>{escape(words.label)}{chosen}</h3>"
+    yield f"<h3>{markup(words.label)}{chosen}</h3>"
     better = f" {words.better.capitalize()} is better." if words.better else ""
     yield paragraph(f"{words.meaning}{better}")
     if words.caution:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Sequence
-from html import escape
 
+from hub.plain_text import markup
 from hub.values import dataclass
 
 COLOURS = ("#1464aa", "#c8641e", "#2a8a50", "#8a3c96", "#b4960a", "#555b63")
@@ -108,7 +108,7 @@ class Chart:
     def dot(self, x: float, y: float, colour: str, *, size: float = 4.0, title: str = "") -> None:
         """A point, with words that appear under a pointer."""
         if math.isfinite(x) and math.isfinite(y):
-            inner = f"<title>{escape(title)}</title>" if title else ""
+            inner = f"<title>{markup(title)}</title>" if title else ""
             self._parts.append(
                 f'<circle class="data" cx="{self._across(x):.1f}" cy="{self._down(y):.1f}" '
                 f'r="{size}" fill="{colour}">{inner}</circle>'
@@ -143,7 +143,7 @@ class Chart:
         """Words at a point."""
         self._parts.append(
             f'<text x="{self._across(x):.1f}" y="{self._down(y) + 4:.1f}" '
-            f'text-anchor="{anchor}">{escape(words)}</text>'
+            f'text-anchor="{anchor}">{markup(words)}</text>'
         )
 
     def svg(self, title: str) -> str:
@@ -156,7 +156,7 @@ class Chart:
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" '
             f'role="img" font-size="11" font-family="sans-serif" style="max-width:{width}px">'
-            f"<title>{escape(title)}</title>"
+            f"<title>{markup(title)}</title>"
             f'<rect width="{width}" height="{height}" fill="#fff" class="paper"/>'
             f"{self._frame()}{''.join(self._parts)}</svg>"
         )
@@ -185,20 +185,20 @@ class Chart:
         parts = [
             f'<path class="axis" d="M{left} {top}V{bottom}H{right}" fill="none" stroke="#555b63"/>',
             f'<text x="{(left + right) / 2}" y="{height - 6}" text-anchor="middle">'
-            f"{escape(self._x.label)}</text>",
+            f"{markup(self._x.label)}</text>",
             f'<text x="12" y="{(top + bottom) / 2}" text-anchor="middle" '
-            f'transform="rotate(-90 12 {(top + bottom) / 2})">{escape(self._y.label)}</text>',
+            f'transform="rotate(-90 12 {(top + bottom) / 2})">{markup(self._y.label)}</text>',
         ]
         for value, words in self._x.ticks():
             x = self._across(value)
             parts.append(
                 f'<path class="axis" d="M{x:.1f} {bottom}v4" stroke="#555b63"/>'
-                f'<text x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{escape(words)}</text>'
+                f'<text x="{x:.1f}" y="{bottom + 16}" text-anchor="middle">{markup(words)}</text>'
             )
         for value, words in self._y.ticks():
             y = self._down(value)
             parts.append(
                 f'<path class="axis" d="M{left} {y:.1f}h-4" stroke="#555b63"/>'
-                f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{escape(words)}</text>'
+                f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{markup(words)}</text>'
             )
         return "".join(parts)

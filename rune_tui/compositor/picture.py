@@ -6,7 +6,7 @@ import functools
 import io
 import math
 from collections.abc import Collection
-from html import escape
+from html import escape  # noqa: TID251 - of single characters that can be printed
 from pathlib import Path
 
 import numpy as np

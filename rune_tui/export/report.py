@@ -6,13 +6,13 @@ import base64
 import io
 import math
 from collections.abc import Iterator, Sequence
-from html import escape
 
 import numpy as np
 from PIL import Image
 
 from hub.gcm.mapping import InterestPoint, PointKind
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.plain_text import markup
 from rune_tui.export.points import moment, thumbnail_text
 from rune_tui.model.world import metres_text
 
@@ -47,13 +47,13 @@ def html_page(
     victims = sum(point.kind is PointKind.VICTIM for point in shown)
     counted = f"Victims: {victims}, landmarks: {len(shown) - victims}"
     rows = "\n".join(map(_row, shown))
-    heading = escape(f"What {robot} found")
+    heading = markup(f"What {robot} found")
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head><meta charset="utf-8"><title>{heading}</title><style>{_STYLE}</style></head>
 <body>
 <h1>{heading}</h1>
-<p>{counted}. Made {escape(made)}.</p>
+<p>{counted}. Made {markup(made)}.</p>
 {drawing(shown, grid)}
 <p>Circles with a number are victims, squares are landmarks. Coordinates are metres in the
 robot's map, x to the right and y up; ± is their error, where it is known.</p>
@@ -74,7 +74,7 @@ def _row(point: InterestPoint) -> str:
     sure = (metres_text(point.uncertainty, 2), metres_text(point.distance, 1))
     numbers = "".join(f'<td class="number">{text}</td>' for text in (*place, *sure))
     words = (moment(point.stamp), point.by, point.note)
-    cells = "".join(f"<td>{escape(text)}</td>" for text in words)
+    cells = "".join(f"<td>{markup(text)}</td>" for text in words)
     return (
         f'<tr><td class="number">{point.number}</td><td>{point.kind.name.lower()}</td>'
         f"{numbers}{cells}<td>{image}</td></tr>"

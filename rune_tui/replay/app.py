@@ -10,6 +10,7 @@ from typing import ClassVar
 from textual import events
 from textual.app import ComposeResult
 
+from hub.plain_text import plain
 from rune_tui.compositor.cells import Cells
 from rune_tui.replay.clip_writer import ClipWriter
 from rune_tui.replay.desk import Desk, no_urgencies
@@ -67,7 +68,7 @@ class ReplayApp(MouseApp, inherit_bindings=False):
             round_trip: Answer time of the terminal [s].
         """
         super().__init__(driver_class=terminal_driver())
-        self.title = f"RECORDING {player.source.title}"
+        self.title = plain(f"RECORDING {player.source.title}")
         self._notes = notes
         self.desk = Desk(player, time.monotonic, notes, clips)
         self.desk.say(notes.fault or SHORT)

@@ -73,6 +73,7 @@ class BagSource:
             raise LogError(reason)
         self._robot = RosRobot(bag, path.stem or "robot")
         self.start, self.end = bag.start, self._after(bag.end)
+        self.holes = bag.holes
         self._pictures: dict[str, tuple[LoggedMessage, Received[Picture]]] = {}
         self._picture_faults: list[str] = []
         self._series: tuple[tuple[int, str, float], FieldSeries] | None = None

@@ -18,6 +18,7 @@ from rune_tui.errors import LogError, PictureFileError
 from rune_tui.replay import screen
 from rune_tui.replay.desk import SECOND, Desk
 from rune_tui.replay.player import Player
+from rune_tui.replay.source import beyond_hole
 
 if TYPE_CHECKING:
     from av import VideoStream
@@ -117,11 +118,17 @@ def _stamps(player: Player, options: ClipOptions) -> Iterator[int]:
     begin = source.start + options.start
     end = source.end if options.end is None else min(source.end, source.start + options.end)
     step = options.rate * SECOND / options.frames_per_s
-    count = int((end - begin) / step) + 1 if end >= begin else 0
-    if not count or source.frame_before(end) is None:
+    if end < begin or source.frame_before(end) is None:
         text = f"{source.title} has nothing in this part"
         raise LogError(text)
-    return (begin + round(number * step) for number in range(count))
+    number = 0
+    while (stamp := begin + round(number * step)) <= end:
+        after = beyond_hole(source.holes, stamp)
+        if after != stamp:
+            begin, number = after, 0
+        else:
+            yield stamp
+            number += 1
 
 
 class _Painter:

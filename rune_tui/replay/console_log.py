@@ -93,6 +93,7 @@ class ConsoleLog:
             reason = "; ".join((f"{path} has no frames of a console that can be read", *faults[:3]))
             raise DamagedLogError(reason)
         self.start, self.end = first.stamp, last.stamp
+        self.holes: Sequence[tuple[int, int]] = ()
 
     @property
     def faults(self) -> list[str]:

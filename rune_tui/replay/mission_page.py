@@ -7,11 +7,10 @@ import datetime
 import io
 import math
 from collections.abc import Callable, Iterator, Sequence
-from html import escape
 from typing import Final
 
 from hub.gcm.mapping import INTEREST_POINTS
-from hub.plain_text import counted
+from hub.plain_text import counted, markup
 from hub.values import dataclass
 from rune_tui.compositor.picture import image
 from rune_tui.export.report import drawing
@@ -94,23 +93,25 @@ def mission_page(
     start, end = source.start, source.end
     row = timeline.marks_row(_COLUMNS, start, end, end, overview)
     wrong = [event for event in overview.events if event.kind in _WRONG]
-    heading = escape(f"What happened: {source.title}")
+    heading = markup(f"What happened: {source.title}")
     parts = [
         f"<h1>{heading}</h1>",
         f"<p>{_clock(start, date=True)} to {_clock(end)}, {_length(end - start)}. "
         f"{counted(len(overview.episodes), 'episode')} of interaction, "
         f"{counted(len(overview.events), 'event')}.</p>",
-        f"<pre>{escape(row)}</pre>",
+        f"<pre>{markup(row)}</pre>",
         "<p>F freeze, ! alarm, V victim, B bump, | trial, · note, ▂ interaction, ╱ nothing.</p>",
         "<h2>What went wrong</h2>",
-        _events(wrong, start) if wrong else f"<p>No alarm and no bump{_unread(source)}.</p>",
+        _events(wrong, start)
+        if wrong
+        else f"<p>No alarm and no bump is recorded{_unread(source)}.</p>",
         *_problems(shown, start),
         *(
             f"<p>Nothing is recorded from {_length(gap.start - start)} to "
             f"{_length(gap.end - start)}.</p>"
             for gap in overview.gaps
         ),
-        *(f"<p>{escape(fault)}</p>" for fault in source.faults),
+        *(f"<p>{markup(fault)}</p>" for fault in source.faults),
         "<h2>Robots</h2>",
         *(_robot(name, way) for name, way in ways.items()),
         "<h2>Pictures</h2>",
@@ -140,7 +141,7 @@ def _problems(shown: Sequence[_LastingProblem], start: int) -> Iterator[str]:
         times = (_length(each.begin - start), _length(each.end - start), f"{each.seconds} s")
         problem = each.problem
         cells = (*times, problem.robot, "alarm" if problem.alarm else "warning", problem.text)
-        yield "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+        yield "<tr>" + "".join(f"<td>{markup(cell)}</td>" for cell in cells) + "</tr>"
     yield "</table>"
 
 
@@ -201,7 +202,7 @@ def _picture(player: Player, stamp: int, words: str) -> str:
     file = io.BytesIO()
     image(cells, scale=_SCALE).quantize(64).save(file, "PNG", optimize=True)
     code = base64.b64encode(file.getvalue()).decode()
-    when = escape(f"{_length(stamp - player.source.start)}: {words}")
+    when = markup(f"{_length(stamp - player.source.start)}: {words}")
     return f'<div><p>{when}</p><img alt="" src="data:image/png;base64,{code}"></div>'
 
 
@@ -215,11 +216,11 @@ def _robot(name: str, way: _Way) -> str:
     grid = way.last.map.value if way.last.map is not None else None
     steps = zip(way.places, way.places[1:], strict=False)
     driven = sum(math.dist(first, second) for first, second in steps)
-    words = (
-        f"{way.last.title}: about {driven:.1f} m driven, {counted(len(points), 'mark')} at the end."
-    )
+    way_words = f"about {driven:.1f} m driven" if way.places else "where it was is not recorded"
+    marks = counted(len(points), "mark") if reported is not None else "no report of marks"
+    words = f"{way.last.title}: {way_words}, {marks} at the end."
     picture = drawing(points, grid, way.places) if way.places or points else ""
-    return f"<h3>{escape(name)}</h3><p>{escape(words)}</p>{picture}"
+    return f"<h3>{markup(name)}</h3><p>{markup(words)}</p>{picture}"
 
 
 def _events(events: Sequence[ReplayEvent], start: int) -> str:
@@ -230,7 +231,7 @@ def _events(events: Sequence[ReplayEvent], start: int) -> str:
 def _rows(events: Sequence[ReplayEvent], start: int) -> Iterator[str]:
     for event in events:
         cells = (_length(event.stamp - start), _NAMES[event.kind], event.robot, event.text)
-        yield "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>"
+        yield "<tr>" + "".join(f"<td>{markup(cell)}</td>" for cell in cells) + "</tr>"
 
 
 def _clock(stamp: int, *, date: bool = False) -> str:

@@ -112,6 +112,18 @@ def with_notes(overview: Overview, notes: Sequence[ReplayEvent]) -> Overview:
     return dataclasses.replace(overview, events=events)
 
 
+GROWS_OLD_NS = 5_000_000_000
+"""Time at the begin of a hole in which one sees that all grows old [ns]."""
+
+
+def beyond_hole(holes: Sequence[tuple[int, int]], stamp: int) -> int:
+    """A time [ns], or the end of the hole that it is in."""
+    for begin, end in holes:
+        if begin + GROWS_OLD_NS < stamp < end:
+            return end
+    return stamp
+
+
 class ReplaySource(Protocol):
     """A recording, or several on one time line, as frames.
 
@@ -119,11 +131,13 @@ class ReplaySource(Protocol):
         title: Its name for people.
         start: Stamp of the first frame [ns since 1970].
         end: Stamp of the last frame [ns since 1970].
+        holes: Long times without frames, which videos and playing skip: begin and end [ns].
     """
 
     title: str
     start: int
     end: int
+    holes: Sequence[tuple[int, int]]
 
     @property
     def faults(self) -> Sequence[str]:

@@ -17,7 +17,7 @@ from rune_tui.errors import LogError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
-from rune_tui.replay.source import Overview, ReplayFrame
+from rune_tui.replay.source import Overview, ReplayFrame, beyond_hole
 from rune_tui.replay.survey import survey
 
 PERIOD_NS: Final = 50_000_000
@@ -67,6 +67,7 @@ class TimedLog:
         self.title = recording.path.name + (f" and {files - 1} more" if files > 1 else "")
         self._faults = faults
         self.start = recording.start
+        self.holes = recording.holes
         self.end = self.start + (recording.end - self.start) // PERIOD_NS * PERIOD_NS
         self._recording = recording
         self._layout = layout
@@ -111,8 +112,13 @@ class TimedLog:
         """Stamp of the first frame later than a time; None: there is none."""
         if stamp < self.start:
             return self.start
-        found = self.start + ((stamp - self.start) // PERIOD_NS + 1) * PERIOD_NS
+        found = self._frame_at(stamp + 1)
+        found = self._frame_at(beyond_hole(self.holes, found))
         return found if found <= self.end else None
+
+    def _frame_at(self, stamp: int) -> int:
+        """The first moment of frames at or after a time."""
+        return stamp + (self.start - stamp) % PERIOD_NS
 
     def press(self, _key: str, _stamp: int) -> bool:
         """No key means anything."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hub.plain_text import is_plain, plain
+from hub.plain_text import is_plain, markup, plain
 from tests.support.cases import for_each
 
 HOSTILE = "\x1b]0;PWNED\x07\x9b31m\u202e\u2066\u200b\u2028\ud800\x7f\r\x08"
@@ -34,3 +34,13 @@ def test_what_people_write_stays(text: str) -> None:
 def test_lines_stay_where_there_may_be_several() -> None:
     assert plain("one\n\ttwo\r\n", lines=True) == "one\n\ttwo\\r\n"
     assert plain("one\n\ttwo") == "one\\n\\ttwo"
+
+
+@given(text=st.text())
+def test_no_text_is_a_part_of_a_page(text: str) -> None:
+    shown = markup(text)
+    assert is_plain(shown, lines=True)
+    assert not set("<>\"'") & set(shown)
+    assert (
+        markup("<b a='1'>&\x1b[31m\u202e\n") == "&lt;b a=&#x27;1&#x27;&gt;&amp;\\x1b[31m\\u202e\n"
+    )

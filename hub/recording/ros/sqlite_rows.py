@@ -21,6 +21,8 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from hub.plain_text import counted
+
 _MOST_MESSAGES: Final = 20_000_000
 MOST_COUNTED: Final = 100_000
 """Messages whose topics are counted when a file is opened."""
@@ -98,9 +100,13 @@ class MessageRows:
                 if count > MOST_COUNTED:
                     return {}
                 query = f"SELECT topic_id, COUNT(*) FROM messages WHERE {_SOUND} GROUP BY topic_id"
-                return dict(self._database.execute(query).fetchall())
+                found = dict(self._database.execute(query).fetchall())
         except sqlite3.Error:
             return {}
+        if odd := count - sum(found.values()):
+            said = "before 1970, or with a time or topic that is no number, are left out"
+            self._note(f"{counted(odd, 'message')} {said}")
+        return found
 
     def places(
         self,

@@ -11,12 +11,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
+from hub.gcm.navigation import ROBOT_STATE
 from rune_tui.compositor.picture import image
 from rune_tui.errors import LogError, PictureFileError
+from rune_tui.files.console_recording import ConsoleRecording
 from rune_tui.replay.clip import ClipOptions, write_clip
 from rune_tui.replay.console_log import ConsoleLog
+from rune_tui.replay.opening import open_source
 from rune_tui.replay.player import Player
+from rune_tui.startup.opening import open_layout
 from tests.console.replay.logged_session import logged_session
+from tests.support.messages import robot_state
 
 SECOND = 1_000_000_000
 SMALL = ClipOptions(start=SECOND, end=3 * SECOND, frames_per_s=2.0, scale=2, as_seen=True)
@@ -103,3 +109,28 @@ def test_progress_ends_at_the_whole(player: Player, tmp_path: Path) -> None:
     write_clip(player, tmp_path / "clip.gif", SMALL, shares.append)
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
+
+
+def test_a_video_skips_a_long_hole(tmp_path: Path) -> None:
+    path, now = tmp_path / "hub.mcap", 1000.0
+    body = RobotBody(name="rover", kind="a", radius=0.2)
+    recording = ConsoleRecording(path, {}, clock=lambda: now)
+    for begin in (1000.0, 1000.0 + 90 * 3600.0):
+        now = begin
+        recording.add("rover", ROBOT_DESCRIPTION, body, now)
+        for tick in range(20):
+            now = begin + tick / 10
+            recording.add("rover", ROBOT_STATE, robot_state(x=float(tick)), now)
+    recording.close()
+    layout = open_layout("minimal")
+    with closing(Player(lambda: open_source([path], layout))) as player:
+        options = ClipOptions(frames_per_s=2.0, scale=2, as_seen=True)
+        count = write_clip(player, tmp_path / "clip.gif", options, nothing)
+        assert 10 <= count <= 20, (
+            "two drives of 2 s, and 5 s in which one sees the end of the first"
+        )
+        assert any(each.startswith("no message from ") for each in player.source.faults)
+        player.playing = True
+        for now_s in range(12):
+            player.tick(float(now_s))
+        assert player.position == player.source.end

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from PIL import Image
 
+from hub.plain_text import is_plain
 from rune_tui.replay.console_log import ConsoleLog
 from rune_tui.replay.mission_page import mission_page
 from rune_tui.replay.player import Player
@@ -59,3 +60,14 @@ def test_a_report_leaves_out_what_lacked_in_the_first_second_only(tmp_path: Path
             page = mission_page(player, lambda _: None)
         wrong = page.partition("What went wrong")[2].partition("<h2>")[0]
         assert ("connecting" in wrong) == (connects > 1.0)
+
+
+def test_a_report_spells_control_characters_out(tmp_path: Path) -> None:
+    session = logged_session(tmp_path, 2)
+    odd = session.rename(tmp_path / "a\x1b]0;b\x07\u202ec.mcap")
+    note = ReplayEvent(stamp=0, kind=EventKind.NOTE, text="\x1b[31m\u202e<look>", robot="r\x9b1m")
+    with closing(Player(partial(ConsoleLog, odd))) as player:
+        page = mission_page(player, lambda _: None, [note])
+    assert is_plain(page, lines=True)
+    assert r"What happened: a\x1b]0;b\x07\u202ec.mcap" in page
+    assert r"<td>r\x9b1m</td><td>\x1b[31m\u202e&lt;look&gt;</td>" in page
