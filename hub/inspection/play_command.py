@@ -61,7 +61,7 @@ def play(options: argparse.Namespace) -> int:
         EndpointError: The port is busy.
     """
     with RecordingSet.open(options.files, unpacked=options.unpack) as log:
-        log.skip_strays()
+        log.drop_outliers()
         robots = robots_of(log)
         known = [*log.faults]
         for fault in known:

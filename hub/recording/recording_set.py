@@ -43,7 +43,7 @@ class RecordingSet(OpenRecording):
         counts: Number of messages by channel, where the files say it.
         attachments: Files within the recordings.
         finished: All files have their index.
-        holes: Long times without messages, after `skip_strays`: begin and end of each [ns].
+        holes: Long times without messages, after `drop_outliers`: begin and end of each [ns].
     """
 
     def __init__(self, recordings: Sequence[Bag]) -> None:
@@ -70,7 +70,7 @@ class RecordingSet(OpenRecording):
         self.holes: Sequence[tuple[int, int]] = ()
         self._time_faults: Sequence[str] = ()
 
-    def skip_strays(self) -> None:
+    def drop_outliers(self) -> None:
         """Leave out messages whose stamps are far from all others, and find holes; see `faults`.
 
         `newest` still knows those before the start: what is said once holds on.

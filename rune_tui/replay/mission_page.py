@@ -102,9 +102,7 @@ def mission_page(
         f"<pre>{markup(row)}</pre>",
         "<p>F freeze, ! alarm, V victim, B bump, | trial, · note, ▂ interaction, ╱ nothing.</p>",
         "<h2>What went wrong</h2>",
-        _events(wrong, start)
-        if wrong
-        else f"<p>No alarm and no bump is recorded{_unread(source)}.</p>",
+        _events(wrong, start) if wrong else _nothing_wrong(source),
         *_problems(shown, start),
         *(
             f"<p>Nothing is recorded from {_length(gap.start - start)} to "
@@ -127,8 +125,9 @@ def mission_page(
     )
 
 
-def _unread(source: ReplaySource) -> str:
-    return " in what can be read; parts of the recording cannot be read" if source.faults else ""
+def _nothing_wrong(source: ReplaySource) -> str:
+    unread = " in what can be read; parts of the recording cannot be read" if source.faults else ""
+    return f"<p>No alarm and no bump is recorded{unread}.</p>"
 
 
 def _problems(shown: Sequence[_LastingProblem], start: int) -> Iterator[str]:

@@ -66,7 +66,7 @@ def open_source(
                 return ConsoleLog(path, others, unpacked=unpacked)
     recording = RecordingSet.open(files, partial=True, unpacked=unpacked)
     try:
-        recording.skip_strays()
+        recording.drop_outliers()
         if next(recording.messages(), None) is None and recording.faults:
             reason = "; ".join((f"nothing of {recording.path} can be read", *recording.faults[:3]))
             raise DamagedLogError(reason)

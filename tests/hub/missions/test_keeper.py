@@ -85,8 +85,6 @@ def test_a_mark_begins_a_mission_and_comes_back_with_its_number(
 def test_a_damaged_pointer_drops_no_mission(
     keeper: MissionKeeper, tmp_path: Path, damage: bytes
 ) -> None:
-    keeper.begin("first", "Ada")
-    keeper.end("Ada")
     for x in range(8):
         keeper.mark(victim(3.0 * x), "Ada")
     pointer = keeper.folder.path / "running"
@@ -98,11 +96,9 @@ def test_a_damaged_pointer_drops_no_mission(
     assert pointer.read_text() == keeper.id
     again.end("Ada")
     pointer.write_bytes(damage)
-    last = reopened(again, tmp_path)
-    last.open()
-    assert last.state.running == 0
-    assert "is damaged, and the newest mission is ended" in last.fault
-    last.close()
+    again.open()
+    assert "is damaged, and the newest mission is ended" in again.fault
+    again.close()
 
 
 def test_the_map_comes_back_to_a_step_of_its_log_odds(

@@ -27,7 +27,7 @@ def recorded(path: Path, stamps: list[int], **limits: int) -> RecordingSet:
 
 
 @pytest.mark.parametrize(
-    ("strays", "said"),
+    ("outliers", "said"),
     [
         ([0, 0, 0], "3 messages at 1970"),
         ([7 * SECOND], "1 message at 1970"),
@@ -37,34 +37,34 @@ def recorded(path: Path, stamps: list[int], **limits: int) -> RecordingSet:
     ],
 )
 @pytest.mark.parametrize("chunk_bytes", [100, 10**6])
-def test_strays_at_the_ends_are_left_out(
-    tmp_path: Path, strays: list[int], said: str, chunk_bytes: int
+def test_outliers_at_the_ends_are_left_out(
+    tmp_path: Path, outliers: list[int], said: str, chunk_bytes: int
 ) -> None:
-    stamps = [*strays[:1], *USUAL, *strays[1:]]
+    stamps = [*outliers[:1], *USUAL, *outliers[1:]]
     with recorded(tmp_path / "a.mcap", stamps, chunk_bytes=chunk_bytes) as recording:
-        recording.skip_strays()
+        recording.drop_outliers()
         times = [each.stamp for each in recording.messages()]
         assert len(times) == len(USUAL)
         assert recording.start // SECOND == NOW // SECOND
         assert recording.end - recording.start < 11 * SECOND
         assert recording.holes == ()
-        assert len(recording.faults) == len(set(strays))
+        assert len(recording.faults) == len(set(outliers))
         assert recording.faults[0].startswith(said)
         assert recording.faults[0].endswith("are far from all others, and left out")
         newest = recording.newest(recording.start - 1)
-        assert bool(newest) == (min(strays) < NOW), "what was said once holds on"
+        assert bool(newest) == (min(outliers) < NOW), "what was said once holds on"
 
 
 def test_a_recording_of_a_simulation_stays_in_1970(tmp_path: Path) -> None:
     with recorded(tmp_path / "a.mcap", [each - NOW for each in USUAL]) as recording:
-        recording.skip_strays()
+        recording.drop_outliers()
         assert (recording.start, recording.holes, recording.faults) == (0, (), [])
 
 
 def test_two_drives_stay_and_the_hole_between_them_is_named(tmp_path: Path) -> None:
     second = [each + 50 * HOUR for each in USUAL]
     with recorded(tmp_path / "a.mcap", [*USUAL, *second]) as recording:
-        recording.skip_strays()
+        recording.drop_outliers()
         assert sum(1 for _ in recording.messages()) == 400
         ((begin, end),) = recording.holes
         assert end - begin == pytest.approx(50 * HOUR - 9.95 * SECOND, abs=SECOND)
@@ -88,7 +88,7 @@ def test_databases_have_negative_stamps_too(tmp_path: Path) -> None:
         )
     database.close()
     with RecordingSet.open([path]) as recording:
-        recording.skip_strays()
+        recording.drop_outliers()
         assert recording.end - recording.start < 11 * SECOND
         (fault,) = recording.faults
         assert fault.startswith("1 message before 1970"), fault
