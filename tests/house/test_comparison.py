@@ -44,3 +44,14 @@ def test_a_command_is_one_that_there_is(command: str) -> None:
     else:
         assert program == "pytest"
         assert (ROOT / arguments[-1]).exists()
+
+
+def test_what_others_do_better_is_not_what_rune_does_too() -> None:
+    """A feature that has a row of ours is not denied below the rows."""
+    page = (ROOT / "docs" / "comparison.md").read_text()
+    below = page.partition("## What the others do better")[2]
+    denied = re.findall(r"replays nothing|needs a bridge|shows none|speaks its own", below)
+    assert denied == []
+    ours = {row[0]: row[5] for row in ROWS}
+    for feature in ("replay of recordings", "point clouds", "robots with ROS"):
+        assert ours[feature].startswith(("yes", "part"))
