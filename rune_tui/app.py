@@ -120,7 +120,8 @@ class Console(CoveredApp, inherit_bindings=False):
         """Run; stop the robots and close the links at every kind of end.
 
         Returns:
-            The exit code: 0 if the operator or the system ended it, 1 after a fault.
+            The exit code: 0 if the operator or the system ended it, 1 after a fault, or where the
+            recording lacks something.
         """
         sys.setswitchinterval(_SWITCH_S)
         for link in self._links.values():
@@ -134,8 +135,8 @@ class Console(CoveredApp, inherit_bindings=False):
             self.inputs.joysticks.close()
             for link in self._links.values():
                 link.close()
-            self.effects.end_recording()
-        return 0 if self.leaving and not self.return_code else 1
+            kept = self.effects.end_recording()
+        return 0 if self.leaving and not self.return_code and kept else 1
 
     def on_mount(self) -> None:
         """Start the clocks, and handle the system's signals to end."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import sys
 import time
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 
+from hub.plain_text import plain
 from rune_tui.files.file_writer import FileWriter
 from rune_tui.files.user_files import Outcome, undelivered
 from rune_tui.layout.actions import Action, actions_of
@@ -159,14 +161,22 @@ class EffectRunner:
         self.file_writer.recorder.folder = folder
         self.run((RecordEffect(),))
 
-    def end_recording(self) -> None:
-        """End a running recording; returns when its file is complete."""
-        if self.file_writer.recorder.path:
-            self.file_writer.recorder.end()()
+    def end_recording(self) -> bool:
+        """End a running recording; returns, when its file is complete, whether all is in it.
+
+        What is not is said on standard error, for the view has ended.
+        """
+        if not self.file_writer.recorder.path:
+            return True
+        outcome = self.file_writer.recorder.end()()
+        if outcome.alarm:
+            sys.stderr.write(f"rune: {plain(outcome.text)}\n")
+        return not outcome.alarm
 
     def tick(self, now: float) -> None:
         """Record, report changes and tick the widgets; runs 20 times a second."""
         self._save_calibrations()
+        self.file_writer.look()
         state = self._state()
         if state.display is not None:
             self.file_writer.recorder.note(now, state.display)

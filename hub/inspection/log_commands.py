@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import shutil
 import sys
 import time
@@ -24,7 +25,7 @@ from hub.robots.mavlink import tlog
 from hub.toml_reader import RefusedError, plain_name
 
 _ENDINGS = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
-_MOST_LISTED = 10_000
+_MOST_FILES = 1_000_000
 _PATIENCE_S = 1.0
 """Work that takes longer says how far it has got [s]."""
 _BETWEEN_S = 0.2
@@ -104,6 +105,8 @@ def _show(facts: RecordingFacts, *, quick: bool) -> None:
         put(f"no messages for {span((end - begin) / 1e9)} from {date(begin)}")
     for topic, count in facts.lost.items():
         put(plain(f"{count} messages of {topic} were lost by the writer"))
+    if quick:
+        put("only the index was read: sizes, losses, gaps, marks and damage are not known")
     if not facts.finished:
         put("unfinished: it has no index; `rune-hub log recover` makes a file with one")
     for fault in facts.faults:
@@ -190,15 +193,31 @@ def _recordings_in(root: Path) -> Iterator[Path]:
     if not root.is_dir():
         text = f"there is no folder {root}"
         raise RecordingError(text)
-    bags: set[Path] = set()
-    for count, path in enumerate(sorted(root.rglob("*"))):
-        if count > 100 * _MOST_LISTED:
-            return
-        if path.name == "metadata.yaml":
-            bags.add(path.parent)
-    for path in sorted({*bags, *(each for each in root.rglob("*") if _is_recording(each))}):
+    found = sorted(_files_in(root))
+    bags = {path.parent for path in found if path.name == "metadata.yaml"}
+    for path in sorted({*bags, *(each for each in found if _is_recording(each))}):
         if path.parent not in bags:
             yield path
+
+
+def _files_in(root: Path) -> Iterator[Path]:
+    """All files in a folder and in those within it.
+
+    Raises:
+        RecordingError: One of them cannot be read, or they are too many.
+    """
+
+    def refuse(error: OSError) -> None:
+        text = f"{error.filename} cannot be read: {error.strerror}"
+        raise RecordingError(text) from error
+
+    count = 0
+    for folder, _, names in os.walk(root, onerror=refuse):
+        count += len(names)
+        if count > _MOST_FILES:
+            text = f"{root} has more than {_MOST_FILES} files; name a folder in it"
+            raise RecordingError(text)
+        yield from (Path(folder, name) for name in names)
 
 
 def _is_recording(path: Path) -> bool:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from hub.command_line import login_name
-from hub.command_output import put, put_json
+from hub.command_output import print_error, put, put_json
 from hub.errors import MissionError, NoHandlerError, QueryError, RobotFileError
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.mission import MISSION_COMMAND, MissionAction, MissionCommand
@@ -29,7 +29,14 @@ _STATES = {
 
 
 def list_all(robot: str, folder: str, *, as_json: bool) -> int:
-    """Show all missions, the oldest first."""
+    """Show all missions, the oldest first.
+
+    Returns:
+        The exit code: 1 where one cannot be read.
+
+    Raises:
+        MissionError: A folder is there and cannot be read.
+    """
     rows = []
     found = [_facts(each, known) for each in _folders(robot, folder) for known in each.missions()]
     for facts in sorted(found, key=lambda facts: (facts["id"], facts["robot"])):
@@ -44,15 +51,18 @@ def list_all(robot: str, folder: str, *, as_json: bool) -> int:
                 facts["id"],
                 plain(facts["name"]),
                 lasted or facts["state"],
-                str(facts["marks"]),
-                f"{facts['size_bytes'] / 1e6:.1f} MB",
+                *(
+                    (str(facts["marks"]), f"{facts['size_bytes'] / 1e6:.1f} MB")
+                    if facts["marks"] is not None
+                    else ("?", "?")
+                ),
             )
         )
     if rows:
         table(("robot", "mission", "name", "lasted", "marks", "size"), rows, words=4)
     elif not as_json:
         put("there are no missions here")
-    return 0
+    return 1 if any(facts["marks"] is None for facts in found) else 0
 
 
 def show(mission: str, robot: str, folder: str, *, as_json: bool) -> int:
@@ -67,7 +77,7 @@ def show(mission: str, robot: str, folder: str, *, as_json: bool) -> int:
     if as_json:
         events = [{"stamp": event.stamp, "text": event.text} for event in book.events]
         put_json({**facts, "marks": facts_of_marks(book), "events": events})
-        return 0
+        return 1 if facts["damaged"] else 0
     state = _STATES[MissionPhase(facts["state"])]
     put(plain(f"mission {facts['name']} of {facts['robot']} ({mission}) {state}"))
     put(f"in {each.path / mission}")
@@ -79,7 +89,7 @@ def show(mission: str, robot: str, folder: str, *, as_json: bool) -> int:
         put(plain(f"{place}{sheet}, {mark['by']}, {moment(mark['stamp'])} {mark['note']}").rstrip())
     for event in book.events:
         put(plain(f"{moment(event.stamp)}  {event.text}"))
-    return 0
+    return 1 if facts["damaged"] else 0
 
 
 def export(mission: str, robot: str, folder: str, output: Path | None) -> int:
@@ -92,7 +102,10 @@ def export(mission: str, robot: str, folder: str, output: Path | None) -> int:
     target = output or Path(mission)
     written = export_files(each, mission, target)
     put(f"{len(written)} files are in {target}")
-    return 0
+    damaged = mission_facts(each, mission)["damaged"]
+    if damaged:
+        print_error(f"{damaged} records of the mission are damaged and left out")
+    return 1 if damaged else 0
 
 
 def order(client: Client, action: MissionAction, name: str) -> int:
@@ -150,8 +163,11 @@ def _folders(robot: str, folder: str) -> list[MissionFolder]:
     root = for_missions(folder)
     try:
         names = sorted(entry.name for entry in root.iterdir() if entry.is_dir())
-    except OSError:
+    except (FileNotFoundError, NotADirectoryError):
         return []
+    except OSError as fault:
+        text = f"{root} cannot be read: {fault.strerror or fault}"
+        raise MissionError(text) from fault
     return [MissionFolder.of(root / name) for name in names]
 
 
@@ -162,6 +178,6 @@ def _facts(folder: MissionFolder, mission: str) -> dict[str, Any]:
     except MissionError as error:
         return {
             "robot": folder.robot, "id": mission, "name": f"cannot be read: {error}",
-            "begun": 0.0, "ended": None, "state": "not readable", "running": False, "marks": 0,
-            "size_bytes": 0,
+            "begun": 0.0, "ended": None, "state": "not readable", "running": False, "marks": None,
+            "size_bytes": None,
         }  # fmt: skip

@@ -80,7 +80,7 @@ def play(options: argparse.Namespace) -> int:
         for fault in log.faults:
             if fault not in known:
                 print_error(fault)
-        return code
+        return code or (ExitCode.FAULT if log.faults else ExitCode.OK)
 
 
 def _chooses(topic: str, options: argparse.Namespace) -> bool:

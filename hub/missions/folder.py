@@ -95,14 +95,22 @@ class MissionFolder:
             raise MissionFileError(text) from fault
 
     def missions(self) -> list[str]:
-        """Ids of all missions, the oldest first."""
-        with contextlib.suppress(OSError):
+        """Ids of all missions, the oldest first.
+
+        Raises:
+            MissionFileError: The folder is there and cannot be read.
+        """
+        try:
             return sorted(
                 entry.name
                 for entry in self.path.iterdir()
                 if _ID.fullmatch(entry.name) and (entry / "journal").is_file()
             )
-        return []
+        except (FileNotFoundError, NotADirectoryError):
+            return []
+        except OSError as fault:
+            text = f"{self.path} cannot be read: {fault.strerror or fault}"
+            raise MissionFileError(text) from fault
 
     def make(self, stamp: float) -> str:
         """Make the folder of a new mission; returns its id.

@@ -28,7 +28,9 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 from urllib.parse import urlsplit
 
+from hub import files
 from hub.command_line import ExitCode
+from hub.errors import RobotFileError
 from hub.plain_text import plain
 from rune_tui.commands.auto import with_file
 from rune_tui.commands.demo import AUTO
@@ -158,6 +160,19 @@ def _from_here(
     return code, found, hub.endpoint
 
 
+def _write(path: Path, text: str) -> None:
+    """Write a robot file.
+
+    Raises:
+        RobotFileError: It cannot be written.
+    """
+    try:
+        files.replace(path, text.encode())
+    except OSError as error:
+        raise RobotFileError(str(path), [f"cannot be written: {error.strerror}"]) from error
+    _say(f"written: {path}")
+
+
 def _through_ssh(stack: ExitStack, address: str, options: argparse.Namespace, log: Path) -> Started:
     """Start the hub on the robot; where Rune is not installed there, on this machine."""
     robot = options.ssh
@@ -183,8 +198,7 @@ def _through_ssh(stack: ExitStack, address: str, options: argparse.Namespace, lo
         return started
     _say_found(address, found)
     if options.output is not None:
-        options.output.write_text(found["text"])
-        _say(f"written: {options.output}")
+        _write(options.output, found["text"])
     _say(
         f"the hub runs on {robot}. When ssh ends, it stops the robot within 0.3 s; when that "
         f"computer ends, {_left_alone(found)}"

@@ -74,6 +74,11 @@ class FileWriter:
         else:
             self._report(self.recorder.begin(layout, operator))
 
+    def look(self) -> None:
+        """End a recording that the disk ended, and report it."""
+        if self.recorder.fault:
+            self._write(self.recorder.end())
+
     def write_screenshot(self, cells: Cells, pictures: Collection[SeenPicture]) -> None:
         """Write a picture of the view."""
         now = _now()

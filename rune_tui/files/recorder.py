@@ -69,6 +69,11 @@ class Recorder:
         """The file of the running recording; else empty."""
         return str(self._recording.path) if self._recording is not None else ""
 
+    @property
+    def fault(self) -> str:
+        """Why nothing more of the running recording is kept; empty: all is, or none runs."""
+        return self._recording.state.fault if self._recording is not None else ""
+
     def begin(self, layout: LayoutSpec, operator: str) -> user_files.Outcome:
         """Begin a recording; returns the outcome."""
         now = datetime.datetime.now().astimezone()

@@ -106,7 +106,10 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
     from rune_tui.export.report import html_page
 
     newest = robot.newest(INTEREST_POINTS)
-    points = newest.value.points if newest is not None else ()
+    if newest is None:
+        text = "marks not written: the robot has not reported its marks"
+        return Outcome(text=text, alarm=True, robot=robot.name)
+    points = newest.value.points
     if not points:
         return Outcome(text="nothing is marked on its map", robot=robot.name)
     grid = robot.map.value if robot.map is not None else None

@@ -20,6 +20,7 @@ from rune_tui.model.own_records import RUNE_INPUT
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.driver_reports import KeyMoved, ReleasesReported
 from tests.console.app_desk import Desk, Script
+from tests.support.full_disk import files_no_longer_than
 
 
 def test_a_click_on_the_floor_is_a_mark_on_the_robots_map_and_undo_takes_it_back(
@@ -265,6 +266,22 @@ def test_a_step_that_fails_ends_no_console_and_leaves_the_others(
             await desk.until(lambda: any("could not be done" in text for text in desk.notices))
             await desk.drive()
         assert len([text for text in desk.notices if "could not be done" in text]) == 1
+
+    play(script)
+
+
+def test_a_recording_that_a_full_disk_ends_is_not_shown_as_running(
+    play: Callable[[Script], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_DOCUMENTS_DIR", str(tmp_path))
+
+    async def script(desk: Desk) -> None:
+        await desk.press("r")
+        await desk.until(lambda: desk.console.state.recording)
+        with files_no_longer_than(1):
+            await desk.until(lambda: not desk.console.state.recording)
+            await desk.until(lambda: any("then it ended: " in text for text in desk.notices))
+        assert desk.console.state.notices[-1].alarm
 
     play(script)
 

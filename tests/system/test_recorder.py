@@ -251,8 +251,9 @@ def test_a_recording_that_an_order_began_outlives_its_recorder(
 
 
 def test_what_a_full_disk_does_not_keep_is_not_said_to_be_kept(
-    start_hub: Start, look: Look
+    start_hub: Start, look: Look, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")  # else caches of modules would be cut
     hub = start_hub(**recorder())
     observer = look(hub, RECORD_STATE)
     assert ask(observer, action=RecordAction.START).done

@@ -16,7 +16,7 @@ from hub.inspection.doctor import (
     robot_checks,
     ros_checks,
 )
-from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
+from hub.inspection.doctor.finding import Finding, Level, ok, problem, unknown
 from hub.plain_text import plain
 from hub.robots.description import RobotDescription
 from hub.robots.robot_file import find_robot_file, read_description
@@ -63,7 +63,7 @@ def examine(name_or_path: str, load: Callable[[str], object], *, as_json: bool) 
         as_json: JSON, one line a finding.
 
     Returns:
-        The exit code: 2 if the robot file is wrong, 1 if something else is, 0 if nothing is.
+        The exit code: 2 if the robot file is wrong, 1 if something else is or is not known, else 0.
     """
     counts = dict.fromkeys(Level, 0)
     robot_file_wrong = False
@@ -73,10 +73,11 @@ def examine(name_or_path: str, load: Callable[[str], object], *, as_json: bool) 
         put(_as_json(check, finding) if as_json else _as_line(check, finding))
     problems, warnings = counts[Level.PROBLEM], counts[Level.WARNING]
     if not as_json:
-        put(f"problems: {problems}, warnings: {warnings}")
+        not_known = f", not known: {counts[Level.UNKNOWN]}" if counts[Level.UNKNOWN] else ""
+        put(f"problems: {problems}, warnings: {warnings}{not_known}")
     if robot_file_wrong:
         return _WRONG_ROBOT_FILE
-    return _WRONG if problems else _NOTHING_WRONG
+    return _WRONG if problems or counts[Level.UNKNOWN] else _NOTHING_WRONG
 
 
 def attempt(check: Callable[[], list[Finding]]) -> list[Finding]:
@@ -85,7 +86,7 @@ def attempt(check: Callable[[], list[Finding]]) -> list[Finding]:
         return check()
     except Exception as fault:  # noqa: BLE001 - a failed check does not end the others
         text = f"could not be looked at ({type(fault).__name__}: {fault})"
-        return [warning(text, "look yourself, and please report it")]
+        return [unknown(text, "look yourself, and please report it")]
 
 
 def _findings(name_or_path: str, load: Callable[[str], object]) -> Iterator[tuple[str, Finding]]:

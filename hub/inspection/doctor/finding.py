@@ -8,10 +8,15 @@ from hub.values import dataclass
 
 
 class Level(enum.Enum):
-    """The level of a finding; with a problem the hub does not run, or not by the robot file."""
+    """The level of a finding.
+
+    With a problem the hub does not run, or not by the robot file. What could not be looked at is
+    unknown, and as bad.
+    """
 
     OK = "ok"
     WARNING = "warning"
+    UNKNOWN = "unknown"
     PROBLEM = "problem"
 
 
@@ -38,6 +43,11 @@ def ok(text: str) -> Finding:
 def warning(text: str, advice: str) -> Finding:
     """Something that will do, but not well or not for long."""
     return Finding(level=Level.WARNING, text=text, advice=advice)
+
+
+def unknown(text: str, advice: str) -> Finding:
+    """Something that could not be looked at."""
+    return Finding(level=Level.UNKNOWN, text=text, advice=advice)
 
 
 def problem(text: str, advice: str) -> Finding:

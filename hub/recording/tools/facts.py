@@ -72,6 +72,7 @@ class RecordingFacts:
         about: Its metadata.
         attachments: Names of the files within it.
         faults: What is wrong with it, in sentences.
+        looked: All of it was read; else gaps, marks and damage are not known.
     """
 
     path: Path
@@ -86,6 +87,7 @@ class RecordingFacts:
     about: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: list[str] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
+    looked: bool = False
 
     @property
     def messages(self) -> int:
@@ -130,6 +132,7 @@ def facts_of_recording(
                 count.add(facts)
                 if facts.stamps.size:
                     progress((int(facts.stamps[-1]) - recording.start) / length)
+            found.looked = True
             found.gaps = count.gaps()
             found.marks = list(itertools.islice(marks_of(recording), _MOST_MARKS))
         found.topics = sorted(count.topics.values(), key=lambda each: each.topic.name)
@@ -174,12 +177,16 @@ def as_json(facts: RecordingFacts) -> dict[str, Any]:
             }
             for each in facts.topics
         ],
-        "gaps": [{"start_ns": str(a), "duration_s": (b - a) / 1e9} for a, b in facts.gaps],
+        "gaps": [{"start_ns": str(a), "duration_s": (b - a) / 1e9} for a, b in facts.gaps]
+        if facts.looked
+        else None,
         "lost": facts.lost,
         "marks": [
             {"number": each.number, "stamp_ns": str(each.stamp), "text": each.text}
             for each in facts.marks
-        ],
+        ]
+        if facts.looked
+        else None,
         "about": facts.about,
         "attachments": facts.attachments,
         "faults": facts.faults,

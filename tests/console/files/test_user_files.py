@@ -49,7 +49,10 @@ def test_marks_are_a_table_geojson_and_a_page(home: Path):
 
 
 def test_without_marks_no_file_is_written(home: Path):
-    assert "nothing is marked" in user_files.write_marks(seeing().robots["magellan"], NOW).text
+    unknown = user_files.write_marks(seeing(messages={}).robots["magellan"], NOW)
+    assert (unknown.alarm, "has not reported its marks" in unknown.text) == (True, True)
+    none = user_files.write_marks(seeing().robots["magellan"], NOW)
+    assert (none.alarm, "nothing is marked" in none.text) == (False, True)
     assert list(home.iterdir()) == []
 
 

@@ -203,3 +203,23 @@ def test_a_berth_that_an_arena_lacks_is_named(root: Path) -> None:
     command = ["mission", "score", "--folder", str(root), "--arena", "pool", "--berth", "rof"]
     with pytest.raises(ArenaError, match="did you mean 'rov'"):
         main(command)
+
+
+def test_what_cannot_be_read_is_not_said_to_be_absent(
+    root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    journal = root / "rover" / MissionFolder(root, "rover").missions()[0] / "journal"
+    whole = journal.read_bytes()
+    journal.write_bytes(whole.replace(b"Ada", b"Bob", 1))
+    for lines in (["show"], ["export", "-o", str(tmp_path / "out")]):
+        assert main(["mission", *lines, "--robot", "rover", "--folder", str(root)]) == 1
+        said = capsys.readouterr()
+        assert "damaged and left out" in said.out + said.err
+    journal.write_bytes(whole)
+    for absent in (tmp_path / "none", tmp_path / "file"):
+        (tmp_path / "file").touch()
+        assert main(["mission", "list", "--folder", str(absent)]) == 0
+        assert "there are no missions here" in capsys.readouterr().out
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    with pytest.raises(MissionError, match="cannot be read: Too many levels"):
+        main(["mission", "list", "--folder", str(tmp_path / "loop")])

@@ -78,14 +78,14 @@ def test_a_check_that_fails_itself_does_not_end_the_doctor(
     monkeypatch.setattr(doctor, "MACHINE", {"moon": fails, "sun": lambda: [ok("it shines")]})
     monkeypatch.setattr(doctor, "WITH_COMMANDS", {})
     path = robot_file(tmp_path)
-    assert doctor.examine(str(path), load_robot_table, as_json=False) == 0
+    assert doctor.examine(str(path), load_robot_table, as_json=False) == 1
     _, wheels, moon, sun, last = capsys.readouterr().out.splitlines()
     assert wheels.startswith(
-        "warning wheels: could not be looked at (LookupError: no\\nsuch\\x1b[31m)"
+        "unknown wheels: could not be looked at (LookupError: no\\nsuch\\x1b[31m)"
     )
-    assert moon.startswith("warning moon: ")
+    assert moon.startswith("unknown moon: ")
     assert sun == "ok      sun: it shines"
-    assert last == "problems: 0, warnings: 2"
+    assert last == "problems: 0, warnings: 0, not known: 2"
 
 
 def test_a_reader_that_fails_does_not_end_the_doctor_either(
@@ -97,5 +97,5 @@ def test_a_reader_that_fails_does_not_end_the_doctor_either(
     monkeypatch.setattr(doctor, "ROBOT", {})
     monkeypatch.setattr(doctor, "MACHINE", {})
     monkeypatch.setattr(doctor, "WITH_COMMANDS", {})
-    assert doctor.examine(str(robot_file(tmp_path)), fails, as_json=True) == 0
-    assert json.loads(capsys.readouterr().out)["level"] == Level.WARNING.value
+    assert doctor.examine(str(robot_file(tmp_path)), fails, as_json=True) == 1
+    assert json.loads(capsys.readouterr().out)["level"] == Level.UNKNOWN.value
