@@ -28,12 +28,14 @@ class ExitCode(enum.IntEnum):
         FAULT: It failed, or the hub refused it.
         USAGE: The arguments, a layout or a robot file are wrong.
         NO_HUB: No hub answers.
+        NOT_KEPT: It ended as it should, and its recording lacks something.
     """
 
     OK = 0
     FAULT = 1
     USAGE = 2
     NO_HUB = 3
+    NOT_KEPT = 4
 
 
 class CommandParser(argparse.ArgumentParser):

@@ -120,8 +120,8 @@ class Console(CoveredApp, inherit_bindings=False):
         """Run; stop the robots and close the links at every kind of end.
 
         Returns:
-            The exit code: 0 if the operator or the system ended it, 1 after a fault, or where the
-            recording lacks something.
+            The exit code: 0 if the operator or the system ended it, 4 if it was so and the
+            recording lacks something, 1 after a fault.
         """
         sys.setswitchinterval(_SWITCH_S)
         for link in self._links.values():
@@ -136,7 +136,7 @@ class Console(CoveredApp, inherit_bindings=False):
             for link in self._links.values():
                 link.close()
             kept = self.effects.end_recording()
-        return 0 if self.leaving and not self.return_code and kept else 1
+        return kept if self.leaving and not self.return_code else 1
 
     def on_mount(self) -> None:
         """Start the clocks, and handle the system's signals to end."""

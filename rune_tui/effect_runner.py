@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 
+from hub.command_line import ExitCode
 from hub.plain_text import plain
 from rune_tui.files.file_writer import FileWriter
 from rune_tui.files.user_files import Outcome, undelivered
@@ -161,17 +162,18 @@ class EffectRunner:
         self.file_writer.recorder.folder = folder
         self.run((RecordEffect(),))
 
-    def end_recording(self) -> bool:
-        """End a running recording; returns, when its file is complete, whether all is in it.
+    def end_recording(self) -> int:
+        """End a running recording; returns, when its file is complete, the exit code.
 
         What is not is said on standard error, for the view has ended.
         """
         if not self.file_writer.recorder.path:
-            return True
+            return ExitCode.NOT_KEPT if self.file_writer.broken else ExitCode.OK
         outcome = self.file_writer.recorder.end()()
         if outcome.alarm:
             sys.stderr.write(f"rune: {plain(outcome.text)}\n")
-        return not outcome.alarm
+        lacks = outcome.alarm or self.file_writer.broken
+        return ExitCode.NOT_KEPT if lacks else ExitCode.OK
 
     def tick(self, now: float) -> None:
         """Record, report changes and tick the widgets; runs 20 times a second."""

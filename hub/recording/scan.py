@@ -45,6 +45,10 @@ _LOOSE_BYTES: Final = 1024 * 1024
 """Messages without a chunk are read in runs of about this length [bytes]."""
 _NAMES: Final = re.compile(rb"\x03\0\0\0lz4|\x04\0\0\0zstd")
 """How a packed chunk names its compression."""
+_CHUNK_HEAD: Final = 28 + 4 + 4 + 8
+"""Length of the head of a chunk, with the longest name of a compression [bytes]."""
+_MOST_SEARCHED: Final = 16
+"""What may be a chunk behind damage is read up to this times the length of the file."""
 _BLOCK: Final = 64 * 1024
 """A scan reads the heads of records in blocks of this length [bytes]."""
 
@@ -67,6 +71,7 @@ class Scan:
         self._kept = 0
         self._block = b""
         self._block_at = 0
+        self._searched = 0
 
     def read(self) -> Summary:
         """What the file has."""
@@ -142,8 +147,18 @@ class Scan:
         return None
 
     def _is_chunk(self, place: int) -> bool:
-        kind, length = RECORD.unpack(os.pread(self._handle, RECORD.size, place))
+        head = os.pread(self._handle, RECORD.size + _CHUNK_HEAD, place)
+        if len(head) < RECORD.size + _CHUNK_HEAD:
+            return False
+        kind, length = RECORD.unpack_from(head)
         if kind != CHUNK or not 0 < length <= min(MOST_CHUNK, self._size - place):
+            return False
+        (named,) = struct.unpack_from("<I", head, RECORD.size + 28)
+        (packed,) = struct.unpack_from("<Q", head, RECORD.size + 32 + min(named, 4))
+        if length != 40 + named + packed:
+            return False
+        self._searched += length
+        if self._searched > _MOST_SEARCHED * self._size:
             return False
         try:
             raw = os.pread(self._handle, RECORD.size + length, place)

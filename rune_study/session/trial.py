@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from hub.command_line import ExitCode
 from hub.errors import CentralUnreachableError
 from hub.values import dataclass
 from rune_study.plan.measures import measures
@@ -209,7 +210,7 @@ class Trial:
         return None
 
     def _console_ended(self) -> Ending:
-        if self._stage.console.exit_code != 0:
+        if self._stage.console.exit_code not in (ExitCode.OK, ExitCode.NOT_KEPT):
             return Ending(why="the console failed", counts=False)
         counts = self._practice is not None or "operator" in self._study.trial.ends
         return Ending(why="operator", counts=counts)

@@ -79,7 +79,8 @@ def parser() -> CommandParser:
     parser = CommandParser(
         prog="rune",
         description="Rune, the Robot-User Nexus: drive robots from a terminal.",
-        epilog="Exit codes: 0 ok, 1 a fault, 2 wrong usage or layout, 3 no hub.",
+        epilog="Exit codes: 0 ok, 1 a fault, 2 wrong usage or layout, 3 no hub, 4 a recording "
+        "that lacks something.",
     )
     parser.add_argument("--version", action=ShowVersion)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")

@@ -24,6 +24,7 @@ class FileWriter:
 
     Attributes:
         recorder: The running recording, if any.
+        broken: Whether the disk ended a recording.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class FileWriter:
             report: Shows an outcome to the operator.
         """
         self.recorder = Recorder(links)
+        self.broken = False
         self._run, self._report = run, report
 
     def do(
@@ -77,6 +79,7 @@ class FileWriter:
     def look(self) -> None:
         """End a recording that the disk ended, and report it."""
         if self.recorder.fault:
+            self.broken = True
             self._write(self.recorder.end())
 
     def write_screenshot(self, cells: Cells, pictures: Collection[SeenPicture]) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from textual import events
 
+from hub.command_line import ExitCode
 from hub.gcm.navigation import STOP, TURN_COMMAND, Stop, TurnCommand
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityReports
 from hub.recording.recording_set import RecordingSet
@@ -282,6 +283,7 @@ def test_a_recording_that_a_full_disk_ends_is_not_shown_as_running(
             await desk.until(lambda: not desk.console.state.recording)
             await desk.until(lambda: any("then it ended: " in text for text in desk.notices))
         assert desk.console.state.notices[-1].alarm
+        assert desk.console.effects.end_recording() == ExitCode.NOT_KEPT
 
     play(script)
 

@@ -156,3 +156,13 @@ def test_a_database_that_computes_its_messages_is_no_bag(tmp_path: Path) -> None
     database.close()
     with pytest.raises(RecordingError, match="its table 'messages' computes values"):
         read(path)
+
+
+def test_false_chunks_behind_damage_are_not_all_read(tmp_path: Path) -> None:
+    path, size = tmp_path / "a.mcap", 2 << 20
+    fake = chunk(b"", 1 << 20)[:-8] + struct.pack("<Q", size)
+    fake = rc.RECORD.pack(rc.CHUNK, 40 + 4 + size) + fake[rc.RECORD.size :]
+    path.write_bytes(HEAD + b"\0" + fake * 20_000 + bytes(size))
+    count, faults = read(path)
+    assert (count, len(faults)) == (0, 1)
+    assert "bytes cannot be read" in faults[0]
