@@ -76,7 +76,10 @@ def test_a_page_of_a_damaged_recording_says_that_parts_are_missing(
     whole, damaged = session.read_bytes(), tmp_path / "damaged.mcap"
     start, end = chunks_of(whole)[-1]
     damaged.write_bytes(whole[:end] + damage_chunks(whole)[start:end])
-    for path, words in ((session, "No alarm and no bump."), (damaged, "cannot be read.")):
+    for path, words in (
+        (session, "No alarm and no bump is recorded."),
+        (damaged, "cannot be read."),
+    ):
         page = tmp_path / f"{path.stem}.html"
         done = rune("replay", str(path), "--export", str(page))
         assert done.returncode == ExitCode.OK
