@@ -76,6 +76,7 @@ class Client(BaseClient):
         queue: int | None = None,
         priority: int | None = None,
         last: bool = False,
+        late: Callable[[T, MessageInfo], None] | None = None,
     ) -> None:
         """Call `handler` for every message, after earlier handlers.
 
@@ -86,9 +87,12 @@ class Client(BaseClient):
                 dropped. Default: the definition's choice, the newest or all.
             priority: Messages of higher priority come first; default 0.
             last: Also ask for the last published value, at each connection.
+            late: Gets every message that is older than its lifespan.
         """
         self._prepare(definition)
         self._subscriptions.subscribe(definition, handler, queue=queue, priority=priority)
+        if late is not None:
+            self._subscriptions.subscriptions[definition.name].late = late
         if last:
             self.session.ask_last(definition.name)
 

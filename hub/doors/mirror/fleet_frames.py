@@ -19,7 +19,7 @@ def frame_of(name: str, payload: bytes, header: Attachment, offset: float) -> fr
         name: Of the message.
         payload: Its bytes.
         header: As the robot sent it.
-        offset: The robot's time minus this process's [s].
+        offset: The robot's time minus this process's, at most [s].
 
     Raises:
         FrameError: It is too long for the bus, or from another age.

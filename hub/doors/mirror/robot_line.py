@@ -326,10 +326,10 @@ class RobotLine:
         self._line.ask(*query, timeout=timeout, answered=came, failed=failed, plane=plane)
 
     def _frame(self, name: str, payload: bytes, header: Attachment) -> frames.Frame:
-        return frame_of(name, payload, header, self._time.offset)
+        return frame_of(name, payload, header, self._time.most)
 
     def _header(self, name: str, session: int, fingerprint: int, measured: float) -> bytes:
-        return self._headers.pack(name, session, fingerprint, measured + self._time.offset)
+        return self._headers.pack(name, session, fingerprint, measured + self._time.least)
 
     def _key(self, kind: KeyKind, **parts: Any) -> str:  # noqa: ANN401 - the parts differ in type
         return FleetKey(kind=kind, robot=self.robot, **parts).under(self._fleet)

@@ -67,7 +67,7 @@ class GatheredMessages:
 
     def take(self, data: bytes, places: list[int]) -> None:
         """Read the messages of one connection: begin and end of each in `data`, in turn."""
-        now, offset, since, came = self._now, self._hub_time.offset, self._since, self._since
+        now, offset, since, came = self._now, self._hub_time.most, self._since, self._since
         find, read, arrived = data.find, frames.NUMBERS.unpack_from, self._queue.arrived
         routes, add = self._routes, self._found.append
         each = iter(self._unbundled(data, places))
@@ -120,7 +120,7 @@ class GatheredMessages:
                 kind == frames.INLINE and not self._queue.arrived(subscription, source, number)
             ):
                 continue
-            measured = min(stamp * 1e-9 - self._hub_time.offset, self._now)
+            measured = min(stamp * 1e-9 - self._hub_time.most, self._now)
             came = max(came, measured)
             subscription.oldest = max(subscription.oldest, self._since - measured)
             whole = bytes(payload)

@@ -110,7 +110,7 @@ class Publisher:
             return
         now, queue = self._clock(), self._queue
         when = now if measured is None else measured
-        stamp = int((when + self._hub_time.offset) * 1e9)
+        stamp = int((when + self._hub_time.least) * 1e9)
         sequence = self.sequence + 1
         try:
             values = self._take_apart(value)
@@ -137,7 +137,7 @@ class Publisher:
     def publish_payload(self, payload: Sequence[Buffer], measured: float | None) -> None:
         """Send a payload, given in pieces, to all subscribers."""
         now = self._clock()
-        stamp = int(((now if measured is None else measured) + self._hub_time.offset) * 1e9)
+        stamp = int(((now if measured is None else measured) + self._hub_time.least) * 1e9)
         length = frames.size(payload)
         self.count(length, now)
         queue = self._queue

@@ -301,7 +301,7 @@ class ReceiveQueue:
     ) -> None:
         """Hand one message to its handlers, unless it is too old."""
         now = self._clock()
-        measured = stamp_ns * 1e-9 - self._hub_time.offset
+        measured = stamp_ns * 1e-9 - self._hub_time.most
         age = now - measured
         if age < 0.0:
             age, measured = 0.0, now
@@ -310,6 +310,8 @@ class ReceiveQueue:
         if age > subscription.lifespan_s:
             subscription.expired += 1
             self._faults.count("too old", f"{subscription.definition.name} is {age:.2f} s old")
+            if subscription.late is not None:
+                subscription.late(value, MessageInfo(publisher, sequence, 0, age, measured))
             return
         missed = 0
         if not subscription.unordered:

@@ -311,7 +311,7 @@ class Session:
             publisher=self.connection.publisher,
             fingerprint=definition.fingerprint,
             sequence=self._attached[definition.name],
-            stamp_ns=int((measured + self.connection.hub_time.offset) * 1e9),
+            stamp_ns=int((measured + self.connection.hub_time.least) * 1e9),
             payload=payload,
         )
         if len(frame) > frames.MAX_FRAME:
@@ -323,5 +323,5 @@ class Session:
 
     def _message_info(self, frame: frames.Frame) -> MessageInfo:
         now = self._clock()
-        measured = min(now, frame.stamp_ns * 1e-9 - self.connection.hub_time.offset)
+        measured = min(now, frame.stamp_ns * 1e-9 - self.connection.hub_time.most)
         return MessageInfo(frame.publisher, frame.sequence, 0, now - measured, measured)

@@ -91,6 +91,7 @@ class Subscription:
         refused: Messages with a value out of its range.
         unfit: The first fault in a value, in a sentence; empty: none.
         oldest: Largest age since the last report [s].
+        late: Gets each message that was too old; None: nothing does.
         flat: Reads direct messages of a flat format; None for any other format.
         unordered: Whether every frame counts, even with a wrong header.
         raw: Whether handlers get payloads, undecoded and of any age.
@@ -109,6 +110,7 @@ class Subscription:
         self.received = self.lost = self.expired = self.refused = 0
         self.unfit = ""
         self.oldest = 0.0
+        self.late: Handler | None = None
         self.lifespan_s = math.inf if raw else definition.lifespan_s
         self.unordered = definition.unreadable is not None and not raw
         self._sources: dict[int, Source] = {}

@@ -1,10 +1,17 @@
-"""The hub's clock at a client: central's monotonic clock, estimated over the bus.
+"""The hub's clock at a client: central's monotonic clock, between two bounds.
 
 All stamps on the bus are on this clock, so an age is a difference of two stamps on any machine.
-Processes on central's machine share its clock. Another machine measures the offset as NTP does:
-request and answer carry their times of sending. The estimate is the middle of the round trip, and
-its error is half of that at most. The best round trip counts, and older ones count less, because
-clocks drift (RFC 5905, section 10). So messages on a busy link never seem younger than they are.
+Processes on central's machine share its clock. Another machine bounds the offset by round trips:
+central read its clock after the request was sent and before the answer came. So the offset is
+
+| bound | the answer took | used for |
+| --- | --- | --- |
+| `least` | no time: all of the round trip was on the way up | stamps of what this client sends |
+| `most` | all of the round trip: none was on the way up | ages of what this client receives |
+
+So no age is too small, here or at a receiver. Both hold on any line, however its two ways differ.
+The tightest bounds count, and loosen with time, because clocks drift. A stamp is too old by the
+shortest way down, an age by the shortest way up.
 """
 
 from __future__ import annotations
@@ -21,8 +28,10 @@ from pathlib import Path
 
 _ROUND_TRIPS = 20
 """Number of kept round trips: those of the last ten seconds."""
-_DRIFT = 1e-4
-"""Fastest drift between two clocks: bad quartzes, or a clock that is being set slowly."""
+DRIFT = 5e-4
+"""Fastest drift between two clocks: bad quartzes, or a clock that is set slowly, as NTP sets it."""
+_AHEAD_S = 2.0
+"""The bounds hold for this time after a round trip; the next one comes sooner [s]."""
 _FARTHEST = 1e9
 """Largest offset; a larger one, above 31 years, is from a damaged message [s]."""
 
@@ -60,18 +69,19 @@ def this_neighbourhood() -> int:
 
 
 class ClockSync:
-    """The offset between this process's monotonic clock and the hub's.
+    """Bounds of the offset between this process's monotonic clock and the hub's.
 
     Attributes:
-        offset: Hub's time minus own time [s].
+        least: Hub's time minus own time is at least this [s].
+        most: It is at most this [s].
         machine: This client's number of its machine; 0: its clock is not the machine's.
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
-        self.offset = 0.0
+        self.least = self.most = 0.0
         self.machine = this_machine() if clock is time.monotonic else 0
         self._shared = False
-        self._error, self._noted = math.inf, 0.0
+        self._noted = 0.0
         self._round_trips: deque[float] = deque(maxlen=_ROUND_TRIPS)
 
     @property
@@ -79,23 +89,32 @@ class ClockSync:
         """The shortest of the last round trips [s]; NaN before the first."""
         return min(self._round_trips, default=math.nan)
 
+    @property
+    def uncertainty(self) -> float:
+        """Largest amount by which an age may be too large, that of a command at the hub too [s]."""
+        return self.most - self.least
+
     def begin(self, hub_machine: int) -> None:
         """Start at a central on the machine of this number."""
         self._shared = self.machine != 0 and hub_machine == self.machine
         self._round_trips.clear()
-        self._error = math.inf
-        self.offset = 0.0
+        farthest = 0.0 if self._shared else _FARTHEST
+        self.least, self.most = -farthest, farthest
 
     def note(self, sent: float, hub_time: float, received: float) -> None:
         """Add a round trip: `sent`, answered at `hub_time`, `received` [s]."""
         round_trip = received - sent
-        offset, error = hub_time - (sent + received) / 2, round_trip / 2
-        if not (0.0 <= round_trip <= _FARTHEST and abs(offset) <= _FARTHEST):  # even for NaN
+        least, most = hub_time - received, hub_time - sent
+        if not (0.0 <= round_trip <= _FARTHEST and max(-least, most) <= _FARTHEST):  # even for NaN
             return
         self._round_trips.append(round_trip)
         if self._shared:
             return
-        known = self._error + _DRIFT * (received - self._noted)
-        # Two right estimates overlap. Else a clock has stood still, as in a machine that slept.
-        if error <= known or abs(offset - self.offset) > error + known:
-            self.offset, self._error, self._noted = offset, error, received
+        margin = DRIFT * _AHEAD_S
+        least, most = least - margin, most + margin
+        drift = DRIFT * max(0.0, received - self._noted)
+        known_least, known_most = self.least - drift, self.most + drift
+        # Two right pairs of bounds overlap. Else a clock stood still, as in a machine that slept.
+        if least <= known_most and most >= known_least:
+            least, most = max(least, known_least), min(most, known_most)
+        self.least, self.most, self._noted = least, most, received

@@ -23,7 +23,7 @@ from hub.modules.navigation.frame import FrameMemory
 from hub.modules.navigation.map_requests import MapRequests
 from hub.modules.navigation.own_pilot import OwnPilot
 from hub.modules.navigation.path_follower import PathFollower
-from hub.modules.navigation.problems import known_edges, problems
+from hub.modules.navigation.problems import known_edges, late_commands, problems
 from hub.modules.navigation.reports import robot_state, status, transforms
 from hub.modules.navigation.speed_governor import HELD, SpeedGovernor
 from hub.paths import for_pose
@@ -66,6 +66,7 @@ class Navigation:
         self._own = OwnPilot(self.pilot, expected=bool(robot.ros.navigation))
         self._problems: tuple[str, ...] = ()
         self._had_edges = False
+        self._late = (0.0, -math.inf)
         self._frames = FrameMemory(for_pose(robot.name))
         self._commanded = Twist()
         self._battery = battery.BatteryState()
@@ -76,7 +77,7 @@ class Navigation:
         self._gate = ControlGate(client, self._on_owner_change)
         self._vehicle = VehicleWatch(client, self._not_followed)
         client.subscribe(navigation.STOP, self._stop)
-        client.subscribe(navigation.VELOCITY_COMMAND, self._command)
+        client.subscribe(navigation.VELOCITY_COMMAND, self._command, late=self._command_late)
         client.subscribe(navigation.DRIVE_STATE, self.reported)
         client.subscribe(OWN_NAVIGATION, self._own.reported)
         client.subscribe(battery.BATTERY, self._powered)
@@ -121,6 +122,12 @@ class Navigation:
         now = self._clock()
         self._governor.command(sender, command.twist, now - reception.age, now)
         self._update()
+
+    def _command_late(self, command: TwistStamped, reception: MessageInfo) -> None:
+        """Report that a motion was refused, as its command was too old."""
+        if not command.neutral and self._gate.obeys(reception.publisher):
+            self._late = (reception.age, self._clock())
+            self._look_for_problems()
 
     def _stop(self, message: navigation.Stop, _reception: MessageInfo) -> None:
         why = f"stopped: {message.reason or 'no reason given'}"
@@ -171,7 +178,7 @@ class Navigation:
 
     def _look_for_problems(self) -> None:
         """Write and publish problems that are new, without waiting for the next second."""
-        found = problems(self.pilot, self._clock())
+        found = self._found_problems()
         names = tuple(each.name for each in found)
         if names != self._problems:
             for each in found:
@@ -179,6 +186,10 @@ class Navigation:
                     _logger.warning("%s", each.message)
             self._problems = names
             self._publish_problems()
+
+    def _found_problems(self) -> tuple[diagnostics.DiagnosticStatus, ...]:
+        now = self._clock()
+        return (*late_commands(*self._late, now), *problems(self.pilot, now))
 
     def _tilted(self, value: imu.Imu, reception: MessageInfo) -> None:
         self.pilot.tilted(value, reception.measured)
@@ -321,7 +332,7 @@ class Navigation:
             self._client.publish(TRANSFORMS, given, measured=measured)
 
     def _publish_problems(self) -> None:
-        found = problems(self.pilot, self._clock())
+        found = self._found_problems()
         self._client.publish(diagnostics.DIAGNOSTICS, diagnostics.Diagnostics(status=found))
 
     def _publish_edges(self) -> None:

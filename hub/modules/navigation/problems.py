@@ -11,7 +11,7 @@ from hub.gcm.beam_scans import TILTED_REACH
 from hub.gcm.diagnostics import DiagnosticStatus, KeyValue, Severity
 from hub.gcm.edges import MOST_EDGES, Edges
 from hub.gcm.geometry import Point3D
-from hub.gcm.navigation import Assistance
+from hub.gcm.navigation import VELOCITY_COMMAND, Assistance
 from hub.gcm.standard import Header
 from hub.modules.navigation.ground_memory import CELL
 from hub.modules.navigation.path_follower import CAREFUL_SPEED, PathFollower
@@ -19,6 +19,8 @@ from hub.modules.navigation.path_follower import CAREFUL_SPEED, PathFollower
 EDGE_NEAR = 1.5
 """An edge within this distance of the robot is reported [m]."""
 _LONGEST_NAME = 64
+_LATE_S = 2.0
+"""Time for which a command that came too late is a problem [s]."""
 _SIDES = ("ahead", "on the left", "behind", "on the right")
 
 
@@ -44,6 +46,25 @@ def problems(pilot: PathFollower, now: float) -> tuple[DiagnosticStatus, ...]:
             DiagnosticStatus(level=Severity.WARN, name="edge", message=text, values=(value,))
         )
     return tuple(found)
+
+
+def late_commands(age: float, at: float, now: float) -> Iterator[DiagnosticStatus]:
+    """That commands of motion were refused lately because they were too old.
+
+    Args:
+        age: Age of the last one [s].
+        at: When it came [s].
+        now: The time [s].
+    """
+    if now - at < _LATE_S:
+        lifespan = VELOCITY_COMMAND.lifespan_s
+        text = (
+            f"a command came too late to drive: up to {age:.2f} s old, {lifespan:g} s is the most"
+        )
+        value = KeyValue(key="age_s", value=f"{age:.2f}")
+        yield DiagnosticStatus(
+            level=Severity.ERROR, name="late commands", message=text, values=(value,)
+        )
 
 
 def _silent_ranges(pilot: PathFollower, *, assisted: bool) -> Iterator[DiagnosticStatus]:

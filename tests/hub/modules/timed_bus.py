@@ -33,6 +33,7 @@ class TimedBus:
         self.loop = SimpleNamespace(watch=lambda *_: None, unwatch=lambda _: None)
         self._timers = Timers()
         self._handlers: dict[str, Callable[..., None]] = {}
+        self._late: dict[str, Callable[..., None]] = {}
         self._numbers: dict[str, int] = {}
         self.alarm = self._timers.alarm
         monkeypatch.setattr(time, "monotonic", lambda: self.now)
@@ -41,10 +42,20 @@ class TimedBus:
         """The number of another module."""
         return self._numbers.setdefault(name, len(self._numbers) + 2)
 
-    def send(self, definition: Any, value: object, sender: str, age: float = 0.0) -> None:
-        """A message of another module comes now; `age` says for how long it was on its way [s]."""
+    def send(
+        self, definition: Any, value: object, sender: str, age: float = 0.0, *, late: bool = False
+    ) -> None:
+        """A message of another module comes now.
+
+        Args:
+            definition: Which message.
+            value: Its value.
+            sender: The module.
+            age: How long it was on its way [s].
+            late: Whether the client finds that this is longer than its lifespan.
+        """
         reception = MessageInfo(self.number(sender), 1, 0, age, self.now - age)
-        self._handlers[definition.name](value, reception)
+        (self._late if late else self._handlers)[definition.name](value, reception)
 
     def wait(self, seconds: float) -> None:
         """Let time pass."""
@@ -78,8 +89,17 @@ class TimedBus:
     def publish(self, definition: Any, value: object, **_: object) -> None:
         self.published.append((self.now, definition.name, value))
 
-    def subscribe(self, definition: Any, handler: Callable[..., None], **_: object) -> None:
+    def subscribe(
+        self,
+        definition: Any,
+        handler: Callable[..., None],
+        *,
+        late: Callable[..., None] | None = None,
+        **_: object,
+    ) -> None:
         self._handlers[definition.name] = handler
+        if late is not None:
+            self._late[definition.name] = late
 
     def _follow(self, name: str, connected: Callable[[int], None]) -> None:
         connected(self.number(name))
