@@ -55,6 +55,7 @@ def printable(character: str) -> str:
     return character
 
 
+@functools.lru_cache(maxsize=4096)
 def printable_text(string: str) -> str:
     """A string with `printable` applied to each character."""
     return "".join(map(printable, unicodedata.normalize("NFC", string)))

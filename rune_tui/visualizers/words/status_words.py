@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator
+from typing import Final
 
 from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.navigation import MotionState
@@ -55,8 +57,32 @@ _CAUSES = (("tilt", "tilted"), ("edge", "edge near"), ("range ", "sensor silent"
 """Beginnings of the names of navigation's problems that slow the robot down, and their words."""
 
 
+_WRITTEN: Final = tuple(
+    each.name
+    for each in dataclasses.fields(ConsoleState)
+    if each.name not in ("banner", "attention")
+)
+"""The fields of the console's state that decide about the parts."""
+_newest: dict[str, tuple[RobotState, ConsoleState, tuple[Part, ...]]] = {}
+"""The parts that were made last, by robot: a frame needs them three times."""
+
+
 def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     """All parts, in the order of the status line."""
+    known = _newest.get(robot.name)
+    if known is not None and known[0] is robot and _alike(known[1], state):
+        return known[2]
+    parts = _parts(robot, state)
+    _newest[robot.name] = robot, state, parts
+    return parts
+
+
+def _alike(one: ConsoleState, other: ConsoleState) -> bool:
+    """Whether two states are copies with the same values, besides the banner and the attention."""
+    return one is other or all(getattr(one, name) is getattr(other, name) for name in _WRITTEN)
+
+
+def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     return (
         *_stop_key(robot, state),
         *_peek(robot, state),
