@@ -124,7 +124,7 @@ def report_driving(profile: str) -> None:
         ages.append(age)
 
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
-        running = stack.enter_context(closing(HubProcess(Path(folder))))
+        running = stack.enter_context(closing(HubProcess(Path(folder), options=("--listen", "0"))))
         link = stack.enter_context(ShapedLink(running.endpoint, profile, 7))
         far = stack.enter_context(closing(Client("operator", link.endpoint)))
         near = stack.enter_context(closing(Client("wheels", running.endpoint)))

@@ -40,10 +40,11 @@ from hub.inspection.adopt_options import add_adopt, run_adopt, with_kind
 from hub.inspection.log_options import add_log, run_log
 from hub.inspection.mission_options import add_missions, order_mission, run_mission
 from hub.inspection.record_options import add_record, recording_settings, run_record
+from hub.inspection.run_options import add_run
 from hub.inspection.sim_autopilot_command import add_sim_autopilot, run_sim_autopilot
 from hub.inspection.sim_ros_command import add_sim_ros, run_sim_ros
 from hub.inspection.vehicle.options import add_vehicle, run_vehicle
-from hub.ipc.endpoints import DEFAULT_ENDPOINT, LARGEST_PORT, endpoint_of
+from hub.ipc.endpoints import DEFAULT_ENDPOINT, endpoint_of
 from hub.ipc.roles import Role
 from hub.nonblocking_logging import LEVELS, start_logging
 from hub.plain_text import plain
@@ -261,12 +262,13 @@ def _run_daemon(options: argparse.Namespace) -> int:
         table = load_robot_table(options.robot, [*options.set, *recording_settings(options.record)])
     finally:
         gc.enable()
-    if options.port is not None:
+    if options.listen:
         table = dataclasses.replace(
-            table, robot=dataclasses.replace(table.robot, port=options.port)
+            table, robot=dataclasses.replace(table.robot, listen=options.listen)
         )
     return daemon.run(
         table,
+        name=options.name,
         spawn=options.spawn,
         as_json=options.json,
         stop_with_stdin=options.stop_with_stdin,
@@ -287,7 +289,6 @@ _WITHOUT_CLIENT: Mapping[str, Callable[[argparse.Namespace], int]] = {
     "vehicle": run_vehicle,
     **dict.fromkeys(("check", "doctor", "service"), _run_machine_command),
 }
-_port = number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}")
 _positive = number_type(float, sys.float_info.min, 1e6, "number above 0")
 _whole = number_type(int, 1, math.inf, "whole number above 0")
 
@@ -310,9 +311,9 @@ def command_parser() -> CommandParser:
         "--hub",
         type=endpoint_of,
         default=DEFAULT_ENDPOINT,
-        help="HOST, HOST:PORT or an endpoint (%(default)s)",
+        help="name of a hub of this machine, HOST:PORT or an endpoint; without: the only hub here",
     )
-    look.add_argument("--keys", type=Path, help="your key's file, for a hub on another machine")
+    look.add_argument("--keys", type=Path, help="file of your key or token, for a hub at TCP")
     name = CommandParser(add_help=False, parents=[look])
     name.add_argument("name", help="message name; `rune-hub list` shows all")
     fields = CommandParser(add_help=False, parents=[name])
@@ -378,23 +379,7 @@ def command_parser() -> CommandParser:
 
 def _add_machine_commands(commands: Commands) -> None:
     """Add the commands that need no running hub."""
-    run = commands.add_parser("run", help="start central and a robot's modules; Ctrl-C ends all")
-    run.add_argument("robot", help="a robot file (TOML), or the name of a shipped one")
-    run.add_argument("--port", type=_port, help="TCP port instead of the file's; 0: a free one")
-    run.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="TABLE.KEY=VALUE",
-        help="in place of what the file says, such as simulation.arena=empty; as often as needed",
-    )
-    run.add_argument("--record", type=Path, metavar="FILE", help="record all into a new file")
-    run.add_argument("--json", action="store_true", help="say what happens as JSON lines")
-    run.add_argument("--stop-with-stdin", action="store_true", help="stop when standard input ends")
-    run.add_argument(
-        "--spawn", action="store_true", help="start each module as a new program; do not fork it"
-    )
-
+    add_run(commands)
     check = commands.add_parser("check", help="show the robot of a file, or all mistakes in it")
     check.add_argument("robot", help="a robot file, or the name of a shipped one")
     check.add_argument("--json", action="store_true", help="the robot as JSON, on one line")

@@ -7,6 +7,7 @@ import contextlib
 import enum
 import getpass
 import re
+import signal
 import sys
 from collections.abc import Callable, Sequence
 from typing import NoReturn, TypeAlias, TypeVar
@@ -18,6 +19,15 @@ N = TypeVar("N", int, float)
 
 DISTRIBUTION = "robot-user-nexus"
 _UNKNOWN = re.compile(r"invalid choice: '(?P<word>[^']{1,64})' \(choose from (?P<known>.*)\)")
+
+
+def ending_signals() -> list[int]:
+    """The signals that end a program; without SIGHUP where it is ignored, as under nohup."""
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    hangup = getattr(signal, "SIGHUP", None)
+    if hangup is not None and signal.getsignal(hangup) is not signal.SIG_IGN:
+        numbers.append(hangup)
+    return list(map(int, numbers))
 
 
 class ExitCode(enum.IntEnum):

@@ -23,6 +23,30 @@ def for_sockets() -> Path:
     return Path("/tmp")
 
 
+def for_hubs() -> list[Path]:
+    """The folders where hubs of this user have their sockets; a new hub takes the first.
+
+    Each is one user's alone, mode 0700. A client looks in all of them: a service, a login and a
+    scheduled job have other environments. `RUNE_RUNTIME_DIR` names the only one.
+    """
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    named = [Path(os.environ[each]) for each in _RUNTIME if os.environ.get(each)]
+    if os.environ.get(_RUNTIME[0]):
+        return named[:1]
+    login = Path(f"/run/user/{user}")
+    folders = [each / "rune" for each in (*named, login) if each.is_dir()]
+    folders += [Path(tempfile.gettempdir()) / f"rune-{user}", Path(f"/tmp/rune-{user}")]
+    # Of services; root also finds the hubs of those who are logged in.
+    folders += sorted(Path("/run").glob("*/rune"))
+    folders += sorted(Path("/run/user").glob("*/rune")) if user == 0 else []
+    return [each for each in dict.fromkeys(folders) if len(str(each)) <= _LONGEST_FOR_HUBS]
+
+
+_LONGEST_FOR_HUBS = 50
+"""Longest path of such a folder, which the name of a hub and of a socket follow."""
+_RUNTIME = ("RUNE_RUNTIME_DIR", "XDG_RUNTIME_DIR")
+
+
 def for_logs(wanted: str = "") -> Path:
     """The folder for folders of log files; `wanted` if that names one."""
     given = wanted or os.environ.get("LOGS_DIRECTORY", "").partition(":")[0]

@@ -56,6 +56,7 @@ def own_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with tempfile.TemporaryDirectory(prefix="rune-") as sockets:  # a short path, as they need
         os.environ["HOME"] = str(tmp_path_factory.mktemp("home"))
         os.environ["XDG_RUNTIME_DIR"] = sockets
+        os.environ["RUNE_RUNTIME_DIR"] = sockets
         yield
 
 

@@ -112,6 +112,7 @@ def _facts(profile: LinkProfile) -> dict[str, object]:
 
 
 def _relay(options: argparse.Namespace, profile: LinkProfile) -> int:
+    from hub import hub_sockets
     from hub.command_output import stdin_ended
     from hub.inspection.message_commands import connect
     from hub.shaper.reporter import Reporter
@@ -120,7 +121,8 @@ def _relay(options: argparse.Namespace, profile: LinkProfile) -> int:
         outputs: list[TextIO] = [sys.stdout] if options.json else []
         if options.log is not None:
             outputs.append(stack.enter_context(_opened_log(options.log)))
-        client = connect(options.hub, "shape", options.keys)
+        address = hub_sockets.address_of(options.hub)
+        client = connect(hub_sockets.tcp_of(address) or address, "shape", options.keys)
         try:
             relay = _listen(options, client, profile)
         except HubError:
@@ -161,7 +163,7 @@ def _listen(options: argparse.Namespace, client: Client, profile: LinkProfile) -
     for text in client.addresses:
         endpoint = parse_endpoint(text, beyond_loopback=True) if "tcp://" in text else None
         if not isinstance(endpoint, TcpEndpoint):
-            message = f"the link shaper needs a hub at a tcp:// address, and not at {text}"
+            message = f"the link shaper needs a hub at TCP, and not {text}: start it with --listen"
             raise EndpointError(message)
         hub.append((endpoint.host, endpoint.port))
     if options.at:

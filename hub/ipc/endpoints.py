@@ -9,10 +9,12 @@ import ipaddress
 import re
 
 from hub.errors import EndpointError
+from hub.hub_sockets import LONGEST_NAME, NAMED, PREFERRED
 from hub.values import dataclass
 
 DEFAULT_PORT = 1381
-DEFAULT_ENDPOINT = f"tcp://127.0.0.1:{DEFAULT_PORT}"
+"""TCP port of a hub that listens at one."""
+DEFAULT_ENDPOINT = NAMED
 LARGEST_PORT = 65529
 """Of a hub, which takes the six ports behind it as well."""
 DIRECT_PREFIX = "ipc://@rune-"
@@ -52,10 +54,25 @@ class IpcEndpoint:
 
 
 def endpoint_of(hub: str) -> str:
-    """A host, a host and its port, or a whole endpoint, as an endpoint."""
+    """The name of a hub, a host and its port, or a whole endpoint, as an endpoint.
+
+    This machine's own name for itself, such as 127.0.0.1, means its only hub.
+    """
     if "://" in hub:
         return hub
-    return f"tcp://{hub}" if ":" in hub else f"tcp://{hub}:{DEFAULT_PORT}"
+    if hub in ("", "localhost") or _is_loopback(hub):
+        return NAMED
+    if ":" in hub:
+        return f"tcp://{hub}"
+    return f"tcp://{hub}:{DEFAULT_PORT}" if _is_address(hub) else f"{NAMED}{hub}"
+
+
+def shown(endpoint: str) -> str:
+    """An endpoint for people."""
+    if not endpoint.startswith(NAMED):
+        return endpoint
+    name = endpoint.removeprefix(NAMED)
+    return "this machine" if name[:1] in ("", PREFERRED) else f"{name} on this machine"
 
 
 def parse_endpoint(text: str, *, beyond_loopback: bool = False) -> TcpEndpoint | IpcEndpoint:
@@ -87,17 +104,34 @@ def parse_endpoint(text: str, *, beyond_loopback: bool = False) -> TcpEndpoint |
     return endpoint
 
 
+def tcp_endpoint(place: str) -> TcpEndpoint:
+    """HOST:PORT of this machine, where a hub may listen.
+
+    Raises:
+        EndpointError: It is none.
+    """
+    endpoint = _tcp(f"tcp://{place}")
+    if not endpoint.on_loopback:
+        raise EndpointError(_refusal(place, "name an address of loopback; a gateway has others"))
+    return endpoint
+
+
 def connectable(text: str, *, with_keys: bool = False) -> str:
     """The endpoint in a text, as the address that a client connects to.
 
     Args:
-        text: Such as tcp://127.0.0.1:1381; with keys also tcp://robot.example:1481.
+        text: Such as hub://magellan or ipc:///a/path; with keys also tcp://robot.example:1481.
         with_keys: Whether the client has keys; only then may it leave this machine.
 
     Raises:
         EndpointError: It is malformed, names no port, or is beyond this machine and the client
         has no keys.
     """
+    if text.startswith(NAMED):
+        name = text.removeprefix(NAMED).removeprefix(PREFERRED)
+        if "/" in name or not name.isprintable() or len(name) > LONGEST_NAME:
+            raise EndpointError(_refusal(text, "write the name of a robot of this machine"))
+        return text
     endpoint: TcpEndpoint | IpcEndpoint
     if with_keys and text.startswith("tcp://"):
         endpoint = _tcp(text)
@@ -114,7 +148,7 @@ def connectable(text: str, *, with_keys: bool = False) -> str:
 
 _NEEDS_KEYS = (
     "without keys only this machine (127.0.0.1) is allowed; go to a robot through ssh (`rune` has "
-    "--ssh USER@HOST, `rune-hub` goes through ssh -L), or give --keys the file of a key that "
+    "--ssh USER@HOST, `rune-hub` runs there as well), or give --keys the file of a key that "
     "`rune-hub keys make NAME --role operate` has made on it"
 )
 

@@ -7,18 +7,16 @@ import gc
 import json
 import logging
 import os
-import shutil
 import signal
 import sys
-import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from hub import paths
-from hub.errors import EndpointError
+from hub.command_line import ending_signals
 from hub.gateways.curve.curve_gateway import curve_gateway
 from hub.gcm.supervision import ModulePhase
+from hub.hub_sockets import HubFolder
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from hub.ipc.security.keyring import Keyring, default_folder
@@ -47,14 +45,18 @@ _logger = logging.getLogger(__name__)
 _STDIN = 0
 _CONNECT_S = 10.0
 _LISTEN_S = 0.5
-_FOLDER = "rune-hub-{pid}-"
+_FOLDER_S = 1.0
+"""Time between two looks at the folder of sockets [s]."""
+_PROOFS = {"tcp": "its token", "gateway": "keys"}
+_ABSTRACT = sys.platform == "linux"
 
 
-def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool) -> int:
+def run(table: RobotTable, *, name: str, spawn: bool, as_json: bool, stop_with_stdin: bool) -> int:
     """Run a robot's hub in this process, which has one thread and no socket yet.
 
     Args:
         table: The robot and its modules.
+        name: The hub's name on this machine; empty: the robot's.
         spawn: Start each module as a new program; do not fork it.
         as_json: Report events as JSON lines.
         stop_with_stdin: Stop at the end of standard input.
@@ -63,7 +65,7 @@ def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool)
         The exit code: 0; 1: a module was given up.
 
     Raises:
-        EndpointError: The port is busy.
+        EndpointError: A hub of this name runs, or a port is busy.
         SystemExit: In a forked module, at its end.
     """
     parent = None
@@ -72,26 +74,31 @@ def run(table: RobotTable, *, spawn: bool, as_json: bool, stop_with_stdin: bool)
         parent.fork_from_here()
     start_logging("hub", logging.INFO)
     gc.freeze()  # neither a collection nor the end of the process visits the imported objects
-    return Daemon(table, parent, as_json=as_json).run(stop_with_stdin=stop_with_stdin)
+    daemon = Daemon(table, parent, name=name, as_json=as_json)
+    return daemon.run(stop_with_stdin=stop_with_stdin)
 
 
 class Daemon:
     """Runs central and the modules until a signal stops it."""
 
-    def __init__(self, table: RobotTable, parent: WarmParent | None, *, as_json: bool) -> None:
+    def __init__(
+        self, table: RobotTable, parent: WarmParent | None, *, name: str, as_json: bool
+    ) -> None:
         """Take the modules of this table.
 
         Args:
             table: The robot and its modules.
             parent: Forks Python modules; None: all are spawned.
+            name: The hub's name on this machine; empty: the robot's.
             as_json: Report events as JSON lines.
         """
         self._table = table
+        self._name = name or table.robot.name
         self._parent = parent
         self._as_json = as_json
         # No Event: a second signal during its `set` would wait for the first without end.
         self._stopping = False
-        self._gateway = ""
+        self._ways_in: dict[str, str] = {}
         self._wake: Callable[[], None] = lambda: None
         self._notifier = Notifier.from_environment(os.environ, os.getpid())
         self._policy = ModulePolicy(table.modules)
@@ -103,32 +110,41 @@ class Daemon:
             The exit code: 0; 1: a module was given up.
 
         Raises:
-            EndpointError: The port is busy.
+            EndpointError: A hub of this name runs, or a port is busy.
+            KeyFileError: The keys of the gateway, or the token of the port, cannot be used.
         """
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in ending_signals():
             signal.signal(number, lambda *_: self._end())
         if stop_with_stdin:
             threading.Thread(target=self._wait_for_end_of_stdin, daemon=True).start()
         robot = self._table.robot
         with contextlib.ExitStack() as stack:
-            folder = stack.enter_context(_socket_folder())
-            local = f"ipc://{folder}/central"
+            folder = stack.enter_context(contextlib.closing(HubFolder(self._name)))
+            # A module that restarts finds its central even where the folder was removed.
+            local = f"ipc://@rune-hub-{os.getpid()}" if _ABSTRACT else folder.endpoint
+            tcp = [f"tcp://{robot.listen}"] if robot.listen else []
             keyring = Keyring(Path(robot.keys) if robot.keys else default_folder())
             central = Central(
-                [f"tcp://127.0.0.1:{robot.port}", local],
+                list(dict.fromkeys([folder.endpoint, local, *tcp])),
                 gateways=[curve_gateway(robot.gateway, keyring)] if robot.gateway else [],
                 reserved=frozenset(spec.name for spec in self._table.modules),
             )
             stack.callback(central.close)
-            self._gateway = central.endpoints[-1] if robot.gateway else ""
+            if robot.listen:
+                self._ways_in["tcp"] = central.endpoints[1]
+                folder.publish_tcp(self._ways_in["tcp"])
+            if robot.gateway:
+                self._ways_in["gateway"] = central.endpoints[-1]
             logs = stack.enter_context(contextlib.closing(LogFolder(robot.logs, robot.name)))
             outputs = stack.enter_context(contextlib.closing(ModuleLogs(logs.path)))
-            self._report("listening", central.endpoints[0], {})
+            endpoint = folder.endpoint
+            self._report("listening", endpoint, {})
             client = stack.enter_context(contextlib.closing(Client(ROBOMON, local)))
             desk = ControlService(client, central.peer_of)
             MissionWant(client, self._policy.wants, robot, controlled=lambda: desk.owned)
             RecordingWant(client, self._policy.wants, robot)
-            self._serve(client, outputs, local, central.endpoints[0])
+            client.every(_FOLDER_S, lambda: _keep(folder, central))
+            self._serve(client, outputs, local, endpoint)
         lifecycles = self._policy.lifecycles.values()
         return 1 if any(lifecycle.phase is ModulePhase.FAILED for lifecycle in lifecycles) else 0
 
@@ -200,13 +216,15 @@ class Daemon:
         """Report to the process that started the daemon, on standard output."""
         name = self._table.robot.name
         if self._as_json:
-            gateway = {"gateway": self._gateway} if self._gateway else {}
             facts = {"event": event, "robot": name, "hub": endpoint, "pids": dict(pids)}
-            text = json.dumps(facts | gateway)
+            text = json.dumps(facts | self._ways_in)
         elif event == "listening":
             count = sum(spec.always for spec in self._table.modules)
-            way_in = f", for holders of keys at {self._gateway}" if self._gateway else ""
-            text = f"{name}: hub at {endpoint}{way_in}, starting {count} modules"
+            ways = "".join(
+                f", for holders of {_PROOFS[kind]} at {place}"
+                for kind, place in self._ways_in.items()
+            )
+            text = f"{name}: hub {self._name} of this machine{ways}, starting {count} modules"
         else:
             text = f"{name}: ready; Ctrl-C ends it"
         try:
@@ -217,20 +235,8 @@ class Daemon:
             _logger.warning("cannot say %r on standard output: %s", event, error)
 
 
-@contextlib.contextmanager
-def _socket_folder() -> Iterator[Path]:
-    """A new folder for socket files; those of daemons that were killed are removed."""
-    parent = paths.for_sockets()
-    for old in parent.glob(_FOLDER.format(pid="*") + "*"):
-        pid = old.name.split("-")[2]
-        if pid.isdigit() and not Path(f"/proc/{pid}").exists() and Path("/proc/self").exists():
-            shutil.rmtree(old, ignore_errors=True)
-    try:
-        made = Path(tempfile.mkdtemp(prefix=_FOLDER.format(pid=os.getpid()), dir=parent))
-    except OSError as error:
-        text = f"no folder for sockets can be made in {parent}: {error.strerror}"
-        raise EndpointError(text) from error
-    try:
-        yield made
-    finally:
-        shutil.rmtree(made, ignore_errors=True)
+def _keep(folder: HubFolder, central: Central) -> None:
+    """Listen again where the socket files were removed."""
+    if folder.lost() and folder.make_again():
+        central.listen_again(folder.endpoint)
+        _logger.warning("the sockets in %s were removed; the hub listens there again", folder.path)

@@ -20,7 +20,6 @@ from hub.gcm.body import (
     SenseKind,
 )
 from hub.gcm.vehicle import Arming
-from hub.ipc.endpoints import DEFAULT_PORT, LARGEST_PORT
 from hub.recording.live.settings import RecordingTable
 from hub.robots.body_tables import (
     BumperTable,
@@ -111,11 +110,12 @@ class RobotDescription:
     settings: tuple[str, ...]
     name: str = key(plain_name(32), meaning="the robot's name")
     kind: str = key(text(64), meaning="its kind: a shipped one, or `FILE:NAME` of your own")
-    port: int = key(
-        whole_number(0, LARGEST_PORT),
-        DEFAULT_PORT,
-        "TCP port of its hub; 0 takes a free one",
+    listen: str = key(
+        text(60),
+        "",
+        "HOST:PORT of this machine where clients with the hub's token may connect by TCP",
         at="hub.",
+        without="no TCP port",
     )
     gateway: str = key(
         text(100),

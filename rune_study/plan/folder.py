@@ -60,7 +60,9 @@ def hub_settings(study: StudySpec, spec: ConditionSpec, seed: int) -> list[str]:
     arena = arena_of(study, spec)
     first = [f"simulation.arena={arena}"] if arena else []
     speed = [] if spec.speed is None else [f"limits.linear={spec.speed:g}"]
-    return [*first, f"simulation.seed={seed}", *speed, *spec.settings]
+    # The link shaper carries connections of TCP.
+    listen = ["hub.listen=127.0.0.1:0"] if spec.link else []
+    return [*first, f"simulation.seed={seed}", *speed, *listen, *spec.settings]
 
 
 def _existing(path: Path) -> Path | None:

@@ -1,12 +1,16 @@
-"""A hub that the console starts, on a free loopback port, and a simulated autopilot for it."""
+"""A hub that the console starts, and a simulated autopilot for it."""
 
 from __future__ import annotations
 
+import itertools
+import os
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from rune_tui.commands.own_program import OwnProgram, hub_command
+
+_numbers = itertools.count(1)
 
 
 class OwnHub(OwnProgram):
@@ -27,7 +31,7 @@ class OwnHub(OwnProgram):
             OwnHubError: The process cannot be started.
         """
         self._endpoint = ""
-        command = ["run", robot, "--port", "0"]
+        command = ["run", robot, "--as", f"console-{os.getpid()}-{next(_numbers)}"]
         command += [word for setting in settings for word in ("--set", setting)]
         # A demo's data end with it, so that the next one begins with an empty map.
         self._data = tempfile.TemporaryDirectory(prefix="rune-demo-", ignore_cleanup_errors=True)

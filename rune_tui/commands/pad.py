@@ -15,6 +15,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import TextIO
 
+from hub.command_line import ending_signals
 from hub.errors import CentralUnreachableError, HubError
 from hub.gcm import pad
 from hub.ipc.client import Client
@@ -311,8 +312,7 @@ def _report_unplugged(client: Client, sender: PadSender) -> None:
 def _ends() -> Iterator[threading.Event]:
     """An event that is set by Ctrl-C and by the system's signal to end."""
     ended = threading.Event()
-    names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    numbers = [getattr(signal, name) for name in names]
+    numbers = ending_signals()
     before = [signal.signal(number, lambda *_: ended.set()) for number in numbers]
     try:
         yield ended

@@ -20,7 +20,7 @@ _SCRIPT: Final = "; ".join(
         "folder=$(mktemp -d) || exit 1",
         """trap 'rm -rf -- "$folder"' EXIT""",
         'rune-hub adopt {words} -o "$folder/robot.toml" --json </dev/null || exit',
-        'rune-hub run "$folder/robot.toml" --port 0 --json --stop-with-stdin',
+        'rune-hub run "$folder/robot.toml" --as "console-$$" --json --stop-with-stdin',
     )
 )
 """Adopts the robot and runs its hub, until standard input ends: when ssh ends."""

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+from hub.hub_sockets import NAMED, PREFERRED
 from hub.ipc.endpoints import endpoint_of
 from rune_tui.layout import names
 from rune_tui.layout.checks import viewport_robot
@@ -96,13 +97,18 @@ class SpecBuilder:
         drawn = {message for viewport in viewports for message in self._drawn(viewport)}
         return RobotSpec(
             name=name,
-            hub=endpoint_of(self._text(node, "hub")),
+            hub=self._hub(endpoint_of(self._text(node, "hub")), name),
             keys=self._file(self._text(node, "keys")),
             fleet=self._text(node, "fleet"),
             capabilities=tuple(map(self._capability, node.of("capability"))),
             messages=frozenset(drawn.union(*(rule.uses for rule in rules))),
             commands=frozenset().union(*(rule.sends for rule in rules)),
         )
+
+    @staticmethod
+    def _hub(endpoint: str, robot: str) -> str:
+        """An endpoint; where any hub will do, that of the robot's name comes first."""
+        return f"{NAMED}{PREFERRED}{robot}" if endpoint == NAMED else endpoint
 
     def _drawn(self, viewport: ViewportSpec) -> Iterator[str]:
         """Names of the messages that a viewport's visualizer makes use of."""

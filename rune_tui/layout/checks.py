@@ -94,7 +94,7 @@ def _robot_mistakes(robot: Node, rules: Rules) -> Iterator[Mistake]:
     hub = rules.value(robot, "hub")
     if hub is not None and not _is_endpoint(endpoint_of(hub)):
         message = (
-            f"the hub {quoted(hub)} is no endpoint; write a host, tcp://host:port or ipc://path"
+            f"the hub {quoted(hub)} is no endpoint; write a hub's name, host:port or ipc://path"
         )
         yield Mistake(robot.at("hub"), message)
     first: dict[str, Place] = {}

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import shlex
 import shutil
 import signal
 import socket
@@ -20,10 +21,12 @@ from pathlib import Path
 from typing import Final
 
 from hub.errors import EndpointError
+from hub.hub_sockets import NAMED
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, IpcEndpoint, parse_endpoint
 from hub.plain_text import plain
 from rune_tui.errors import HubChoiceError, TunnelError
 from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link import far_hub
 
 SOCKETS: Final = 7
 """The hub's: control, and in and out of three planes (docs/protocol.md)."""
@@ -31,6 +34,8 @@ _ENDS: Final = ("", *(f".{number}" for number in range(1, SOCKETS)))
 OPEN_WITHIN_S: Final = 60.0
 """Time for a connection, and for the operator to type a password [s]."""
 _END_WITHIN_S: Final = 3.0
+_ANSWER_S: Final = 15.0
+"""Longest wait for the answer of a command on the robot [s]."""
 _LOOK_S: Final = 0.05
 _LOOPBACK: Final = "127.0.0.1"
 _RETRY_S, _LONGEST_RETRY_S = 1.0, 15.0
@@ -73,12 +78,13 @@ _MOST_WORDS: Final = 500
 _DESTINATION: Final = re.compile(r"([^\s:@-][^\s:]*?)(?::([0-9]{1,5}))?")
 
 
-def ssh_command(destination: str, *options: str) -> list[str]:
+def ssh_command(destination: str, *options: str, shared: Path | None = None) -> list[str]:
     """The command that goes to a robot, without what it does there.
 
     Args:
         destination: Destination of ssh, [USER@]HOST[:PORT].
         options: Of ssh.
+        shared: Socket of a connection that this one shares, or makes; None: one of its own.
 
     Raises:
         TunnelError: This is no destination, or there is no ssh.
@@ -91,9 +97,10 @@ def ssh_command(destination: str, *options: str) -> list[str]:
         text = "--ssh needs ssh, which is not installed here; install OpenSSH's client"
         raise TunnelError(text)
     host, port = matched.groups()
+    own = {"ControlPath": str(shared)} if shared else {}
     return [
         *("ssh", "-T"),
-        *(f"-o{name}={value}" for name, value in SSH_OPTIONS.items()),
+        *(f"-o{name}={value}" for name, value in {**SSH_OPTIONS, **own}.items()),
         *options,
         *(("-p", port) if port else ()),
         *("--", host),
@@ -172,8 +179,7 @@ class SshTunnel:
         for end in self._ends:
             if end.startswith("/"):
                 Path(end).unlink(missing_ok=True)
-        forwards = [f"-L{_address(near)}:{far}" for near, far in self._ends.items()]
-        command = ssh_command(self.destination, "-N", *forwards, *options)
+        command = self._command(*options)
         with (self._folder / "ssh.log").open("wb") as log:
             # The shell has this thread's signals, and misses the end of ssh if they are blocked.
             if hasattr(signal, "pthread_sigmask"):
@@ -185,6 +191,18 @@ class SshTunnel:
                 stdout=subprocess.DEVNULL,
                 stderr=log,
             )
+
+    def _command(self, *options: str) -> list[str]:
+        """The ssh that makes the ends and keeps them."""
+        forwards = [f"-L{_address(near)}:{far}" for near, far in self._ends.items()]
+        return ssh_command(self.destination, "-N", *forwards, *options)
+
+    def _prepare(self) -> None:
+        """Do what has to come before the ends are there.
+
+        Raises:
+            TunnelError: It cannot be done.
+        """
 
     def _stop(self) -> None:
         process = self._process
@@ -210,6 +228,7 @@ class SshTunnel:
             if self._process is None or self._process.poll() is not None:
                 text = f"ssh to {self.destination} failed: {self._last_words()}"
                 raise TunnelError(text)
+            self._prepare()
             if time.monotonic() > end:
                 text = f"ssh to {self.destination} made no connection in {seconds:.0f} s"
                 raise TunnelError(text)
@@ -252,6 +271,9 @@ class SshTunnel:
 class Tunnel(SshTunnel):
     """A tunnel to one robot's hub.
 
+    A hub that is named is looked for at each connection, through a second use of the same
+    connection: the operator types a password once.
+
     Attributes:
         endpoint: Where the hub is found on this machine.
     """
@@ -261,19 +283,66 @@ class Tunnel(SshTunnel):
 
         Args:
             destination: Destination of ssh, [USER@]HOST[:PORT].
-            hub: The hub's endpoint on the robot itself.
+            hub: Name of the hub on the robot (`hub://NAME`), or its ipc:// endpoint there.
 
         Raises:
-            TunnelError: This is no destination, or there is no ssh.
+            TunnelError: This is no destination, or no such hub, or there is no ssh.
         """
-        far_ends = _far_ends(hub)
+        self._hub = hub
+        known = [""] * SOCKETS if hub.startswith(NAMED) else _far_ends(hub)
 
         def ends(folder: Path) -> dict[str, str]:
             near = (f"{folder}/hub{end}" for end in _ENDS)
-            return dict(zip(near, far_ends, strict=True))
+            return dict(zip(near, known, strict=True))
 
         super().__init__(destination, ends)
         self.endpoint = f"ipc://{self._folder}/hub"
+
+    def _command(self, *options: str) -> list[str]:
+        if not self._hub.startswith(NAMED):
+            return super()._command(*options)
+        self._shared.unlink(missing_ok=True)
+        self._found = False
+        return ssh_command(self.destination, "-N", "-M", *options, shared=self._shared)
+
+    @property
+    def _shared(self) -> Path:
+        return self._folder / "ssh"
+
+    def _prepare(self) -> None:
+        """Once the connection is there, find the hub and forward its sockets."""
+        if not self._hub.startswith(NAMED) or self._found or not self._shared.exists():
+            return
+        answer = self._ask(["sh", "-c", shlex.quote(far_hub.SCRIPT)])
+        path = far_hub.chosen(far_hub.paths_in(answer), self._hub)
+        self._ends = dict(zip(self._ends, (f"{path}{end}" for end in _ENDS), strict=True))
+        self._found = True
+        forwards = [f"-L{near}:{far}" for near, far in self._ends.items()]
+        self._ask([], "-O", "forward", *forwards)
+
+    def _ask(self, words: list[str], *options: str) -> str:
+        """What a command says that goes through the connection.
+
+        Raises:
+            TunnelError: It fails.
+        """
+        command = ssh_command(self.destination, *options, shared=self._shared)
+        try:
+            done = subprocess.run(
+                [*command, *words],
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                timeout=_ANSWER_S,
+                check=False,
+            )
+        except subprocess.TimeoutExpired as error:
+            text = f"ssh to {self.destination} failed: it gives no answer within {_ANSWER_S:.0f} s"
+            raise TunnelError(text) from error
+        if done.returncode and options:
+            said = plain(done.stderr.decode(errors="replace").strip())[-_MOST_WORDS:]
+            text = f"ssh to {self.destination} forwards no sockets: {said}"
+            raise TunnelError(text)
+        return done.stdout.decode(errors="replace")
 
 
 class PortTunnel(SshTunnel):
@@ -344,20 +413,19 @@ def open_tunnels(
 
 
 def _far_ends(hub: str) -> list[str]:
-    """Where a hub's sockets are on the robot: HOST:PORT, or files.
+    """Where a hub's sockets are on the robot: files.
 
     Raises:
-        TunnelError: The hub listens at no address of the robot's own.
+        TunnelError: It is no endpoint of such sockets.
     """
     try:
         endpoint = parse_endpoint(hub)
-    except EndpointError as error:
+    except EndpointError:
+        endpoint = None
+    if not isinstance(endpoint, IpcEndpoint):
         text = (
-            f"{hub!r} is no address of the robot's own; say with --hub how the robot itself "
-            f"knows its hub, such as --hub {DEFAULT_ENDPOINT}"
+            f"{hub!r} leads to no hub through ssh; give --hub its name on the robot, or the "
+            "ipc:// address of its socket there"
         )
-        raise TunnelError(text) from error
-    if isinstance(endpoint, IpcEndpoint):
-        return [f"{endpoint.path}{end}" for end in _ENDS]
-    host = f"[{endpoint.host}]" if ":" in endpoint.host else endpoint.host
-    return [f"{host}:{endpoint.port + at}" for at in range(SOCKETS)]
+        raise TunnelError(text)
+    return [f"{endpoint.path}{end}" for end in _ENDS]

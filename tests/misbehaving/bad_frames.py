@@ -1,6 +1,6 @@
 """Wrong frames over right connections to every socket of a central.
 
-python -m tests.misbehaving.bad_frames PORTS TOPICS COUNT SECONDS RATE SEED: the five ports of
+python -m tests.misbehaving.bad_frames PATHS TOPICS COUNT SECONDS RATE SEED: the five sockets of
 central (control, state in, state out, command in, command out), names of messages that somebody
 subscribes, how many frames in all, and how many a second. It writes what it sent as a JSON line.
 """
@@ -92,18 +92,18 @@ def spoil(raw: bytes, chance: random.Random, *, keep: int = 0) -> bytes:
 class Attack:
     """Sockets to central's five, and what goes into each."""
 
-    def __init__(self, ports: list[int], topics: list[str], seed: int) -> None:
+    def __init__(self, paths: list[str], topics: list[str], seed: int) -> None:
         self._chance = random.Random(seed)
         self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
         self._controls = control_frames()
         self._definitions = [v.BROADCASTS[name] for name in topics]
         self.sent: collections.Counter[str] = collections.Counter()
-        self._dealers = [self._socket(zmq.DEALER, ports[0]) for _ in range(_DEALERS)]
+        self._dealers = [self._socket(zmq.DEALER, paths[0]) for _ in range(_DEALERS)]
         self._publishers = {
-            "state": self._socket(zmq.PUB, ports[1]),
-            "command": self._socket(zmq.PUB, ports[3]),
+            "state": self._socket(zmq.PUB, paths[1]),
+            "command": self._socket(zmq.PUB, paths[3]),
         }
-        self._subscribers = [self._socket(zmq.XSUB, port) for port in (ports[2], ports[4])]
+        self._subscribers = [self._socket(zmq.XSUB, path) for path in (paths[2], paths[4])]
         self._ways: list[Callable[[int], None]] = [
             self._to_control,
             self._to_publish,
@@ -119,10 +119,10 @@ class Attack:
         """Leave."""
         self._context.destroy(linger=500)
 
-    def _socket(self, kind: int, port: int) -> zmq.Socket[bytes]:
+    def _socket(self, kind: int, path: str) -> zmq.Socket[bytes]:
         made = self._context.socket(kind)
         made.rcvhwm = 10
-        made.connect(f"tcp://127.0.0.1:{port}")
+        made.connect(f"ipc://{path}")
         return made
 
     def _to_control(self, number: int) -> None:
@@ -159,8 +159,8 @@ class Attack:
 
 def main() -> None:
     os.nice(10)  # the attack is on central, not on the processor
-    ports, topics, count, seconds, rate, seed = sys.argv[1:7]
-    attack = Attack([int(port) for port in ports.split(",")], topics.split(","), int(seed))
+    paths, topics, count, seconds, rate, seed = sys.argv[1:7]
+    attack = Attack(paths.split(","), topics.split(","), int(seed))
     started = time.monotonic()
     done = 0
     while done < int(count) and time.monotonic() - started < float(seconds):

@@ -81,8 +81,7 @@ def _flood(
     memory = [traffic.before.memory_mb]
     sent = []
     for _ in range(rounds):
-        out = str(rig.central.ports[2]) if transport == "tcp" else rig.central.paths[2]
-        with bad_connections.subscriber(out) as raw:
+        with bad_connections.subscriber(rig.central.paths[2]) as raw:
             sent.append(0)
             with contextlib.suppress(OSError):  # central hangs up
                 for start in range(0, count, 500):

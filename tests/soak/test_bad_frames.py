@@ -32,12 +32,12 @@ def _attack_central(
     *,
     timed: bool,
 ) -> None:
-    rig = make_rig(transport="tcp")
+    rig = make_rig(transport="ipc")
     traffic = GoodTraffic(rig, quiet_s=min(5.0, at_most_s / 5.0), timed=timed)
-    ports = ",".join(map(str, rig.central.ports))
+    paths = ",".join(rig.central.paths)
     rate = RATE if timed else RATE / 2
     numbers = (str(count), str(at_most_s), str(rate), "1")
-    attacker = rig.other("tests.misbehaving.bad_frames", ports, "S_Event,S_Command", *numbers)
+    attacker = rig.other("tests.misbehaving.bad_frames", paths, "S_Event,S_Command", *numbers)
     until(lambda: attacker.process.poll() is not None, at_most_s + 60.0)
     sent = attacker.line()
     dropped = rig.dropped() if rig.central.process.poll() is None else {}
@@ -55,7 +55,7 @@ def _attack_central(
 def _attack_client(
     make_rig: Callable[..., Rig], tell: Callable[..., None], count: int, at_most_s: float
 ) -> None:
-    rig = make_rig(transport="tcp")
+    rig = make_rig(transport="ipc")
     numbers = (str(count), str(at_most_s), str(RATE), "2")
     rogue = rig.other("tests.misbehaving.rogue_central", "S_Event,S_Command", *numbers)
     endpoint = rogue.line()["endpoint"]
@@ -122,7 +122,7 @@ def test_flipped_bit_in_a_header_does_not_silence_its_publisher(
     make_rig: Callable[..., Rig], tell: Callable[..., None], place: str
 ) -> None:
     """A copy of a good frame with one high bit flipped, once, under the publisher's own number."""
-    rig = make_rig(transport="tcp")
+    rig = make_rig(transport="ipc")
     publisher = rig.module("publisher", publish=[("S_Command", 100.0, 20)])
     subscriber = rig.module("subscriber", subscribe=["S_Command"])
     rig.wait_flowing(subscriber, "S_Command")
@@ -133,7 +133,7 @@ def test_flipped_bit_in_a_header_does_not_silence_its_publisher(
     # The sequence counts from 16 on, the stamp from 24 on; bit 46 is 20 hours of nanoseconds.
     raw[start + (16 if place == "sequence" else 24) + 5] ^= 0x40
     with zmq.Context() as context, context.socket(zmq.XPUB) as rogue:
-        rogue.connect(f"tcp://127.0.0.1:{rig.central.ports[3]}")
+        rogue.connect(f"ipc://{rig.central.paths[3]}")
         until(lambda: rogue.poll(0), 10.0)
         rogue.send(bytes(raw))
         sent_ns = time.monotonic_ns()

@@ -31,8 +31,8 @@ GAP_MS = 100.0
 """Between two messages of 500 Hz when the clock steps: twice 50 ms, the machine being shared."""
 
 
-def _raw(port: int, socket_type: bytes) -> socket.socket:
-    made = bad_connections.connect(str(port))
+def _raw(path: str, socket_type: bytes) -> socket.socket:
+    made = bad_connections.connect(path)
     made.sendall(bad_connections.greeting() + bad_connections.ready(socket_type))
     return made
 
@@ -44,17 +44,17 @@ def test_central_lets_go_of_unfinished_connections_by_itself_and_bears_silent_on
 
     Those that were made in full cost a descriptor each until their system is gone.
     """
-    rig = make_rig(transport="tcp")
+    rig = make_rig(transport="ipc")
     traffic = GoodTraffic(rig, quiet_s=1.0, timed=False)
     with contextlib.ExitStack() as held:
         for number in range(100):
-            port = rig.central.ports[number % 5]
-            made = held.enter_context(bad_connections.connect(str(port)))
+            path = rig.central.paths[number % 5]
+            made = held.enter_context(bad_connections.connect(path))
             made.sendall(bad_connections.greeting()[: 10 + number % 55])
         silent = 80
         for kind, place in ((b"SUB", 2), (b"SUB", 4), (b"PUB", 1), (b"PUB", 3)):
             for _ in range(silent // 4):
-                made = held.enter_context(_raw(rig.central.ports[place], kind))
+                made = held.enter_context(_raw(rig.central.paths[place], kind))
                 if kind == b"SUB":
                     made.sendall(b"\0\1\1")  # everything, and it never reads
         connected = traffic.before.descriptors + silent + 50
@@ -80,7 +80,7 @@ def test_central_lets_go_of_unfinished_connections_by_itself_and_bears_silent_on
 def test_module_is_killed_in_the_middle_of_large_frames(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:
-    rig = make_rig(transport="tcp")
+    rig = make_rig(transport="ipc")
     traffic = GoodTraffic(rig, quiet_s=1.0, timed=False)
     viewer = rig.module("viewer", subscribe=["S_Picture"])
     for _ in range(_DEATHS):
@@ -90,7 +90,7 @@ def test_module_is_killed_in_the_middle_of_large_frames(
         dying.kill()
         del rig.modules["dying"]
     # And one that stops within a frame without ending its connection at once.
-    raw = _raw(rig.central.ports[1], b"PUB")
+    raw = _raw(rig.central.paths[1], b"PUB")
     raw.sendall(b"\2" + struct.pack(">Q", 3_000_000) + bytes(1_000_000))
     raw.close()
     dropped = rig.dropped()
@@ -206,7 +206,7 @@ def test_steps_of_the_wall_clock_are_not_noticed(
     step(0)
     for name in ("LD_PRELOAD", "RUNE_WALL_CLOCK"):
         monkeypatch.setenv(name, environment[name])
-    rig = make_rig(transport="tcp")
+    rig = make_rig(transport="ipc")
     traffic = GoodTraffic(rig, quiet_s=1.0, timed=timed)
     subscriber = rig.modules["subscriber"]
     for name in ("LD_PRELOAD", "RUNE_WALL_CLOCK"):
@@ -228,11 +228,11 @@ def test_full_disk_for_the_log_stops_nothing(
     make_rig: Callable[..., Rig], tell: Callable[..., None]
 ) -> None:
     """Not a byte more can be written to the file that standard error is."""
-    rig = make_rig(transport="tcp")
+    rig = make_rig(transport="ipc")
     nothing = (0, 0)
     psutil.Process(rig.central.pid).rlimit(resource.RLIMIT_FSIZE, nothing)
     traffic = GoodTraffic(rig, quiet_s=1.0, timed=False)
-    attack = bad_connections.Attack([str(port) for port in rig.central.ports], 3)
+    attack = bad_connections.Attack(rig.central.paths, 3)
     for _ in range(300):
         attack.one()
     attack.close()

@@ -18,7 +18,6 @@ from hub.gcm.body import Freedom
 from tests.support import warm_start
 from tests.support.bodies import robot_of
 from tests.support.fake_hid import VirtualBed, VirtualDevice
-from tests.support.ports import free_port
 from tests.support.waiting import until
 from tests.system.driven_autopilot import DOOR, RecordedAutopilot
 from tests.system.driven_ros import WITH_ROS, RecordedRos
@@ -211,7 +210,7 @@ class DrivenRobot:
             **self.record.environment,
             _PRELOAD: ":".join(preloaded),
         }
-        self._port = free_port()
+        self._name = f"driven-{os.getpid()}-{folder.name}"[:32]
         self._stick = (0.0, 0.0)
         self._guarded = False
         self._driving_keys = ["w", "s", *(key for key, _ in _own_keys(body))]
@@ -228,7 +227,7 @@ class DrivenRobot:
         return HubProcess(
             self._folder,
             environment=self._common,
-            port=self._port,
+            name=self._name,
             modules=modules,
             **self.record.hub,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import selectors
@@ -28,7 +29,6 @@ ROBOT_FILE = """
 name = "magellan"
 kind = "{kind}"
 [hub]
-port = {port}
 {gateway}
 [simulation]
 arena = "{arena}"
@@ -44,7 +44,6 @@ MODULES = ("driver", "navigation", "vision")
 
 def robot_file(
     arena: str = "empty",
-    port: int = 0,
     gateway: str = "",
     modules: Sequence[str] = MODULES,
     tables: str = "",
@@ -52,7 +51,7 @@ def robot_file(
 ) -> str:
     """A robot file; `gateway` is lines of its table of the hub, `tables` are more tables."""
     lines = "\n".join(f'[modules.{name}]\nrun = "hub.modules.{name}"' for name in modules)
-    said = {"arena": arena, "port": port, "gateway": gateway, "kind": kind}
+    said = {"arena": arena, "gateway": gateway, "kind": kind}
     return ROBOT_FILE.format(**said, modules=lines) + tables
 
 
@@ -61,6 +60,7 @@ def in_soak(*values: Any) -> list[Any]:
     return [pytest.param(value, marks=pytest.mark.soak) for value in values]
 
 
+_numbers = itertools.count(1)
 _FRESH_S = 0.08
 """Ground truth comes every 20 ms; what is older than this may be queued [s]."""
 
@@ -80,13 +80,18 @@ class HubProcess:
         *,
         options: Sequence[str] = (),
         environment: dict[str, str] | None = None,
+        name: str = "",
         **robot_keys: Any,
     ) -> None:
-        """Start it with a `robot_file` of these keys, and variables besides this process's own."""
+        """Start it with a `robot_file` of these keys, and variables besides this process's own.
+
+        A name gives the hub the same endpoint again when it is started again.
+        """
         robot = folder / "robot.toml"
         robot.write_text(robot_file(**robot_keys))
         self.log = folder / "hub.log"
         command = [sys.executable, "-m", "hub", "run", str(robot), "--json", "--stop-with-stdin"]
+        command += ["--as", name or f"test-{os.getpid()}-{next(_numbers)}"]
         with self.log.open("wb") as log:
             self.process = warm_start.start(
                 [*command, *options],

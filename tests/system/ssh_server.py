@@ -27,7 +27,7 @@ PidFile {folder}/pid
 AllowTcpForwarding {forwarding}
 """
 _SSH = """#!/bin/sh
-echo "$$ $*" >> {folder}/calls
+echo "$$ $(echo "$*" | tr "\\n" " ")" >> {folder}/calls
 exec {ssh} -F none -oUserKnownHostsFile={folder}/known -oStrictHostKeyChecking=accept-new \\
     -oIdentityFile={folder}/{key} -oIdentitiesOnly=yes -oIdentityAgent=none "$@"
 """
@@ -60,8 +60,9 @@ class SshServer:
             subprocess.run(command, check=True)
         (folder / "authorized").write_text((folder / "key.pub").read_text())
         config = _CONFIG.format(port=self.port, folder=folder, forwarding=forwarding)
-        if programs:  # what commands there find, besides the system's
-            config += f"SetEnv PATH={programs}:/usr/bin:/bin\n"
+        # What commands there find: hubs, and programs besides the system's.
+        paths = f" PATH={programs}:/usr/bin:/bin" if programs else ""
+        config += f"SetEnv RUNE_RUNTIME_DIR={os.environ['RUNE_RUNTIME_DIR']}{paths}\n"
         (folder / "config").write_text(config)
         self.path = folder / "bin"
         self.path.mkdir()

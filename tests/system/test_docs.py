@@ -260,7 +260,7 @@ def test_command_works_on_a_hub(
 
 
 def _starts_and_ends(words: list[str], folder: Path) -> None:
-    arguments = [*words[1:], "--port", "0"]
+    arguments = words[1:]
     log = folder / "log"
     with log.open("wb") as file:
         hub = warm_start.start(

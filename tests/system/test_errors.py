@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from subprocess import CompletedProcess
 
@@ -106,12 +107,19 @@ def test_missing_hub_for_looking_into_it(command: str) -> None:
 
 def test_hub_elsewhere_is_refused() -> None:
     said = complaint(rune_hub("list", "--hub", "tcp://192.0.2.1:1381"), 2)
-    assert "ssh -L" in said
+    assert "through ssh" in said
 
 
-def test_busy_port(hub: HubProcess) -> None:
-    port = hub.endpoint.rpartition(":")[2]
-    said = complaint(run("hub", "run", "magellan", "--port", port), 2)
+def test_name_of_a_hub_that_runs(hub: HubProcess) -> None:
+    name = Path(hub.endpoint).parent.name
+    said = complaint(run("hub", "run", "magellan", "--as", name), 2)
+    assert f"a hub of the name {name} runs already (process {hub.process.pid})" in said
+
+
+def test_busy_port(tmp_path: Path) -> None:
+    with closing(HubProcess(tmp_path, options=("--listen", "0"))) as hub:
+        port = hub.listening["tcp"].rpartition(":")[2]
+        said = complaint(run("hub", "run", "magellan", "--listen", port), 2)
     assert f":{port}: another program uses it" in said
 
 

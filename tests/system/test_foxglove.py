@@ -19,7 +19,6 @@ from hub.gcm.control import CONTROL_REQUEST, ControlAction, ControlRequest
 from hub.gcm.navigation import GROUND_TRUTH, ROBOT_STATE, STOP, VELOCITY_COMMAND, Stop
 from hub.ipc.client import Client
 from tests.support.foxglove_panel import DoorProcess, Panels
-from tests.support.ports import free_port
 from tests.system.door_stops import STOP_S, free, stopped_after
 from tests.system.harness import HubProcess, Observer, expect_stop, in_soak
 
@@ -298,13 +297,12 @@ Start = Callable[..., HubProcess]
 
 
 def test_a_door_stays_open_when_the_hub_comes_back(start_hub: Start, stack: ExitStack) -> None:
-    port = free_port()
-    hub = start_hub(modules=("driver", "navigation"), port=port)
+    hub = start_hub(modules=("driver", "navigation"), name="again")
     door = stack.enter_context(closing(DoorProcess(hub.endpoint)))
     panels = stack.enter_context(closing(Panels(door.address)))
     panels.show("/odom")
     panels.newest("/odom")
     hub.close()
     panels.payloads.clear()
-    start_hub(modules=("driver", "navigation"), port=port)
+    start_hub(modules=("driver", "navigation"), name="again")
     panels.newest("/odom")

@@ -35,8 +35,8 @@ BLACKOUT = "delay_ms = 5\n[blackouts]\ngap_s = [4, 6]\nlength_s = [3, 4]\n"
 
 @pytest.fixture(scope="module")
 def hub(tmp_path_factory: pytest.TempPathFactory) -> HubProcess:  # type: ignore[misc]
-    """A hub at port 0: seven ports that stand in no row."""
-    with closing(HubProcess(tmp_path_factory.mktemp("hub"))) as running:
+    """A hub at TCP port 0: seven ports that stand in no row."""
+    with closing(HubProcess(tmp_path_factory.mktemp("hub"), options=("--listen", "0"))) as running:
         yield running  # type: ignore[misc]
 
 
@@ -79,7 +79,7 @@ def test_the_state_is_on_the_hub_and_in_the_file(
     state = newest()
     assert (state.profile, state.seed) == ("wifi-edge", 42)
     assert state.digest == link.ready["sha256"]
-    assert link.endpoint == f"tcp://{state.address}:{hub.endpoint.rpartition(':')[2]}"
+    assert link.endpoint == f"tcp://{state.address}:{hub.listening['tcp'].rpartition(':')[2]}"
     assert 0.0 < state.down.delay < 5.0
     far.close()
     until(lambda: link.state.get("elapsed_s", 0.0) >= state.elapsed, 5.0)

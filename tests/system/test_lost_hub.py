@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.support.ports import free_port
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 
@@ -20,13 +19,12 @@ def test_console_without_a_hub_says_so_and_goes_on(
 def test_console_comes_back_when_the_hub_does(
     tmp_path: Path, start_console: Callable[..., ConsoleProcess]
 ) -> None:
-    port = free_port()
-    first = HubProcess(tmp_path, port=port)
+    first = HubProcess(tmp_path, name="again")
     console = start_console(first.endpoint)
     console.wait_for_picture()
     first.close()
     console.wait(lambda: "LINK LOST" in console.text, 10.0)
-    second = HubProcess(tmp_path, port=port)
+    second = HubProcess(tmp_path, name="again")
     try:
         console.wait(lambda: "LINK LOST" not in console.text, 15.0)
         console.wait_for_picture()

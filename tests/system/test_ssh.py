@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from hub.hub_sockets import HubFolder
 from hub.ipc.broker.central import Central
 from rune_tui.errors import HubChoiceError, TunnelError
 from rune_tui.layout.spec import LayoutSpec
@@ -20,7 +21,6 @@ from rune_tui.link.robot_links import RobotLinks
 from rune_tui.link.tunnel import Tunnel, open_tunnels
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.startup.opening import open_layout
-from tests.support.ports import free_port
 from tests.support.waiting import until
 from tests.system.conftest import LAYOUT
 from tests.system.harness import ConsoleProcess, HubProcess, Observer, drive
@@ -44,11 +44,11 @@ def layout_of(folder: Path, hub: str, *names: str) -> LayoutSpec:
     return open_layout(folder / "robots.xml")
 
 
-@pytest.fixture(params=["tcp", "ipc"])
-def central(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Central]:
-    tcp = request.param == "tcp"
-    place = f"tcp://127.0.0.1:{free_port()}" if tcp else f"ipc://{tmp_path}/central"
-    with closing(Central([place])) as running:
+@pytest.fixture(params=["by name", "by socket"])
+def central(request: pytest.FixtureRequest) -> Iterator[Central]:
+    """Its first endpoint is what a console is told."""
+    with closing(HubFolder("a")) as folder, closing(Central([folder.endpoint])) as running:
+        running.endpoints[:0] = ["hub://?a"] * (request.param == "by name")
         yield running
 
 
@@ -58,7 +58,7 @@ def test_a_console_drives_and_sees_through_ssh_and_ends_it(
     tmp_path: Path,
     stack: ExitStack,
 ) -> None:
-    hub = start_hub(port=free_port())
+    hub = start_hub()
     layout = tmp_path / "layout.xml"
     layout.write_text(LAYOUT.format(hub=hub.endpoint))
     arguments = ["run", "--ssh", server.target, str(layout)]
@@ -72,7 +72,7 @@ def test_a_console_drives_and_sees_through_ssh_and_ends_it(
 
 
 def test_ssh_ends_with_a_console_that_is_killed(server: SshServer, tmp_path: Path) -> None:
-    layout = layout_of(tmp_path, "tcp://127.0.0.1:1", "a")
+    layout = layout_of(tmp_path, f"ipc://{tmp_path}/nobody", "a")
     arguments = ["run", "--ssh", server.target, layout.path]
     console = ConsoleProcess(arguments)
     with closing(console):
@@ -113,10 +113,12 @@ def test_the_way_is_made_again_when_ssh_ends_and_meanwhile_is_told_why(
     until(lambda: not tunnels[0].trouble, 10.0)
 
 
-def test_the_way_is_made_again_also_by_who_has_signals_blocked(server: SshServer) -> None:
+def test_the_way_is_made_again_also_by_who_has_signals_blocked(
+    server: SshServer, tmp_path: Path
+) -> None:
     def opened_and_killed() -> None:
         signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
-        with closing(Tunnel(server.target)) as tunnel:
+        with closing(Tunnel(server.target, f"ipc://{tmp_path}/nobody")) as tunnel:
             tunnel.open()
             (first,) = server.running()
             os.kill(first, signal.SIGKILL)
@@ -132,7 +134,7 @@ def test_the_way_is_made_again_also_by_who_has_signals_blocked(server: SshServer
 
 
 def test_two_robots_have_a_way_each(server: SshServer, tmp_path: Path, stack: ExitStack) -> None:
-    here = stack.enter_context(closing(Central([f"tcp://127.0.0.1:{free_port()}"]))).endpoints[0]
+    here = stack.enter_context(closing(Central([f"ipc://{tmp_path}/c"]))).endpoints[0]
     layout = layout_of(tmp_path, here, "a", "b")
     tunnels = stack.enter_context(open_tunnels([server.target] * 2, layout))
     links = RobotLinks(layout, tunnels=tunnels)
@@ -165,7 +167,7 @@ def test_what_ssh_says_is_told_in_one_sentence(server: SshServer) -> None:
 
 def test_the_command_line_tells_it_and_ends_with_3(server: SshServer, tmp_path: Path) -> None:
     server.use_key("other")
-    layout = layout_of(tmp_path, "tcp://127.0.0.1:1381", "a")
+    layout = layout_of(tmp_path, "localhost", "a")
     shot = ["shot", layout.path, "-o", str(tmp_path / "x.txt"), "--ssh", server.target]
     done = subprocess.run(
         [sys.executable, "-m", "rune_tui", *shot], capture_output=True, text=True, check=False
@@ -182,5 +184,5 @@ def test_what_is_no_destination_is_refused(wrong: str) -> None:
 
 
 def test_a_hub_that_the_robot_has_elsewhere_is_refused() -> None:
-    with pytest.raises(TunnelError, match="say with --hub how the robot itself knows its hub"):
+    with pytest.raises(TunnelError, match="give --hub its name on the robot"):
         Tunnel("robot", "tcp://192.0.2.1:1481")

@@ -45,7 +45,7 @@ class Robot:
         path = folder / "robot.toml"
         head = (
             'name = "test"\nkind = "simulated-magellan"\n[simulation]\narena = "empty"\n'
-            '[hub]\nport = 0\nlogs = "logs"\n'
+            '[hub]\nlogs = "logs"\n'
         )
         path.write_text(modules if whole else head + modules)
         self.log = folder / "hub.log"

@@ -90,8 +90,8 @@ def test_the_doctor_asks_the_hub_that_has_the_link(site: AutopilotSite) -> None:
     site.wait(lambda: site.autopilot.unsafe)
     robot, problems = read_description(site.hub.log.with_name("robot.toml"))
     assert problems == []
-    port = int(site.hub.endpoint.rpartition(":")[2])
-    said = "\n".join(str(each) for each in autopilot(dataclasses.replace(robot, port=port)))
+    name = Path(site.hub.endpoint).parent.name
+    said = "\n".join(str(each) for each in autopilot(dataclasses.replace(robot, name=name)))
     assert "has the link to a rover with ArduPilot 4.7.0: " in said
     assert "FS_GCS_ENABLE is 0 in place of 1" in said
     assert "--write FS_TIMEOUT=0.1" in said

@@ -86,7 +86,7 @@ def test_robot_of_the_page_drives_and_stops(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "crawler.py").write_text(block("writing-a-robot.md", "python"))
-    table = block("writing-a-robot.md", "toml").replace("port = 1381", "port = 0")
+    table = block("writing-a-robot.md", "toml")
     with closing(Firmware()) as firmware:
         monkeypatch.setenv("CRAWLER_PORT", firmware.port)
         (tmp_path / "robot.toml").write_text(table)

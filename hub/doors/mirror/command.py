@@ -12,7 +12,7 @@ import tempfile
 import threading
 from pathlib import Path
 
-from hub.command_line import ExitCode
+from hub.command_line import ExitCode, ending_signals
 from hub.command_output import put
 from hub.doors.mirror.mirror import Mirror
 from hub.ipc.roles import Principal
@@ -72,7 +72,7 @@ def run_mirror(
     check_certificates(settings)
     ended = threading.Event()
     loop = Loop()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    for number in ending_signals():
         signal.signal(number, lambda *_: ended.set())
     if options.stop_with_stdin:
         threading.Thread(target=_wait_for_stdin, args=(ended, loop), daemon=True).start()

@@ -2,7 +2,7 @@
 
 | input | decided by |
 | --- | --- |
-| a connection | `ZapHandler`: key, role, rate; `ConnectionRates`: its address |
+| a connection | `KeyJudge`: key, role, rate; `ConnectionRates`: its address |
 | a control message | `Admission`: its key, and the quota of that key |
 | a command | `CommandFilter`: key, role, number, rate |
 | a subscription | `FloodWatch`: number, length |
@@ -87,6 +87,7 @@ class CurveGateway:
             accounts=accounts,
             clock=central.clock,
             judge=command_filter.admit,
+            zap=central.zap,
         )
         guard = Admission(
             accounts,
@@ -111,7 +112,7 @@ class CurveGateway:
         return self._removed_keys.holds(principal)
 
     def serve(self, polled: sockets.Socket) -> None:
-        """Answer handshakes, and note connections that end."""
+        """Note connections that end."""
         for descriptor in self._sockets.serve({polled: zmq.POLLIN}):
             self._central.disconnected(descriptor)
 

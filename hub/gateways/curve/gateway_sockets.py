@@ -18,8 +18,9 @@ from hub.errors import EndpointError
 from hub.gateways.accounts import Accounts
 from hub.gateways.curve import command_filter
 from hub.gateways.curve.connection_rates import ConnectionRates
-from hub.gateways.curve.zap import ZapHandler
+from hub.gateways.curve.key_judge import KeyJudge
 from hub.ipc.broker.subscription_floods import Bounds, FloodWatch
+from hub.ipc.broker.zap import ZapHandler
 from hub.ipc.endpoints import TcpEndpoint
 from hub.ipc.roles import CONTROL, Principal
 from hub.ipc.security.client_keys import KeyPair
@@ -64,6 +65,7 @@ class GatewaySockets:
         accounts: Accounts,
         clock: Callable[[], float],
         judge: command_filter.Judge,
+        zap: ZapHandler,
     ) -> None:
         """Bind and start.
 
@@ -78,9 +80,10 @@ class GatewaySockets:
             accounts: The accounts of the keys.
             clock: Monotonic time [s].
             judge: Admits commands; called by a thread of the gateway.
+            zap: Answers handshakes; its owner serves it.
 
         Raises:
-            EndpointError: A port is busy, or this context has a gateway already.
+            EndpointError: A port is busy.
             KeyFileError: The hub's keys cannot be used.
         """
         self._faults = faults
@@ -95,8 +98,9 @@ class GatewaySockets:
         self._floods: dict[str, FloodWatch] = {}
         keys = keyring.hub_keys()
         keyring.holders()  # report an unreadable list now, not at the first handshake
-        # Before the secure sockets: every handshake needs an answer.
-        self.zap = ZapHandler(context, keyring, faults, accounts=accounts, clock=clock)
+        self._judge_of_keys = KeyJudge(keyring, faults, accounts=accounts, clock=clock)
+        places = [f"{plane} {way}" for plane in planes for way in ("in", "out")]
+        zap.decide((CONTROL, *places), self._judge_of_keys.judge)
         self._affinity = 2 if context.get(zmq.IO_THREADS) > 1 else 0
         try:
             self._open(context, endpoint, keys, planes, make)
@@ -106,12 +110,12 @@ class GatewaySockets:
                 raise
             text = f"the gateway cannot make its sockets: {error}"
             raise EndpointError(text) from error
-        self.polled = (self.zap.socket, *self._monitors)
+        self.polled = tuple(self._monitors)
         for thread in self._threads:
             thread.start()
 
     def serve(self, ready: Mapping[_Socket, int]) -> list[int]:
-        """Answer handshakes, and note connections that ended; returns without waiting.
+        """Note connections that came and ended; returns without waiting.
 
         Args:
             ready: Sockets with input; others' sockets are ignored.
@@ -119,8 +123,6 @@ class GatewaySockets:
         Returns:
             The descriptors of control connections that ended.
         """
-        if self.zap.socket in ready:
-            self.zap.serve()
         ended: list[int] = []
         for monitor, place in self._monitors.items():
             if monitor in ready:
@@ -166,7 +168,7 @@ class GatewaySockets:
 
     def admitted(self) -> frozenset[Principal]:
         """The keys admitted since the start."""
-        return self.zap.admitted()
+        return self._judge_of_keys.admitted()
 
     def close(self) -> None:
         """End the relays, and free the ports."""
@@ -289,7 +291,6 @@ class GatewaySockets:
         self._steering.clear()
         for monitor in self._monitors:
             monitor.close(0)
-        self.zap.close()
 
 
 def _bind_in_a_row(ends: list[_Socket], endpoint: TcpEndpoint) -> list[int]:

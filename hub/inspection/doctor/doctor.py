@@ -10,6 +10,7 @@ from hub.errors import RobotFileError
 from hub.inspection.doctor import (
     autopilot_checks,
     fleet_checks,
+    hub_checks,
     library_checks,
     machine_checks,
     port_checks,
@@ -39,11 +40,12 @@ WITH_COMMANDS: Mapping[str, Callable[[str], list[Finding]]] = {
 }
 """Checks with commands in their advice that contain the robot file's name."""
 ROBOT: Mapping[str, Callable[[RobotDescription], list[Finding]]] = {
-    "ports": port_checks.ports,
+    "hub": hub_checks.hub,
+    "sockets": hub_checks.sockets,
+    "tcp": port_checks.tcp,
     "gateway": port_checks.gateway,
-    "kept": port_checks.kept,
+    "kept": hub_checks.kept,
     "keys": robot_checks.keys,
-    "sockets": robot_checks.sockets,
     "folders": robot_checks.folders,
     "space": machine_checks.space,
     "devices": robot_checks.devices,

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from hub.errors import HubError, KeyFileError
 from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
+from hub.inspection.doctor.hub_checks import modules_of_hub
 from hub.inspection.doctor.library_checks import missing
-from hub.inspection.doctor.port_checks import modules_of_hub
 from hub.robots.description import RobotDescription
 from hub.robots.fleet_table import FleetTable
 from hub.zenoh.certificate_facts import read_certificate
@@ -52,7 +52,7 @@ def _findings(robot: RobotDescription, table: FleetTable) -> Iterator[Finding]:
     yield ok(f"the router at {table.place} answers")
     if own not in there:
         yield ok(f"the name {name} is free in the fleet {table.fleet}")
-    elif GATEWAY in (modules_of_hub(robot.port) or "").split(", "):
+    elif GATEWAY in (modules_of_hub(robot.name) or "").split(", "):
         yield ok(f"{name} is in the fleet {table.fleet} now")
     else:
         text = f"another robot of the fleet {table.fleet} has the name {name} now"

@@ -7,7 +7,6 @@ import grp
 import os
 import pwd
 import re
-import socket
 import stat
 import tempfile
 from collections.abc import Iterator
@@ -17,14 +16,7 @@ from hub.errors import KeyFileError
 from hub.inspection.doctor.finding import Finding, ok, problem, warning
 from hub.ipc.security import key_files
 from hub.ipc.security.keyring import Keyring, default_folder
-from hub.paths import (
-    LONGEST_FOR_SOCKETS,
-    for_logs,
-    for_maps,
-    for_missions,
-    for_recordings,
-    for_sockets,
-)
+from hub.paths import for_logs, for_maps, for_missions, for_recordings
 from hub.robots.body_tables import ROBOTS_OWN
 from hub.robots.description import RobotDescription
 
@@ -62,27 +54,6 @@ def keys(robot: RobotDescription) -> list[Finding]:
         return [warning(f"no keys are listed in {folder}, so nobody can come in", make)]
     names = ", ".join(holder.name for holder in holders[:_MOST_SHOWN])
     return [ok(f"{len(holders)} in {folder}: {names}")]
-
-
-def sockets(_robot: RobotDescription) -> list[Finding]:
-    """Whether there is a folder in which modules can reach central."""
-    named = os.environ.get("XDG_RUNTIME_DIR", "")
-    findings = []
-    parent = for_sockets()
-    if named and named != str(parent):
-        reason = "is too long" if len(named) > LONGEST_FOR_SOCKETS else "is no folder"
-        text = f"XDG_RUNTIME_DIR ({named}) {reason}; another folder is taken"
-        findings.append(warning(text, f"name a folder of up to {LONGEST_FOR_SOCKETS} characters"))
-    try:
-        with (
-            tempfile.TemporaryDirectory(prefix="rune-doctor-", dir=parent) as folder,
-            socket.socket(socket.AF_UNIX) as probe,
-        ):
-            probe.bind(f"{folder}/central")
-    except OSError as fault:
-        text = f"no sockets can be made in {parent} ({key_files.reason_of(fault)})"
-        return [*findings, problem(text, "set XDG_RUNTIME_DIR to a folder that you can write to")]
-    return [*findings, ok(f"they can be made in {parent}")]
 
 
 def folders(robot: RobotDescription) -> list[Finding]:

@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
         HubError: The robot file or the address cannot be used, or no hub answers.
     """
     place = place_of(options)
-    if not place.port and not options.hub:
+    if not place.hub and not options.hub:
         print_error("name a robot file whose hub runs: the hub has the link, and passes frames on")
         return ExitCode.USAGE
     target = vehicle_address(options.to)
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
         family, address = _found(options.to, target.host, target.port)
         link = stack.enter_context(socket.socket(family, socket.SOCK_DGRAM))
         link.settimeout(0.0)
-        client = connect(options.hub or f"tcp://127.0.0.1:{place.port}", "forward", None)
+        client = connect(options.hub or place.hub, "forward", None)
         stack.callback(client.close)
         forwarder = FrameForwarder()
 

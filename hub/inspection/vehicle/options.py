@@ -103,7 +103,7 @@ def _add_forward(tasks: Commands, which: CommandParser) -> None:
     task.add_argument(
         "--to", required=True, metavar="udp://HOST:PORT", help="such as udp://127.0.0.1:14550"
     )
-    task.add_argument("--hub", type=endpoint_of, help="HOST, HOST:PORT; without: the file's port")
+    task.add_argument("--hub", type=endpoint_of, help="as for other commands; without: the robot's")
     task.add_argument("--json", action="store_true", help="say what happens as JSON lines")
     task.add_argument("--stop-with-stdin", action="store_true", help="end when stdin ends")
 

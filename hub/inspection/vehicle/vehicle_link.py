@@ -13,6 +13,7 @@ from typing import TypeVar
 from hub.errors import HubError, RobotFileError, VehicleSilentError
 from hub.gcm.autopilot import AUTOPILOT_STATE, AutopilotState
 from hub.gcm.body import ROBOT_DESCRIPTION
+from hub.hub_sockets import NAMED
 from hub.inspection.message_commands import connect
 from hub.ipc.definition import MessageDefinition
 from hub.robots.description import RobotDescription
@@ -46,7 +47,7 @@ class VehiclePlace:
         station: Number of the hub as a ground station.
         key_file: File of the signing key; empty: unsigned.
         name: Name of the robot.
-        port: TCP port of its hub; 0: not known.
+        hub: Endpoint of the robot's hub; empty: no robot file names it.
     """
 
     address: str
@@ -54,7 +55,7 @@ class VehiclePlace:
     station: int
     key_file: str
     name: str
-    port: int = 0
+    hub: str = ""
 
 
 def place_of(options: argparse.Namespace) -> VehiclePlace:
@@ -90,20 +91,19 @@ def place_in(robot: RobotDescription) -> VehiclePlace:
         station=robot.vehicle_station,
         key_file=robot.signing_key,
         name=robot.name,
-        port=robot.port,
+        hub=f"{NAMED}{robot.name}",
     )
 
 
 def hub_with_autopilot(place: VehiclePlace) -> str:
-    """The endpoint of a hub that runs at the robot's port and has an autopilot; empty: none."""
-    if not place.port:
+    """The endpoint of the robot's hub if it runs here and has an autopilot; empty: it does not."""
+    if not place.hub:
         return ""
-    endpoint = f"tcp://127.0.0.1:{place.port}"
     try:
-        body = _newest(endpoint, ROBOT_DESCRIPTION)
+        body = _newest(place.hub, ROBOT_DESCRIPTION)
     except HubError:
         return ""
-    return "" if body is not None and body.kind != "mavlink" else endpoint
+    return "" if body is not None and body.kind != "mavlink" else place.hub
 
 
 def autopilot_at(endpoint: str) -> AutopilotState | None:

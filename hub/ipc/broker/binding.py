@@ -25,10 +25,22 @@ def sibling(
     return endpoints.IpcEndpoint(f"{endpoint.path}.{index}")
 
 
+TOKEN_DOMAIN = "tcp of this machine"
+"""ZAP domain of central's own TCP sockets."""
+FILE_DOMAIN = "socket file of this machine"
+"""ZAP domain of socket files that are bound after TCP; a domain cannot be taken away again."""
+
+
 def bind(socket: sockets.Socket, endpoint: endpoints.TcpEndpoint | endpoints.IpcEndpoint) -> str:
-    """Bind; the address with its real port."""
+    """Bind; the address with its real port. At TCP, ZeroMQ asks who may connect."""
+    if isinstance(endpoint, endpoints.TcpEndpoint):
+        socket.plain_server, socket.zap_domain = True, TOKEN_DOMAIN.encode()
+    elif socket.getsockopt_string(zmq.ZAP_DOMAIN).rstrip("\0"):
+        socket.plain_server, socket.zap_domain = False, FILE_DOMAIN.encode()
     if isinstance(endpoint, endpoints.IpcEndpoint):
         _refuse_taken(endpoint)
+        if endpoint.path.startswith("@"):
+            sockets.allow_own_user_only(socket, root=True)
     try:
         sockets.bind(socket, str(endpoint))
     except zmq.ZMQError as error:

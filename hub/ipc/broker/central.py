@@ -14,19 +14,21 @@ import math
 import threading
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import zmq
 
 from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllowedError
 from hub.ipc.broker import binding
+from hub.ipc.broker.entrance_monitors import EntranceMonitors
 from hub.ipc.broker.gateways import CentralAccess, ControlEntrance, Gateway, GatewayOpener
+from hub.ipc.broker.local_entrance import LocalEntrance
 from hub.ipc.broker.peers import Caller, Outgoing, Peer
 from hub.ipc.broker.plane_proxies import PlaneProxies, inner_addresses
 from hub.ipc.broker.registry import Registry
-from hub.ipc.endpoints import TcpEndpoint, parse_endpoint
-from hub.ipc.roles import LOCAL
+from hub.ipc.broker.zap import ZapHandler
+from hub.ipc.endpoints import IpcEndpoint, parse_endpoint
+from hub.ipc.roles import CONTROL, LOCAL
 from hub.ipc.transport import file_descriptors, heap, sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
@@ -40,13 +42,6 @@ _GATEWAY_TURN_S = 2e-3
 """Longest turn of a gateway before clients of this machine have theirs again [s]."""
 _CHECK_S = 0.1
 _TRIM_S = 5.0
-_HANDSHAKE_FAILURES = (
-    zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL,
-    zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL,
-    zmq.EVENT_HANDSHAKE_FAILED_AUTH,
-)
-_WATCHED = zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED | sum(_HANDSHAKE_FAILURES)
-_CONTROL = "control"
 
 
 class Central:
@@ -69,8 +64,8 @@ class Central:
         """Bind and start.
 
         Args:
-            endpoints: tcp:// and ipc:// addresses for clients on this machine. A TCP port p takes
-                p to p + 6; port 0 takes free ones.
+            endpoints: ipc:// addresses for clients on this machine, and at most one of tcp:// for
+                those that have its token. A TCP port p takes p to p + 6; port 0 takes free ones.
             gateways: Openers of the gateways for other machines.
             reserved: Names that only the robot's own modules may have.
             clock: Monotonic time [s].
@@ -79,22 +74,21 @@ class Central:
 
         Raises:
             EndpointError: An address is malformed, not allowed, or busy.
-            KeyFileError: The keys for a gateway cannot be used.
+            KeyFileError: The keys for a gateway, or the token of a port, cannot be used.
         """
         heap.keep_heap()
         file_descriptors.allow_many()
         self.faults = FaultCounter(_logger, clock)
         self._clock = clock
         self._line_delay = line_delay
-        self._reserve = file_descriptors.Reserve(self.faults)
         # The second thread serves gateways: other machines take no time from local modules.
         self._context: sockets.Context = zmq.Context(2 if gateways else 1)
         self._stopping = threading.Event()
         self.registry = Registry(clock=clock, faults=self.faults, reserved=reserved)
         self.gateways: list[Gateway] = []
-        self._files: list[Path] = []
         self.endpoints: list[str] = []
         try:
+            self._zap = ZapHandler(self._context, self.faults)
             self._planes = PlaneProxies(self._context, self.faults, clock)
             self._steered, self._steering = sockets.pair(self._context, "inproc://steering-control")
             self.entrances = [self._bind(endpoints)]
@@ -126,6 +120,24 @@ class Central:
         """The module or console of this number in frame headers; None if it is not connected."""
         return self.registry.peer_of(publisher)
 
+    def listen_again(self, endpoint: str) -> None:
+        """Bind again at an ipc:// address whose socket files were removed; any thread may call.
+
+        Connections stay.
+        """
+        path = parse_endpoint(endpoint)
+        ends = [binding.sibling(path, index) for index in range(1 + len(self._planes.ends))]
+        files = [each for each in ends if isinstance(each, IpcEndpoint)]
+        self._planes.bind_more(dict(zip(self._planes.ends, files[1:], strict=True)))
+
+        def bind_control() -> None:
+            try:
+                binding.bind(self.entrances[0].router, files[0])
+            except EndpointError as error:
+                self.faults.count("cannot listen again", str(error))
+
+        self.loop.post(bind_control)
+
     def close(self) -> None:
         """End the threads and free the endpoints."""
         if self._stopping.is_set():
@@ -137,39 +149,24 @@ class Central:
         self._planes.close()
         self._steering.close(0)
         self._context.destroy(linger=0)
-        for path in self._files:
-            path.unlink(missing_ok=True)
+        self._local.close()
 
     def _bind(self, endpoints: Sequence[str]) -> ControlEntrance:
         """Bind the sockets for clients of this machine."""
         router = sockets.make_router(self._context)
         # Without it libzmq 4.3.5 loses memory when a connection claims an identity that is taken.
         router.router_handover = True
-        self._monitors = {self._monitor(router): _CONTROL}
-        for place, end in self._planes.ends.items():
-            self._monitors[self._monitor(end)] = place
+        self._monitors = EntranceMonitors(
+            {CONTROL: router, **self._planes.ends},
+            self._planes.floods,
+            disconnected=self._disconnected,
+            faults=self.faults,
+            clock=self._clock,
+        )
         ends = [router, *self._planes.ends.values()]
-        wanted = [parse_endpoint(endpoint) for endpoint in endpoints]
-        if len({type(endpoint) for endpoint in wanted}) < len(wanted):
-            text = "central listens at one tcp:// and one ipc:// endpoint; name only one of each"
-            raise EndpointError(text)
-        ports, paths = [0] * (len(ends) - 1), [""] * (len(ends) - 1)
-        for endpoint in wanted:
-            bound = [
-                binding.bind(end, binding.sibling(endpoint, index))
-                for index, end in enumerate(ends)
-            ]
-            self.endpoints.append(bound[0])
-            rest = [address.partition("://")[2] for address in bound[1:]]
-            if isinstance(endpoint, TcpEndpoint):
-                ports = [int(address.rpartition(":")[2]) for address in rest]
-            else:
-                paths = rest
-                self._files += [Path(endpoint.path), *map(Path, rest)]
-        return ControlEntrance(router=router, ports=tuple(ports), paths=tuple(paths))
-
-    def _monitor(self, socket: sockets.Socket) -> sockets.Socket:
-        return socket.get_monitor_socket(_WATCHED)
+        self._local = LocalEntrance(ends, endpoints, self._zap, self.faults)
+        self.endpoints += self._local.endpoints
+        return self._local.entrance
 
     def _add_gateway(self, open_gateway: GatewayOpener) -> None:
         gateway = open_gateway(
@@ -183,6 +180,7 @@ class Central:
                 send=lambda to, message: self._send([Outgoing(identity=to, message=message)]),
                 faults=self.faults,
                 clock=self._clock,
+                zap=self._zap,
             )
         )
         self.gateways.append(gateway)
@@ -205,18 +203,18 @@ class Central:
         loop.close()
         for gateway in self.gateways:
             gateway.close()
-        for monitor in self._monitors:
-            monitor.close(0)
+        self._monitors.close()
         for socket in (self._steered, self.entrances[0].router, self._planes.copies):
             socket.close(0)
+        self._zap.close()
 
     def _register(self, loop: Loop) -> None:
         self._routers = [
             loop.register(entrance.router, functools.partial(self._take, number))
             for number, entrance in enumerate(self.entrances)
         ]
-        for monitor, where in self._monitors.items():
-            loop.register(monitor, functools.partial(self._watch, monitor, where))
+        loop.register(self._zap.socket, self._zap.serve)
+        self._monitors.register(loop)
         for gateway in self.gateways:
             for polled in gateway.polled:
                 loop.register(polled, functools.partial(self._serve_gateway, gateway, polled))
@@ -225,29 +223,6 @@ class Central:
         loop.every(_CHECK_S, self._check)
         loop.every(_TRIM_S, heap.give_back)
         loop.every(_CHECK_S, lambda: self._send(self.registry.expire()))
-
-    def _watch(self, monitor: sockets.Socket, where: str) -> bool:
-        """Report connections that begin, that end, and that use another protocol."""
-        floods = self._planes.floods.get(where)
-        while True:
-            try:
-                raw = monitor.recv_multipart(zmq.NOBLOCK)
-            except zmq.Again:
-                return False
-            event, descriptor = sockets.parse_event(raw)
-            if event in _HANDSHAKE_FAILURES:
-                self.faults.count(
-                    f"bad handshake on {where}",
-                    "a peer left in the middle of it, or does not speak this protocol",
-                )
-            elif event == zmq.EVENT_ACCEPTED:
-                self._reserve.admit(descriptor, where)
-                if floods is not None:
-                    floods.connected(descriptor)
-            elif floods is not None:
-                floods.disconnected(descriptor)
-            elif where == _CONTROL:
-                self._disconnected(descriptor)
 
     def _check(self) -> None:
         now = self._clock()
@@ -266,13 +241,11 @@ class Central:
         self._send(self.registry.disconnected(descriptor))
 
     def _read_ended(self) -> None:
-        """Read the pending monitor events of control connections.
+        """Read the pending ends of control connections.
 
         ZeroMQ reports an end before it frees the descriptor, which the next connection may get.
         """
-        for monitor, where in self._monitors.items():
-            if where == _CONTROL:
-                self._watch(monitor, where)
+        self._monitors.read_ended()
         for gateway in self.gateways:
             gateway.report_ended()
 

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import zmq
 
 from hub.ipc.broker.peers import Peer
+from hub.ipc.broker.zap import ZapHandler
 from hub.ipc.definition import Plane
 from hub.ipc.roles import Principal
 from hub.ipc.transport import sockets
@@ -71,6 +72,7 @@ class CentralAccess:
         send: Sends a control message to the connection of this identity.
         faults: Counts what is refused.
         clock: Monotonic time [s].
+        zap: Answers handshakes; a gateway names the judge of its domains.
     """
 
     context: sockets.Context
@@ -82,6 +84,7 @@ class CentralAccess:
     send: Callable[[bytes, Any], None]
     faults: FaultCounter
     clock: Callable[[], float]
+    zap: ZapHandler
 
 
 class Gateway(Protocol):

@@ -5,14 +5,17 @@ The proxy also copies each broadcast to `copies`; central checks some of them.
 
 from __future__ import annotations
 
+import queue
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import zmq
 
-from hub.errors import FrameError
+from hub.errors import EndpointError, FrameError
+from hub.ipc.broker import binding
 from hub.ipc.broker.subscription_floods import FloodWatch
 from hub.ipc.definition import Plane
+from hub.ipc.endpoints import IpcEndpoint
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
@@ -59,6 +62,8 @@ class PlaneProxies:
         self._made: list[sockets.Socket] = []
         self._steering: list[sockets.Socket] = []
         self._threads: list[threading.Thread] = []
+        self._stopping = threading.Event()
+        self._more: dict[str, queue.SimpleQueue[tuple[sockets.Socket, IpcEndpoint]]] = {}
         for plane in sockets.PLANES:
             inward = sockets.make_plane(context, zmq.XSUB, plane)
             outward = sockets.make_plane(context, zmq.XPUB, plane)
@@ -76,6 +81,17 @@ class PlaneProxies:
         """Forward broadcasts from now on."""
         for thread in self._threads:
             thread.start()
+
+    def bind_more(self, addresses: Mapping[str, IpcEndpoint]) -> None:
+        """Bind ends at further addresses, while broadcasts pass.
+
+        Args:
+            addresses: An address for each place.
+        """
+        for place, address in addresses.items():
+            self._more[place.partition(" ")[0]].put((self.ends[place], address))
+        for steering in self._steering:
+            steering.send(b"TERMINATE", zmq.NOBLOCK)  # the proxy returns, and begins again
 
     def check(self, is_right: Callable[[frames.Frame], bool]) -> None:
         """Check broadcasts that have passed, and count faults.
@@ -104,6 +120,7 @@ class PlaneProxies:
 
     def stop(self) -> None:
         """Stop forwarding; the threads end soon."""
+        self._stopping.set()
         for steering in self._steering:
             steering.send(b"TERMINATE", zmq.NOBLOCK)
 
@@ -125,7 +142,16 @@ class PlaneProxies:
         self._made += [copies, steered]
         self._steering.append(steering)
 
+        more = self._more[plane.value] = queue.SimpleQueue()
+
         def forward() -> None:
-            zmq.proxy_steerable(inward, outward, copies, steered)
+            while not self._stopping.is_set():
+                zmq.proxy_steerable(inward, outward, copies, steered)
+                while not more.empty():  # the sockets are this thread's
+                    end, address = more.get()
+                    try:
+                        binding.bind(end, address)
+                    except EndpointError as error:
+                        self._faults.count("cannot listen again", str(error))
 
         return forward

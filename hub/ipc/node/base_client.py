@@ -14,6 +14,7 @@ from hub.errors import (
     CentralUnreachableError,
     HubError,
 )
+from hub.hub_sockets import NAMED
 from hub.ipc import endpoints
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.node.connection import LOST_S
@@ -21,6 +22,7 @@ from hub.ipc.node.directory import Directory
 from hub.ipc.node.publisher import Publisher
 from hub.ipc.node.session import Session
 from hub.ipc.security.client_keys import ClientKeys
+from hub.ipc.security.token import Token
 from hub.ipc.transport import heap, sockets
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.fault_counter import FaultCounter
@@ -60,7 +62,7 @@ class BaseClient:
         *,
         clock: Callable[[], float] = time.monotonic,
         loop: Loop | None = None,
-        keys: ClientKeys | None = None,
+        keys: ClientKeys | Token | None = None,
         near: bool = True,
     ) -> None:
         """Start connecting; this never waits.
@@ -146,10 +148,14 @@ class BaseClient:
             NotAllowedError: Central refuses the key.
             NameTakenError: Another live module has the name.
         """
-        why = (
-            f"no hub answers at {self.endpoint}; is rune-hub running there? A gateway answers only "
-            "to a key: give its file with --keys"
-        )
+        why = f"no hub answers at {self.endpoint}; is rune-hub running there?"
+        if self.endpoint.startswith("tcp://"):
+            why += " It answers only to a token or a key: give its file with --keys"
+        elif self.endpoint.startswith(NAMED):
+            why = (
+                f"no hub answers ({endpoints.shown(self.endpoint)}); start it with `rune-hub "
+                "run ROBOT`, or go to a robot elsewhere with ssh, or with --hub and --keys"
+            )
         if self._keys is not None:
             # A hub gives no answer to the key of another hub.
             why = (
@@ -171,7 +177,7 @@ class BaseClient:
         self._wait(
             lambda: self.session.defined or give_up(),
             timeout,
-            f"the hub at {self.endpoint} does not confirm definitions",
+            f"the hub at {endpoints.shown(self.endpoint)} does not confirm definitions",
             lambda: _raise(self.session.refused.values()),
         )
 
@@ -184,7 +190,7 @@ class BaseClient:
         self._wait(
             lambda: (self._connection.publisher and self._subscriptions.standing) or give_up(),
             timeout,
-            f"the hub at {self.endpoint} does not confirm subscriptions",
+            f"the hub at {endpoints.shown(self.endpoint)} does not confirm subscriptions",
         )
 
     def wait_published(self, timeout: float) -> None:
@@ -193,7 +199,7 @@ class BaseClient:
         Raises:
             CentralUnreachableError: Central did not list the subscribers within `timeout` [s].
         """
-        why = f"the hub at {self.endpoint} does not list the subscribers"
+        why = f"the hub at {endpoints.shown(self.endpoint)} does not list the subscribers"
         self._wait(lambda: self.connected and not self._publishers.holding, timeout, why)
 
     def define(self, *definitions: MessageDefinition[Any]) -> None:

@@ -23,11 +23,14 @@ from typing import Any, Protocol
 import zmq
 
 import hub.errors
-from hub.errors import HubError, NotAllowedError
+from hub import hub_sockets
+from hub.errors import EndpointError, HubError, NotAllowedError
 from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.endpoints import shown
 from hub.ipc.roles import LOCAL, may_connect
 from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.security.publish_rights import demand_right
+from hub.ipc.security.token import Token, known_token
 from hub.ipc.transport import sockets
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.clock_sync import ClockSync, this_neighbourhood
@@ -98,19 +101,21 @@ class Connection:
         *,
         owner: ConnectionOwner,
         transport: ClientTransport,
-        keys: ClientKeys | None,
+        keys: ClientKeys | Token | None,
         near: bool,
     ) -> None:
         self.publisher = 0
         self.near = False
         self._neighbourhood = this_neighbourhood() if near and keys is None else 0
         self.keys = keys
+        self._finds_token = keys is None
         self.hub_time = ClockSync(transport.clock)
         self.refusal: HubError | None = None
         self._refused = math.inf
         self.closed = ""
         self._name = name
         self._endpoint = endpoint
+        self._address = endpoint
         self._owner = owner
         self._transport = transport
         self._clock = transport.clock
@@ -165,10 +170,10 @@ class Connection:
 
     def addresses(self, message: control.Welcome) -> list[str]:
         """The addresses of each plane, in and out, for this client."""
-        if self._endpoint.startswith("ipc://"):
+        if self._address.startswith("ipc://"):
             # Beside the known file: behind a tunnel it differs from central's path.
-            return [f"{self._endpoint}.{number}" for number in range(1, 1 + len(message.paths))]
-        host = self._endpoint.rpartition(":")[0]
+            return [f"{self._address}.{number}" for number in range(1, 1 + len(message.paths))]
+        host = self._address.rpartition(":")[0]
         return [f"{host}:{port}" for port in message.ports]
 
     def start_over(self, why: str) -> None:
@@ -190,6 +195,7 @@ class Connection:
         if self._attempt % _LONG_EACH and self.joined != (0, 0):
             longest = min(_LONGEST_S, max(_SHORTEST_S, 4 * self.hub_time.round_trip))
         self._attempt += 1
+        self._address, self.keys = self._way()
         made = sockets.make(self._transport.context, zmq.DEALER, _QUEUE, self.keys)
         made.connect_timeout = int(longest * 1e3)
         made.reconnect_ivl_max = 100
@@ -199,10 +205,22 @@ class Connection:
             events=_WATCHED,
             on_event=self._on_event,
             transport=self._transport,
-            address=self._endpoint,
+            address=self._address,
         )
         self._reopen = self._clock() + self._life
         self._next_ping = 0.0
+
+    def _way(self) -> tuple[str, ClientKeys | Token | None]:
+        """The address of the hub, and what it takes there: both may come after this client."""
+        try:
+            address = hub_sockets.address_of(self._endpoint)
+        except EndpointError as error:
+            self.refusal = error
+            return hub_sockets.NOWHERE, self.keys
+        self.refusal = None if isinstance(self.refusal, EndpointError) else self.refusal
+        if address.startswith("tcp://") and self._finds_token:
+            return address, known_token(int(address.rpartition(":")[2]))
+        return address, self.keys
 
     @property
     def _life(self) -> float:
@@ -220,7 +238,7 @@ class Connection:
             self.start_over("it does not answer")
         elif self.publisher:
             self.send(control.Ping(epoch=self.joined[0], sent=now))
-        elif now >= self._reopen:
+        elif now >= self._reopen or self._way() != (self._address, self.keys):
             self.channel.close()
             self._open()
         else:
@@ -249,6 +267,11 @@ class Connection:
                 f"the hub at {self._endpoint} refuses the key {self.keys.principal.name!r}; "
                 "see on the robot with `rune-hub keys list` whether it has it, and in its log"
             )
+            if isinstance(self.keys, Token):
+                text = (
+                    f"the hub at {self._endpoint} refuses the token in {self.keys.path}; give "
+                    "--keys the file of its own token"
+                )
             self.refusal = NotAllowedError(text)
         elif self.publisher == 0 and not self.closed:
             self.hello()
@@ -256,7 +279,7 @@ class Connection:
     def _lose(self, why: str) -> None:
         if self.publisher:
             self.publisher = 0
-            self._owner.lost(f"the hub at {self._endpoint} is gone: {why}")
+            self._owner.lost(f"the hub at {shown(self._endpoint)} is gone: {why}")
 
     def _on_control_message(self, message: Any, attached: bytes | None) -> None:
         self._last_answer = self._clock()

@@ -19,6 +19,7 @@ from hub.ipc.node.publishers import Publishers
 from hub.ipc.node.responders import Responders
 from hub.ipc.node.subscriptions import Subscriptions
 from hub.ipc.security.client_keys import ClientKeys
+from hub.ipc.security.token import Token
 from hub.ipc.transport import file_descriptors
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control, definition_listing, frames
@@ -50,7 +51,7 @@ class Session:
         endpoint: str,
         *,
         transport: ClientTransport,
-        keys: ClientKeys | None,
+        keys: ClientKeys | Token | None,
         near: bool,
     ) -> None:
         self.refused: dict[str, HubError] = {}

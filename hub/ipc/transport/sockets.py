@@ -11,6 +11,7 @@ import zmq
 
 from hub.ipc.definition import Plane
 from hub.ipc.security.client_keys import ClientKeys
+from hub.ipc.security.token import Token
 from hub.ipc.wire.frames import MAX_FRAME
 
 _EVENT = struct.Struct("=hi")
@@ -46,7 +47,7 @@ _DIRECT_THREAD = 0b10
 """A client's second I/O thread, for direct messages: a flood at central does not delay them."""
 
 
-def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None) -> Socket:
+def make(context: Context, kind: int, queue: int, keys: ClientKeys | Token | None = None) -> Socket:
     """A socket with the bus's options, and a client's keys if it has some.
 
     Queues are bounded; closing never waits. The system's keep-alive frees the connections of a dead
@@ -73,7 +74,9 @@ def make(context: Context, kind: int, queue: int, keys: ClientKeys | None = None
     return made
 
 
-def make_plane(context: Context, kind: int, plane: Plane, keys: ClientKeys | None = None) -> Socket:
+def make_plane(
+    context: Context, kind: int, plane: Plane, keys: ClientKeys | Token | None = None
+) -> Socket:
     """A socket of one plane: at central XSUB and XPUB, at a client XPUB to send, SUB to receive."""
     made = make(context, kind, QUEUE[plane], keys)
     # Subscriptions run against the messages, so the other queue of each socket holds only them.
@@ -118,9 +121,10 @@ def make_inbox(context: Context, kind: int, plane: Plane, queue: int = 0) -> Soc
     return made
 
 
-def allow_own_user_only(socket: Socket) -> None:
-    """Admit only this user: an abstract Unix socket has no permissions of its own."""
-    socket.setsockopt(zmq.IPC_FILTER_UID, os.getuid())
+def allow_own_user_only(socket: Socket, *, root: bool = False) -> None:
+    """Admit only this user, and root if wanted: abstract sockets have no permissions."""
+    for user in {os.getuid(), 0 if root else os.getuid()}:
+        socket.setsockopt(zmq.IPC_FILTER_UID, user)
 
 
 def sender(socket: Socket) -> Callable[[bytes, int], Any]:

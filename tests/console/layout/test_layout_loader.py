@@ -175,7 +175,7 @@ def test_what_a_file_leaves_out_has_its_default(tmp_path: Path):
     layout = load(tmp_path, SHORT)
     assert layout.run_number == 0
     (robot,) = layout.robots
-    assert robot.hub == "tcp://127.0.0.1:1381"
+    assert robot.hub == f"hub://?{robot.name}"
     assert [capability.interval_s for capability in robot.capabilities] == [0.01, 0.0]
     assert layout.view.background is None
     (viewport,) = layout.view.viewports

@@ -106,7 +106,7 @@ def test_a_layout_may_name_the_key_for_a_robot_and_another_key_is_another_link(
     drives = keyring.make("bert", Role.OPERATE)
 
     def layout(key: Path) -> LayoutSpec:
-        robot = f'<robot name="a" hub="localhost" keys="{key}"/>'
+        robot = f'<robot name="a" hub="localhost:1381" keys="{key}"/>'
         path.write_text(f'<rune>{robot}<view xsize="9" ysize="9"/></rune>')
         return open_layout(path)
 

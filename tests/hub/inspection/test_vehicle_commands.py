@@ -89,9 +89,7 @@ def test_the_doctor_names_unsafe_parameters_of_the_vehicle(tmp_path: Path) -> No
     path, vehicle = tmp_path / "blimp.toml", FakeVehicle(kind=7)
     vehicle.parameters = {"RC_OVERRIDE_TIME": (3.0, 9), "FS_THR_ENABLE": (1.0, 2)}
     with served(vehicle) as address:
-        path.write_text(
-            f'name = "b"\nkind = "mavlink"\n[hub]\nport = 0\n[mavlink]\naddress = "{address}"\n'
-        )
+        path.write_text(f'name = "b"\nkind = "mavlink"\n[mavlink]\naddress = "{address}"\n')
         done = rune_hub("doctor", str(path), "--json")
     findings = [json.loads(line) for line in done.stdout.splitlines()]
     found = [each for each in findings if each["check"] == "autopilot"]

@@ -83,9 +83,7 @@ def test_what_cannot_be_set_is_said(blimp: FakeVehicle) -> None:
 def test_all_and_some_by_a_robot_file(blimp: FakeVehicle, tmp_path: Path) -> None:
     path = tmp_path / "blimp.toml"
     with served(blimp) as address:
-        path.write_text(
-            f'name = "b"\nkind = "mavlink"\n[hub]\nport = 0\n[mavlink]\naddress = "{address}"\n'
-        )
+        path.write_text(f'name = "b"\nkind = "mavlink"\n[mavlink]\naddress = "{address}"\n')
         said, _ = parameters(str(path), "--all")
         names = [line.split()[0] for line in said.splitlines()[1:]]
         assert names == sorted(blimp.parameters)

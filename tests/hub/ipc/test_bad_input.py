@@ -8,6 +8,7 @@ import random
 import socket
 import struct
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import psutil
@@ -70,8 +71,14 @@ class Traffic:
 
 
 @pytest.fixture
-def wanted_endpoint() -> str:
-    return "tcp://127.0.0.1:0"
+def wanted_endpoint(tmp_path: Path) -> str:
+    return f"ipc://{tmp_path}/central"
+
+
+@pytest.fixture
+def connect(make: Callable[..., Peer]) -> Callable[[str], Peer]:
+    """What these peers say goes through central."""
+    return lambda name: make(name, near=False)
 
 
 @pytest.fixture
@@ -115,20 +122,22 @@ def plain(central: Central) -> Iterator[Plain]:
         made[-1].rcvhwm = 10
         # From before it connects, or what comes of that could be missed.
         made[-1].get_monitor_socket(_TURNED_AWAY)
-        made[-1].connect(f"tcp://127.0.0.1:{_port(central, place)}")
+        made[-1].connect(f"ipc://{_path(central, place)}")
         return made[-1]
 
     yield make
     context.destroy(linger=0)
 
 
-def _port(central: Central, place: str) -> int:
-    ports = (int(central.endpoints[0].rpartition(":")[2]), *central.entrances[0].ports)
-    return ports[_PLACES[place]]
+def _path(central: Central, place: str) -> str:
+    paths = (central.endpoints[0].removeprefix("ipc://"), *central.entrances[0].paths)
+    return paths[_PLACES[place]]
 
 
-def _throw(port: int, raw: bytes) -> socket.socket:
-    thrown = socket.create_connection(("127.0.0.1", port), timeout=5.0)
+def _throw(path: str, raw: bytes) -> socket.socket:
+    thrown = socket.socket(socket.AF_UNIX)
+    thrown.settimeout(5.0)
+    thrown.connect(path)
     with contextlib.suppress(OSError):
         thrown.sendall(raw)
     return thrown
@@ -142,8 +151,8 @@ def test_random_bytes_on_a_raw_connection(
     for number in range(30):
         raw = randomness.randbytes(randomness.randint(1, 2000))
         start = _GREETING[: randomness.randint(0, len(_GREETING))] if number % 2 else b""
-        _throw(_port(central, place), start + raw).close()
-    with _throw(_port(central, place), b"GET / HTTP/1.1\r\nHost: robot\r\n\r\n" * 10):
+        _throw(_path(central, place), start + raw).close()
+    with _throw(_path(central, place), b"GET / HTTP/1.1\r\nHost: robot\r\n\r\n" * 10):
         until(lambda: dropped(f"bad handshake on {place}") >= 10, 10.0)
     traffic.check()
 
@@ -154,13 +163,13 @@ def test_greeting_cut_anywhere_and_connection_held_open(
 ) -> None:
     with contextlib.ExitStack() as held:
         for length in range(0, len(_GREETING), 6):
-            held.enter_context(_throw(_port(central, place), _GREETING[:length]))
+            held.enter_context(_throw(_path(central, place), _GREETING[:length]))
         traffic.check()
 
 
-def _handshake(port: int, socket_type: bytes) -> socket.socket:
+def _handshake(path: str, socket_type: bytes) -> socket.socket:
     """A raw connection that has come as far as sending messages."""
-    raw = _throw(port, _GREETING)
+    raw = _throw(path, _GREETING)
     ready = b"\5READY" + b"\x0bSocket-Type" + struct.pack(">I", len(socket_type)) + socket_type
     if socket_type == b"DEALER":
         ready += b"\x08Identity" + struct.pack(">I", 0)
@@ -186,7 +195,7 @@ def test_announced_giant_frame_costs_the_connection_and_no_memory(
 ) -> None:
     before = psutil.Process().memory_info().rss
     for _ in range(3):
-        with _handshake(_port(central, place), socket_type) as raw:
+        with _handshake(_path(central, place), socket_type) as raw:
             raw.settimeout(10.0)
             # Central hangs up long before it has all that is sent.
             with pytest.raises(ConnectionError):  # noqa: PT012 - any of them
@@ -392,7 +401,7 @@ def test_subscriber_that_never_reads_stalls_nobody(traffic: Traffic, plain: Plai
 def test_three_hundred_connections_that_come_and_go(central: Central, traffic: Traffic) -> None:
     for number in range(300):
         place = list(_PLACES)[number % len(_PLACES)]
-        _throw(_port(central, place), _GREETING[: number % 65]).close()
+        _throw(_path(central, place), _GREETING[: number % 65]).close()
         if number % 100 == 0:
             traffic.check()
     assert set(central.connected()) == {"one", "other"}

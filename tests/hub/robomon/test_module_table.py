@@ -39,7 +39,7 @@ def test_shipped_robot_has_all_modules() -> None:
         "autonomy",
         "recorder",
     ]
-    assert table.robot.port == 1381
+    assert table.robot.listen == ""
     assert table.robot.linear_limit == 0.5
 
 

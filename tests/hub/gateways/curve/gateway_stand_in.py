@@ -13,6 +13,7 @@ import zmq.utils.monitor
 
 from hub.gateways.accounts import Accounts
 from hub.gateways.curve.gateway_sockets import GatewaySockets
+from hub.ipc.broker.zap import ZapHandler
 from hub.ipc.endpoints import TcpEndpoint
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import ClientKeys, read_client_keys
@@ -44,6 +45,7 @@ class StandIn:
         logger = logging.getLogger(f"gateway {folder}")
         logger.addHandler(_Collecting(self.logged))
         self.faults = FaultCounter(logger, lambda: self.now)
+        self.zap = ZapHandler(self.context, self.faults)
         self.ended: list[int] = []
         self._stopping = threading.Event()
         self._outcomes = 0
@@ -71,6 +73,7 @@ class StandIn:
             accounts=Accounts(),
             clock=lambda: self.now,
             judge=lambda raw, _: raw,
+            zap=self.zap,
         )
 
     def socket(self, context: zmq.Context[_Socket], kind: int) -> _Socket:
@@ -142,6 +145,7 @@ class StandIn:
             thread.join()
         for made in self._made:
             made.close()
+        self.zap.close()
         self.outside.term()  # hangs if a socket was left
         self.context.term()
 
@@ -164,10 +168,11 @@ class StandIn:
 
     def _serve(self) -> None:
         poller = zmq.Poller()
-        for socket in (*self.gateway.polled, self.gateway.control):
+        for socket in (self.zap.socket, *self.gateway.polled, self.gateway.control):
             poller.register(socket, zmq.POLLIN)
         while not self._stopping.is_set():
             ready = dict(poller.poll(20))
+            self.zap.serve()
             self.ended += self.gateway.serve(ready)
             if self.gateway.control in ready:
                 sender, frame = self.gateway.control.recv_multipart(copy=False)

@@ -257,7 +257,7 @@ def test_nobody_gets_in_while_nobody_decides(tmp_path: Path) -> None:
 def test_nobody_gets_in_when_the_gatekeeper_is_gone(tmp_path: Path) -> None:
     with standing_in(tmp_path / "keys", serving=False) as hub:
         keys = hub.keys(Role.MODULE)
-        hub.gateway.zap.close()
+        hub.zap.close()
         for place, kind in KINDS.items():
             hub.remote(kind, place, keys)
         until(

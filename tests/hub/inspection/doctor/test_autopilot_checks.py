@@ -7,13 +7,10 @@ from pathlib import Path
 from hub.inspection.doctor.autopilot_checks import autopilot
 from hub.robots.robot_file import read_description
 from tests.support.fake_vehicle import FakeVehicle, served
-from tests.support.ports import free_port
 
 FILE = """
 name = "airship"
 kind = "mavlink"
-[hub]
-port = {port}
 [mavlink]
 address = "{address}"
 [limits]
@@ -28,7 +25,7 @@ def findings(folder: Path, **parameters: float) -> str:
     vehicle.parameters = {name: (value, 9) for name, value in parameters.items()}
     path = folder / "robot.toml"
     with served(vehicle) as address:
-        path.write_text(FILE.format(address=address, port=free_port()))
+        path.write_text(FILE.format(address=address))
         robot, problems = read_description(path)
         assert problems == []
         return "\n".join(str(each) for each in autopilot(robot))

@@ -20,7 +20,7 @@ MACHINE = {*doctor.MACHINE, *doctor.WITH_COMMANDS}
 
 
 def test_a_healthy_machine_has_a_line_for_each_check_and_no_problem(tmp_path: Path) -> None:
-    path = robot_file(tmp_path, f"[hub]\nport = {free_port()}")
+    path = robot_file(tmp_path, f'[hub]\nlisten = "127.0.0.1:{free_port()}"')
     done = rune_hub("doctor", str(path), "--json")
     said = [json.loads(line) for line in done.stdout.splitlines()]
     assert {line["check"] for line in said} == {"robot file", *doctor.ROBOT, *MACHINE}
@@ -35,16 +35,16 @@ def test_an_occupied_port_is_a_problem_in_one_line(tmp_path: Path) -> None:
     with socket.socket() as other:
         other.bind(("127.0.0.1", port + 1))
         other.listen()
-        done = rune_hub("doctor", str(robot_file(tmp_path, f"[hub]\nport = {port}")))
+        done = rune_hub("doctor", str(robot_file(tmp_path, f'[hub]\nlisten = "127.0.0.1:{port}"')))
     (line,) = [line for line in done.stdout.splitlines() if line.startswith("problem ")]
-    assert f"port {port + 1} is used by another program" in line
+    assert f"port {port + 1} of 127.0.0.1 is used by another program" in line
     assert " -> " in line
     assert done.stdout.splitlines()[-1].startswith("problems: 1, warnings: ")
     assert (done.returncode, done.stderr) == (ExitCode.FAULT, "")
 
 
 def test_all_mistakes_of_a_robot_file_are_told_and_the_rest_is_looked_at(tmp_path: Path) -> None:
-    path = robot_file(tmp_path, '[hub]\nport = "x"\n[body]\nradius = 99', driver="runs = 1")
+    path = robot_file(tmp_path, "[hub]\nlisten = 5\n[body]\nradius = 99", driver="runs = 1")
     done = rune_hub("doctor", str(path), "--json")
     said = [json.loads(line) for line in done.stdout.splitlines()]
     wrong = [line["text"] for line in said if line["check"] == "robot file"]

@@ -32,7 +32,7 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def said(folder: Path, table: str) -> list[Finding]:
-    return fleet_checks.fleet(robot(folder, f"[hub]\nport = {free_port()}\n[fleet]\n{table}"))
+    return fleet_checks.fleet(robot(folder, f"[fleet]\n{table}"))
 
 
 def only(found: list[Finding], level: Level) -> str:

@@ -11,12 +11,13 @@ from pathlib import Path
 import pytest
 
 from hub.gateways.curve.curve_gateway import curve_gateway
+from hub.hub_sockets import HubFolder
 from hub.inspection.doctor import port_checks
-from hub.inspection.doctor.finding import Level
+from hub.inspection.doctor.finding import Level, ok
 from hub.inspection.doctor.tcp_owners import listening_inodes, owner
 from hub.ipc.broker.central import Central
-from hub.ipc.client import Client
 from hub.ipc.security.keyring import Keyring
+from hub.robots.description import RobotDescription
 from tests.hub.inspection.robots import robot
 from tests.support.ports import free_port
 
@@ -27,6 +28,10 @@ def stack() -> Iterator[ExitStack]:
         yield opened
 
 
+def listening(folder: Path, port: int) -> RobotDescription:
+    return robot(folder, f'[hub]\nlisten = "127.0.0.1:{port}"')
+
+
 def listen(stack: ExitStack, port: int, host: str = "127.0.0.1") -> None:
     other = stack.enter_context(socket.socket())
     other.bind((host, port))
@@ -35,13 +40,16 @@ def listen(stack: ExitStack, port: int, host: str = "127.0.0.1") -> None:
 
 def test_free_ports_are_well(tmp_path: Path) -> None:
     port = free_port()
-    (said,) = port_checks.ports(robot(tmp_path, f"[hub]\nport = {port}"))
-    assert (said.level, said.text) == (
-        Level.OK,
-        f"ports {port} to {port + 6} of this machine are free",
-    )
-    (said,) = port_checks.ports(robot(tmp_path, "[hub]\nport = 0"))
-    assert said.level is Level.OK
+    (said,) = port_checks.tcp(listening(tmp_path, port))
+    assert said == ok(f"ports {port} to {port + 6} of 127.0.0.1 are free")
+    (said,) = port_checks.tcp(robot(tmp_path))
+    assert said == ok("the hub opens no TCP port for clients of this machine")
+
+
+@pytest.mark.parametrize("place", ["192.0.2.1:1381", "127.0.0.1", "127.0.0.1:65530"])
+def test_a_place_where_no_hub_may_listen_is_a_problem(tmp_path: Path, place: str) -> None:
+    (said,) = port_checks.tcp(robot(tmp_path, f'[hub]\nlisten = "{place}"'))
+    assert said.level is Level.PROBLEM
 
 
 def test_each_port_that_another_program_has_is_told_with_its_process(
@@ -51,34 +59,26 @@ def test_each_port_that_another_program_has_is_told_with_its_process(
     for taken in (port + 2, port + 6):
         listen(stack, taken)
     listen(stack, port + 7)  # no longer ours
-    said = port_checks.ports(robot(tmp_path, f"[hub]\nport = {port}"))
+    said = port_checks.tcp(listening(tmp_path, port))
     assert [finding.level for finding in said] == [Level.PROBLEM] * 2
     for finding, taken in zip(said, (port + 2, port + 6), strict=True):
-        assert f"port {taken} is used by another program (pid {os.getpid()}: " in finding.text
+        assert (
+            f"port {taken} of 127.0.0.1 is used by another program (pid {os.getpid()}: "
+            in finding.text
+        )
         assert "choose another port" in finding.advice
 
 
 def test_what_answers_like_no_hub_is_another_program(tmp_path: Path, stack: ExitStack) -> None:
     port = free_port()
     listen(stack, port)
-    (said,) = port_checks.ports(robot(tmp_path, f"[hub]\nport = {port}"))
+    (said,) = port_checks.tcp(listening(tmp_path, port))
     assert said.level is Level.PROBLEM
-
-
-def test_a_hub_that_runs_is_well_and_says_who_is_there(tmp_path: Path, stack: ExitStack) -> None:
-    port = free_port()
-    stack.enter_context(closing(Central([f"tcp://127.0.0.1:{port}"])))
-    client = stack.enter_context(closing(Client("wheels", f"tcp://127.0.0.1:{port}")))
-    client.wait_connected(5.0)
-    (said,) = port_checks.ports(robot(tmp_path, f"[hub]\nport = {port}"))
-    assert said.level is Level.OK
-    assert f"a hub runs at {port} (pid {os.getpid()}: " in said.text
-    assert said.text.endswith("with wheels")
 
 
 def test_ports_that_connections_may_take_are_a_warning(tmp_path: Path) -> None:
     low = int(Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()[0])
-    said = port_checks.ports(robot(tmp_path, f"[hub]\nport = {low + 5000}"))
+    said = port_checks.tcp(listening(tmp_path, low + 5000))
     assert Level.OK not in [finding.level for finding in said]
 
 
@@ -96,14 +96,16 @@ def test_ports_that_connections_may_take_are_a_warning(tmp_path: Path) -> None:
 def test_a_gateway_that_cannot_be_is_told(tmp_path: Path, gateway: str, text: str) -> None:
     port = free_port()
     place = gateway.format(port=port + 20, beside=port + 6)
-    (said,) = port_checks.gateway(robot(tmp_path, f'[hub]\nport = {port}\ngateway = "{place}"'))
+    (said,) = port_checks.gateway(
+        robot(tmp_path, f'[hub]\nlisten = "127.0.0.1:{port}"\ngateway = "{place}"')
+    )
     assert said.level is Level.PROBLEM
     assert text in said.text
 
 
 def test_a_gateway_port_of_another_program_is_told(tmp_path: Path, stack: ExitStack) -> None:
     port = free_port()
-    tables = f'[hub]\nport = 0\ngateway = "tcp://127.0.0.1:{port}"'
+    tables = f'[hub]\ngateway = "tcp://127.0.0.1:{port}"'
     (said,) = port_checks.gateway(robot(tmp_path, tables))
     assert said.level is Level.OK
     listen(stack, port + 3)
@@ -114,12 +116,12 @@ def test_a_gateway_port_of_another_program_is_told(tmp_path: Path, stack: ExitSt
 
 def test_the_gateway_of_the_hub_that_runs_is_well(tmp_path: Path, stack: ExitStack) -> None:
     port = free_port()
-    place = f"tcp://127.0.0.1:{port + 20}"
     keyring = Keyring(tmp_path / "keys")
-    gateway = curve_gateway(place, keyring)
-    central = Central([f"tcp://127.0.0.1:{port}"], gateways=[gateway])
-    stack.enter_context(closing(central))
-    (said,) = port_checks.gateway(robot(tmp_path, f'[hub]\nport = {port}\ngateway = "{place}"'))
+    folder = stack.enter_context(closing(HubFolder("magellan")))
+    gateway = curve_gateway(f"tcp://127.0.0.1:{port}", keyring)
+    stack.enter_context(closing(Central([folder.endpoint], gateways=[gateway])))
+    place = f"tcp://127.0.0.1:{port}"
+    (said,) = port_checks.gateway(robot(tmp_path, f'[hub]\ngateway = "{place}"'))
     assert said.level is Level.OK
     assert "the hub that runs" in said.text
 

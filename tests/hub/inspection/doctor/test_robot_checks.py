@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hub.inspection.doctor import robot_checks
+from hub.inspection.doctor import hub_checks, robot_checks
 from hub.inspection.doctor.finding import Finding, Level
 from hub.ipc.roles import Role
 from hub.ipc.security.keyring import Keyring
@@ -92,8 +92,9 @@ def test_sockets_can_be_made_and_nothing_stays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with tempfile.TemporaryDirectory() as short:
+        monkeypatch.delenv("RUNE_RUNTIME_DIR")
         monkeypatch.setenv("XDG_RUNTIME_DIR", short)
-        (said,) = robot_checks.sockets(robot(tmp_path))
+        (said,) = hub_checks.sockets(robot(tmp_path))
         assert (said.level, said.text) == (Level.OK, f"they can be made in {short}")
         assert list(Path(short).iterdir()) == []
 
@@ -108,8 +109,9 @@ def test_sockets_can_be_made_and_nothing_stays(
 def test_a_bad_runtime_folder_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: str, levels: list[Level]
 ) -> None:
+    monkeypatch.delenv("RUNE_RUNTIME_DIR")
     monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
-    assert [said.level for said in robot_checks.sockets(robot(tmp_path))] == levels
+    assert [said.level for said in hub_checks.sockets(robot(tmp_path))] == levels
 
 
 def test_a_runtime_folder_with_a_long_path_is_not_taken(
@@ -117,8 +119,9 @@ def test_a_runtime_folder_with_a_long_path_is_not_taken(
 ) -> None:
     folder = tmp_path / ("x" * 60)
     folder.mkdir()
+    monkeypatch.delenv("RUNE_RUNTIME_DIR")
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(folder))
-    too_long, taken = robot_checks.sockets(robot(tmp_path))
+    too_long, taken = hub_checks.sockets(robot(tmp_path))
     assert (too_long.level, taken.level) == (Level.WARNING, Level.OK)
     assert str(folder) not in taken.text
 
