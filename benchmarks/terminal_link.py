@@ -30,7 +30,6 @@ from rune_tui.link.tunnel import Tunnel
 from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.robot_state import RobotState
 from rune_tui.startup.opening import open_layout
-from tests.support.ports import free_port
 from tests.support.thin_link import ADDRESS, ThinLink
 from tests.support.waiting import until
 from tests.system.harness import ConsoleProcess, HubProcess
@@ -81,7 +80,7 @@ class Seen:
 @contextmanager
 def hub() -> Iterator[HubProcess]:
     with tempfile.TemporaryDirectory() as folder:
-        running = HubProcess(Path(folder), arena="yellow", port=free_port())
+        running = HubProcess(Path(folder), arena="yellow", options=("--listen", "0"))
         with closing(running):
             yield running
 
@@ -139,7 +138,7 @@ def watched(link: RobotLink) -> tuple[list[Seen], RobotState]:
 
 def report_hub_link(name: str, rate: float, bar_fps: float) -> None:
     say(f"pictures of {SIZE[0]}x{SIZE[1]} over {name}")
-    with hub() as running, closing(ThinLink(running.endpoint, rate=rate)) as thin:
+    with hub() as running, closing(ThinLink(running.listening["tcp"], rate=rate)) as thin:
         seen, state = watched(RobotLink(robot(), thin.endpoint, near=False, clock=clock))
     flow = state.link.pictures
     asked = f"{flow.width_px}x{flow.height_px} {flow.coding.name} {flow.quality}" if flow else ""

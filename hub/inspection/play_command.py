@@ -35,6 +35,7 @@ from hub.gcm.mission import MISSION_COMMAND
 from hub.gcm.recording import RECORD_COMMAND
 from hub.gcm.standard import Header, Time
 from hub.gcm.supervision import MODULE_COMMAND
+from hub.hub_sockets import HubFolder
 from hub.inspection.keys_of_terminal import read_keys
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
@@ -58,7 +59,7 @@ def play(options: argparse.Namespace) -> int:
 
     Raises:
         RecordingError: They cannot be read, or have no such robot.
-        EndpointError: The port is busy.
+        EndpointError: A hub of this name runs.
     """
     with RecordingSet.open(options.files, unpacked=options.unpack) as log:
         log.drop_outliers()
@@ -72,7 +73,8 @@ def play(options: argparse.Namespace) -> int:
             print_error(empty)
             return ExitCode.FAULT
         with (
-            closing(Central([f"tcp://127.0.0.1:{options.port}"])) as central,
+            closing(HubFolder(options.name or f"{robot[:22]}-recording")) as folder,
+            closing(Central([folder.endpoint])) as central,
             closing(Client(ROBOMON, central.endpoints[0])) as client,
         ):
             client.wait_connected(_CONNECT_S)

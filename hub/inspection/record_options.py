@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from hub.command_line import CommandParser, Commands, number_type
 from hub.errors import RecordingError
-from hub.ipc.endpoints import LARGEST_PORT
+from hub.inspection.run_options import hub_name
 from hub.recording.live import words
 from hub.recording.unpack_option import add_unpack
 from hub.toml_reader import RefusedError
@@ -138,8 +138,8 @@ def add_play(commands: Commands) -> None:
     add_topics(play)
     play.add_argument("--robot", default="", help="which, if it has several")
     play.add_argument(
-        "--port", type=number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}"),
-        default=0, help="TCP port of its hub; 0: a free one (%(default)s)",
+        "--as", dest="name", type=hub_name, default="", metavar="NAME",
+        help="name of its hub on this machine, for --hub; without: the robot's with -recording",
     )  # fmt: skip
     play.add_argument("--json", action="store_true", help="say what happens as JSON lines")
 

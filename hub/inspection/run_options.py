@@ -18,7 +18,7 @@ def add_run(commands: Commands) -> None:
     run.add_argument(
         "--as",
         dest="name",
-        type=_hub_name,
+        type=hub_name,
         default="",
         metavar="NAME",
         help="name of the hub on this machine, for --hub; without: the robot's",
@@ -57,7 +57,8 @@ def _listen_place(text: str) -> str:
     return place
 
 
-def _hub_name(text: str) -> str:
+def hub_name(text: str) -> str:
+    """A name of a hub of this machine."""
     if text.startswith("-") or len(text) > LONGEST_NAME or not text.isprintable():
         message = f"{text!r} is not a name of at most {LONGEST_NAME} characters"
         raise argparse.ArgumentTypeError(message)
