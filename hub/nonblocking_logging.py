@@ -7,7 +7,9 @@ records are dropped and counted, and the next line that gets through says how ma
 from __future__ import annotations
 
 import atexit
+import contextlib
 import logging
+import os
 import queue
 import sys
 import threading
@@ -94,11 +96,11 @@ class NonBlockingHandler(logging.Handler):
     def _write(self) -> None:
         while True:
             line = self._queue.get()
-            try:
-                sys.stderr.write(line)
-                sys.stderr.flush()
-            except (OSError, ValueError, AttributeError):
-                pass  # standard error is closed or full: nothing can report this
+            # Standard error is closed or full: nothing can report this.
+            with contextlib.suppress(OSError, ValueError, AttributeError):
+                # Past the buffer of Python: a full pipe would hold its lock, which the end of the
+                # process takes.
+                os.write(sys.stderr.fileno(), line.encode(errors="backslashreplace"))
             self._queue.task_done()
 
 
