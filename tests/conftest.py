@@ -82,14 +82,15 @@ def nothing_left_behind() -> Iterator[None]:
 def leaving_nothing() -> Iterator[None]:
     """Fail if threads or processes of ours are there at the end that were not at the start.
 
-    "Dummy-" are threads of compiled libraries; Python does not see their end.
+    A hub that several tests share may start a module again. "Dummy-" are threads of compiled
+    libraries; Python does not see their end.
     """
     threads = set(threading.enumerate())
     children = {child.pid for child in _descendants()}
     yield
 
     def left() -> list[str]:
-        running = [_shown(child) for child in _descendants() if child.pid not in children]
+        running = [_shown(child) for child in _descendants() if not children & _line(child)]
         return [each for each in running if each] + [
             f"thread {thread.name}"
             for thread in set(threading.enumerate()) - threads
@@ -97,6 +98,13 @@ def leaving_nothing() -> Iterator[None]:
         ]
 
     until(lambda: not left(), 5.0, lambda: f"left behind: {left()}")
+
+
+def _line(process: psutil.Process) -> set[int]:
+    """A process and those above it."""
+    with contextlib.suppress(psutil.NoSuchProcess):
+        return {process.pid, *(each.pid for each in process.parents())}
+    return {process.pid}
 
 
 def _shown(process: psutil.Process) -> str:

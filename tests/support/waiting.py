@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Protocol
 
 _BETWEEN_S = 0.005
 """A loop without a pause would keep the processor from what it waits for."""
@@ -60,3 +61,17 @@ def until(
             raise AssertionError(why if isinstance(why, str) else why())
         meanwhile()
         time.sleep(_BETWEEN_S)
+
+
+class Ending(Protocol):
+    """A process that ends, as `subprocess` and `warm_start` have it."""
+
+    def poll(self) -> int | None: ...
+
+
+def exit_code(process: Ending, timeout: float) -> int:
+    """How a process ends, which it does within the `Limit` of `timeout` [s]."""
+    until(lambda: process.poll() is not None, timeout, "the process does not end")
+    code = process.poll()
+    assert code is not None
+    return code

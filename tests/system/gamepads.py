@@ -8,6 +8,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 
 from tests.support.fake_hid import VirtualBed, VirtualDevice
+from tests.support.waiting import Limit
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 PAD = "logitech_f310_dinput"
@@ -64,7 +65,8 @@ def drive(pad: VirtualDevice, observer: Observer, console: ConsoleProcess) -> No
     Where it does not, let go and push again, as a person does: on a machine that is busy, commands
     can fall silent for long enough that the robot wants neutral first.
     """
-    for _ in range(5):
+    limit = Limit(25.0)
+    while not limit.over:
         pad.send(report())
         console.wait(lambda: forward(console) == "+0.00", 10.0, "the stick is not seen at rest")
         console.pump(0.3)

@@ -22,7 +22,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
 from tests.support import warm_start
-from tests.support.waiting import Limit, until
+from tests.support.waiting import Limit, exit_code, until
 from tests.system.terminal_process import TerminalProcess
 
 ROBOT_FILE = """
@@ -132,7 +132,7 @@ class HubProcess:
             self.running.remove(self)
         if self.process.stdin is not None:
             self.process.stdin.close()
-        self.process.wait(15.0)
+        exit_code(self.process, 15.0)
         if self.process.stdout is not None:
             self.process.stdout.close()
 

@@ -31,7 +31,7 @@ from tests.support import warm_start
 from tests.support.command_line import rune, rune_hub
 from tests.support.recorded_drive import write_drive
 from tests.support.ros_robot import SimulatedRos
-from tests.support.waiting import until
+from tests.support.waiting import exit_code, until
 from tests.support.zenoh_router import zenoh_router
 from tests.system.autopilot_site import SimulatedVehicle
 from tests.system.harness import ConsoleProcess, HubProcess
@@ -272,7 +272,7 @@ def _starts_and_ends(words: list[str], folder: Path) -> None:
         )
     until(lambda: "ready; Ctrl-C ends it" in log.read_text(), 20.0, log.read_text)
     hub.send_signal(signal.SIGINT)
-    assert hub.wait(15.0) == 0
+    assert exit_code(hub, 15.0) == 0
 
 
 def _arguments(words: list[str]) -> list[str]:
@@ -395,4 +395,4 @@ def _repeats_until_ended(words: list[str], folder: Path) -> None:
     with contextlib.suppress(subprocess.TimeoutExpired):
         process.wait(1.5)
     process.send_signal(signal.SIGINT)
-    assert process.wait(10.0) == 0, complaints.read_text()
+    assert exit_code(process, 10.0) == 0, complaints.read_text()

@@ -25,7 +25,7 @@ from hub.ipc.client import Client
 from hub.ipc.roles import Role
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.keyring import Keyring
-from tests.support.waiting import until
+from tests.support.waiting import exit_code, until
 from tests.system.harness import MODULES, HubProcess, Observer, family, gone, in_soak, robot_file
 
 
@@ -39,7 +39,7 @@ def _nothing_left(hub: HubProcess, processes: list[psutil.Process]) -> None:
 def test_ends_in_order_on_a_signal(hub: HubProcess, number: signal.Signals) -> None:
     processes = family(hub.process.pid)
     hub.process.send_signal(number)
-    assert hub.process.wait(15.0) == 0
+    assert exit_code(hub.process, 15.0) == 0
     _nothing_left(hub, processes)
     log = hub.log.read_text()
     told = [line.split()[-1] for line in log.splitlines() if " stopping " in line]
@@ -108,7 +108,7 @@ def test_it_gives_up_a_module_that_always_crashes_and_ends_those_that_do_not_wan
         started = time.monotonic()
     finally:
         daemon.send_signal(signal.SIGINT)
-        code = daemon.wait(15.0)
+        code = exit_code(daemon, 15.0)
     assert time.monotonic() - started >= 0.5
     until(lambda: gone(processes), 5.0, "some live on")
     assert code == 1
@@ -147,7 +147,7 @@ def test_a_module_that_hangs_does_not_keep_the_robot_driving(
         meanwhile=lambda: (drive(), observer.client.listen(0.0)),
     )
     assert time.monotonic() - signalled < 1.5  # 2 s is what the module that hangs may take
-    hub.process.wait(15.0)
+    exit_code(hub.process, 15.0)
     driver.close()
 
 
@@ -175,7 +175,7 @@ def test_a_log_that_nobody_reads_does_not_stop_the_hub(tmp_path: Path) -> None:
         assert watch.truth.time > 0.0
         watch.close()
         daemon.send_signal(signal.SIGINT)
-        assert daemon.wait(10.0) == 0
+        assert exit_code(daemon, 10.0) == 0
     finally:
         daemon.kill()
         daemon.stdout.close()

@@ -17,6 +17,7 @@ import pytest
 from rune_tui.controls.joystick.user_files import user_file
 from tests.support import warm_start
 from tests.support.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
+from tests.support.waiting import exit_code
 from tests.system.harness import ConsoleProcess
 
 pytestmark = needs_virtual_devices
@@ -138,7 +139,7 @@ def test_what_is_moved_is_written_as_a_layout_has_it(bed: VirtualBed, pad: Virtu
         lines = [said.readline() for _ in range(2)]
         learning.send_signal(signal.SIGINT)
         lines += said.readlines()
-        assert learning.wait(15.0) == 0
+        assert exit_code(learning, 15.0) == 0
     assert lines == [
         b'<joystick name="pad" vid="046d" pid="c216">\n',
         b'  <control name="a" type="button" role="a"/>\n',

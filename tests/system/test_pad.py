@@ -20,6 +20,7 @@ from hub.gcm.navigation import GROUND_TRUTH, GroundTruth
 from tests.support import warm_start
 from tests.support.fake_hid import VirtualBed, VirtualDevice, needs_virtual_devices
 from tests.support.ports import free_port
+from tests.support.waiting import exit_code
 from tests.system.gamepads import NAME, PAD, console_at, drive, expect_no_driving, forward, report
 from tests.system.harness import STILL, ConsoleProcess, HubProcess, Observer, expect_stop
 
@@ -89,7 +90,7 @@ class Desk:
     def end(self, number: int = signal.SIGTERM) -> int:
         assert self._process is not None
         self._process.send_signal(number)
-        return self._process.wait(15.0)
+        return exit_code(self._process, 15.0)
 
     def close(self) -> None:
         if self._process is not None:

@@ -43,6 +43,7 @@ from hub.robots.robot_file import find_robot_file, read_description
 from hub.values import dataclass
 from tests.support.command_line import rune_hub
 from tests.support.recorded_drive import damage_chunks
+from tests.support.waiting import exit_code
 from tests.system.harness import ConsoleProcess, Observer
 
 SECONDS = 20
@@ -199,7 +200,7 @@ def test_before_its_first_picture_there_is_none(play: Play) -> None:
 def test_ten_times_as_fast_takes_a_tenth_of_the_time_and_it_ends_by_itself(file: Path) -> None:
     with closing(PlayProcess(file, "--rate", "10", "--start", "5 s")) as player:
         begun = time.monotonic()
-        assert player.process.wait(20.0) == 0
+        assert exit_code(player.process, 20.0) == 0
         assert time.monotonic() - begun >= 1.3
 
 

@@ -30,6 +30,7 @@ from hub.recording.reader import Recording
 from hub.recording.records import MAGIC
 from hub.values import dataclass
 from tests.support.command_line import rune_hub
+from tests.support.waiting import exit_code
 from tests.system.harness import ConsoleProcess, HubProcess, Observer
 
 RECORDER = """
@@ -326,7 +327,7 @@ def test_topics_are_chosen_and_the_recording_ends_by_itself(
     file = tmp_path / "a.mcap"
     chosen = ["-e", "GCM_D", "Battery", "-x", "Diag", "--duration", "1 s", "--ros-names"]
     process = command(hub, "-o", str(file), *chosen)
-    assert process.wait(20.0) == 0
+    assert exit_code(process, 20.0) == 0
     process.communicate()
     topics = {topic for topic, _, _ in contents(file)}
     assert topics == {"/battery_state", "/odom", "/magellan/GCM_DriveState"}

@@ -97,7 +97,7 @@ def test_a_real_robot_is_stopped_in_a_freeze_and_at_the_end_and_never_paused(
         begin(session, folder)
         session.wait_for_picture()
         with session.holding("w"):
-            watch.wait(lambda: watch.truth.linear > 0.2, 20.0)
+            session.wait(lambda: watch.truth.linear > 0.2, 20.0, "it does not drive")
             session.wait(lambda: seen(folder, "frozen"), 20.0)
         shows(session, "How hard was it?")
         watch.wait(lambda: abs(watch.truth.linear) < STILL, 5.0, "it drives in a freeze")

@@ -30,7 +30,7 @@ from hub.gcm.supervision import CapabilityPhase, ModulePhase
 from hub.ipc.client import Client
 from tests.support import warm_start
 from tests.support.command_line import rune_hub
-from tests.support.waiting import until
+from tests.support.waiting import exit_code, until
 from tests.system.harness import family, gone
 
 ROOT = Path(__file__).parents[2]
@@ -104,7 +104,7 @@ class Robot:
         assert self.process.stdin is not None
         assert self.process.stdout is not None
         self.process.stdin.close()
-        self.process.wait(15.0)
+        exit_code(self.process, 15.0)
         self.process.stdout.close()
 
 
@@ -381,7 +381,7 @@ def test_logs_are_followed(start: Start) -> None:
     os.kill(robot.modules["one"].pid, signal.SIGKILL)
     assert "INFO ready" in follower.stdout.readline()
     follower.send_signal(signal.SIGINT)
-    assert follower.wait(10.0) == 0
+    assert exit_code(follower, 10.0) == 0
     follower.stdout.close()
 
 
@@ -390,5 +390,5 @@ def test_many_signals_end_it_as_one_does(start: Start) -> None:
     robot.until(lambda: robot.modules["one"].pid)
     for number in (signal.SIGINT, signal.SIGTERM) * 1500:
         robot.process.send_signal(number)
-    robot.process.wait(10.0)
+    exit_code(robot.process, 10.0)
     assert "robomon is gone: it said goodbye" in robot.log.read_text()

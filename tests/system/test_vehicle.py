@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
@@ -84,17 +85,21 @@ def test_the_robot_goes_to_the_target_of_a_hold(observer: Observer) -> None:
 
 
 def test_keys_switch_holds_light_and_motors(console: ConsoleProcess, observer: Observer) -> None:
+    def wait(condition: Callable[[], bool]) -> None:
+        """Wait for the robot, while the console is read and ignored keys are pressed again."""
+        console.wait(lambda: observer.client.listen(0.01) or condition(), 10.0)
+
     press(console, "t")
     console.wait(lambda: "you have control" in console.text, 10.0)
     press(console, "g")
-    observer.wait(lambda: depth_hold(observer).phase is HoldPhase.OFF, 5.0, "hold stays on")
+    wait(lambda: depth_hold(observer).phase is HoldPhase.OFF)
     console.wait(lambda: "hold depth: off" in console.text, 5.0, lambda: console.text)
     press(console, "g")
-    observer.wait(lambda: depth_hold(observer).phase is HoldPhase.HOLDING, 10.0)
+    wait(lambda: depth_hold(observer).phase is HoldPhase.HOLDING)
     press(console, "o")
-    observer.wait(lambda: newest(observer, CAMERA_STATE).headlight == 1.0, 5.0)
+    wait(lambda: newest(observer, CAMERA_STATE).headlight == 1.0)
     press(console, F9)
-    observer.wait(lambda: vehicle(observer).arming is Arming.DISARMED, 5.0)
+    wait(lambda: vehicle(observer).arming is Arming.DISARMED)
     console.wait(lambda: "DISARMED" in console.text, 5.0, lambda: console.text)
     before = observer.truth.z
     observer.wait(lambda: observer.truth.z > before + 0.02, 10.0, "it does not rise")
@@ -102,7 +107,7 @@ def test_keys_switch_holds_light_and_motors(console: ConsoleProcess, observer: O
     console.wait(lambda: "press again to arm" in console.text, 5.0)
     assert vehicle(observer).arming is Arming.DISARMED
     press(console, F8)
-    observer.wait(lambda: vehicle(observer).arming is Arming.ARMED, 5.0)
+    wait(lambda: vehicle(observer).arming is Arming.ARMED)
 
 
 def test_flippers_of_a_tracked_robot_move_while_a_key_is_held(

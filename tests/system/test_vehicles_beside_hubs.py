@@ -26,6 +26,7 @@ from hub.robots.robot_file import read_description
 from tests.hub.inspection.test_sim_autopilot_command import simulated_autopilot
 from tests.support import warm_start
 from tests.support.command_line import rune_hub
+from tests.support.waiting import exit_code
 from tests.system.autopilot_site import AutopilotSite, Operator, SimulatedVehicle, vehicle_tables
 from tests.system.harness import HubProcess, Observer
 
@@ -68,7 +69,7 @@ def station(site: AutopilotSite, *options: str) -> Iterator[Any]:
         for pipe in (process.stdin, process.stdout):
             assert pipe is not None
             pipe.close()
-        process.wait(10.0)
+        exit_code(process, 10.0)
         heard.close()
 
 
