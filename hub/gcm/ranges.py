@@ -104,6 +104,7 @@ def as_measured(
     ranges[ranges <= 0.0] = np.nan
     # Of a sensor with a fixed distance the least range is the largest one too.
     ranges[(ranges > farthest) & (ranges > least)] = np.inf
+    ranges.flags.writeable = False  # all readers share them
     return ranges
 
 
