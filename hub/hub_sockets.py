@@ -161,7 +161,7 @@ class HubFolder:
     def publish_tcp(self, endpoint: str) -> None:
         """Tell clients of this machine the hub's address at TCP."""
         self.tcp = endpoint
-        with contextlib.suppress(OSError):  # they can still be told it
+        with contextlib.suppress(OSError):  # an argument can still name it
             (self.path / TCP).write_text(f"{endpoint}\n")
 
     def lost(self) -> bool:
