@@ -79,7 +79,8 @@ class AutopilotWatch:
             self._numbers[robot.name] = text.number
             if self._is_reported(robot.name, text.value):
                 words = f"it says: {text.value.text}"
-                yield state.notice(words, robot=robot.name, alarm=is_fault(text.value))
+                fault, ago = is_fault(text.value), text.age(state.now)
+                yield state.notice(words, robot=robot.name, alarm=fault, ago=ago)
 
     def _is_reported(self, robot: str, text: AutopilotText) -> bool:
         if text.level is Severity.OK:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from hub.gcm.body import RobotBody
 from hub.gcm.capability import Capability
-from hub.gcm.control import ControlState
+from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityPhase
 from rune_tui.model.autopilot_watch import AutopilotWatch
 from rune_tui.model.console_state import ConsoleState, Notice
@@ -145,8 +145,11 @@ class ChangeNotifier:
         if now.owner != before.owner:
             lost = before.owner == robot.link.number != 0
             text = f"{owner_words(robot)}: {now.why}"
-            notice = state.notice(text, robot=name, alarm=lost and bool(now.owner))
-            yield dataclasses.replace(notice, quiet=standing(robot) is Standing.MINE)
+            held = robot.newest(CONTROL_STATE)
+            ago = now.held_s + held.age(state.now) if held is not None and now.owner else 0.0
+            notice = state.notice(text, robot=name, alarm=lost and bool(now.owner), ago=ago)
+            mine = standing(robot) is Standing.MINE
+            yield dataclasses.replace(notice, quiet=mine or notice.past)
         elif before.asker and now.asker != before.asker:
             yield state.notice(now.why, robot=name)
         if now.asker and now.asker != before.asker:

@@ -24,6 +24,7 @@ from rune_tui.model.theme import DARK, Theme
 from rune_tui.model.world import WorldPoint
 
 MOST_NOTICES = 200
+_DAY_S = 86400
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,11 +33,12 @@ class Notice:
 
     Attributes:
         text: One sentence.
-        when: On the console's monotonic clock [s].
+        when: When it happened, on the console's monotonic clock [s].
         clock: The time of day then, such as "14:03:22".
         robot: Its robot; empty: the console itself.
         alarm: Whether the operator must act.
         quiet: Whether it is for the log only.
+        past: Whether it happened before the console's start: history, never an alarm.
         routine: Whether it only confirms an order of the operator, such as to save a file.
         question_s: Time in which a second press answers its question [s]; 0: it asks nothing.
     """
@@ -47,6 +49,7 @@ class Notice:
     robot: str = ""
     alarm: bool = False
     quiet: bool = False
+    past: bool = False
     routine: bool = False
     question_s: float = 0.0
 
@@ -110,6 +113,7 @@ class ConsoleState:
 
     Attributes:
         now: The console's monotonic clock [s].
+        began: The start of the console, on the same clock [s]; what happened before is history.
         held: Keys that are HELD, in the order of their presses.
         must_release: Keys that must be released before a key drives.
         tap_first: Whether those must be tapped once before they drive.
@@ -153,6 +157,7 @@ class ConsoleState:
     """
 
     now: float
+    began: float = -math.inf
     held: tuple[str, ...] = ()
     must_release: tuple[str, ...] = ()
     tap_first: bool = False
@@ -199,6 +204,7 @@ class ConsoleState:
         """The state at the start of a layout, without robots."""
         return cls(
             now=now,
+            began=now,
             chosen=layout.robots[0].name,
             operator=operator,
             inputs=inputs_of(layout),
@@ -261,9 +267,40 @@ class ConsoleState:
         own = self.inputs.get((purpose, robot), "")
         return self.inputs.get((purpose, CHOSEN), own) if robot == self.chosen else own
 
-    def notice(self, text: str, *, robot: str = "", alarm: bool = False) -> Notice:
-        """A notice with the present time."""
-        return Notice(text=text, when=self.now, clock=self.clock, robot=robot, alarm=alarm)
+    def notice(
+        self, text: str, *, robot: str = "", alarm: bool = False, ago: float = 0.0
+    ) -> Notice:
+        """A notice of an event.
+
+        Args:
+            text: One sentence.
+            robot: Its robot; empty: the console itself.
+            alarm: Whether the operator must act; an event before the console's start is no alarm.
+            ago: Time since it happened [s].
+        """
+        when = self.now - max(0.0, ago)
+        past = when < self.began
+        return Notice(
+            text=text,
+            when=when,
+            clock=clock_before(self.clock, ago),
+            robot=robot,
+            alarm=alarm and not past,
+            quiet=past,
+            past=past,
+        )
+
+
+def clock_before(clock: str, ago: float) -> str:
+    """The time of day [HH:MM:SS] some time [s] before another one; from a day on, "2 d ago"."""
+    seconds = int(ago) if math.isfinite(ago) else 0
+    if seconds <= 0 or not clock:
+        return clock
+    if seconds >= _DAY_S:
+        return f"{seconds // _DAY_S} d ago"
+    hours, minutes, rest = (int(part) for part in clock.split(":"))
+    then = (3600 * hours + 60 * minutes + rest - seconds) % _DAY_S
+    return f"{then // 3600:02d}:{then // 60 % 60:02d}:{then % 60:02d}"
 
 
 def carried_over(state: ConsoleState, layout: LayoutSpec) -> ConsoleState:

@@ -14,7 +14,7 @@ _RELEASE: Final = "release all keys, then drive"
 _WORDS: Final = {
     MotionState.NO_DRIVER: "its driver does not report: it cannot move",
     MotionState.STOPPED: f"it was stopped: {_RELEASE}",
-    MotionState.WAITING: f"it waits for a neutral command: {_RELEASE}",
+    MotionState.WAITING: f"it waits: {_RELEASE}",
 }
 _AGAIN: Final = "its driver reports again"
 

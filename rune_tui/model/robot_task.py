@@ -80,6 +80,10 @@ class RobotTask:
         """Whether it failed."""
         return self.phase in FAILED
 
+    def since_begin(self, now: float) -> float:
+        """Time since it began [s]."""
+        return self.seconds + self.age(now) + (now - self.measured) * self.under_way
+
     def age(self, now: float) -> float:
         """Time since it ended [s]; 0: it is active."""
         since_report = max(0.0, now - self.measured)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import bisect
 import dataclasses
 from collections.abc import Mapping
 from typing import TypeVar
 
-from rune_tui.model.console_state import MOST_NOTICES, ConsoleState
+from rune_tui.model.console_state import MOST_NOTICES, ConsoleState, Notice
 from rune_tui.model.effects import (
     MOST_TRIM,
     SPEED_LIMITS,
@@ -34,6 +35,8 @@ from rune_tui.model.effects import (
 from rune_tui.model.page import Page
 from rune_tui.model.theme import THEMES
 
+_LATE_S = 1.0
+"""Notices whose times differ by less stay in the order of their arrival [s]."""
 LEAST_ZOOM = 0.05
 MOST_ZOOM = 50.0
 
@@ -76,8 +79,7 @@ def changed(state: ConsoleState, effect: StateEffect) -> ConsoleState:
             theme = THEMES.get(name or _next(state.theme.name, THEMES), state.theme)
             return dataclasses.replace(state, theme=theme)
         case Notify(notice=notice):
-            notices = (*state.notices[1 - MOST_NOTICES :], notice)
-            return dataclasses.replace(state, notices=notices)
+            return dataclasses.replace(state, notices=_with_notice(state.notices, notice))
 
 
 def _looked_away(state: ConsoleState, before: ConsoleState) -> ConsoleState:
@@ -158,6 +160,14 @@ def _showing(state: ConsoleState, effect: ShowViewport) -> ConsoleState:
     now = state.shown.get(name, state.places.get(name, True))
     wanted = not now if effect.shown is None else effect.shown
     return dataclasses.replace(state, shown=_with(state.shown, name, wanted))
+
+
+def _with_notice(notices: tuple[Notice, ...], notice: Notice) -> tuple[Notice, ...]:
+    """The newest notices with one more; one that is known late goes where it happened."""
+    if not notices or notice.when > notices[-1].when - _LATE_S:
+        return (*notices[1 - MOST_NOTICES :], notice)
+    place = bisect.bisect_right(notices, notice.when, key=lambda each: each.when)
+    return (*notices[:place], notice, *notices[place:])[-MOST_NOTICES:]
 
 
 def _with(mapping: Mapping[K, T], name: K, value: T) -> Mapping[K, T]:

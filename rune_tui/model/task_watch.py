@@ -41,10 +41,9 @@ class TaskWatch:
         for index, source in enumerate(_SOURCES):
             key = robot.name, index
             now = source(robot)
-            first = key not in self._before
             before = self._before.get(key)
             self._before[key] = now
-            yield from self._changed(robot, state, before, now, first=first)
+            yield from self._changed(robot, state, before, now)
             yield from self._waiting(key, robot, state, now)
 
     @staticmethod
@@ -53,25 +52,23 @@ class TaskWatch:
         state: ConsoleState,
         before: RobotTask | None,
         now: RobotTask | None,
-        *,
-        first: bool,
     ) -> Iterator[Notice]:
-        """The begin or end of a task."""
+        """The begin or end of a task, with its time."""
         same = before is not None and now is not None and before.number == now.number
         if before is not None and before.under_way and not same:
             known = now is not None and now.number > before.number
             why = "another task began" if known else "the robot no longer reports it"
             text = f"{before.kind} ended: {why}"
             yield state.notice(text, robot=robot.name, alarm=not known)
-        if now is None or (first and not now.under_way):
+        if now is None:
             return
         if now.under_way:
             if not same:
-                yield state.notice(_begun(now), robot=robot.name)
+                yield state.notice(_begun(now), robot=robot.name, ago=now.since_begin(state.now))
         elif not same or (before is not None and before.under_way):
             took = f" ({now.seconds:.0f} s)" if now.seconds >= 1.0 else ""
             text = f"{now.kind} {_VERBS[now.phase]}: {now.reason}{took}"
-            yield state.notice(text, robot=robot.name, alarm=now.failed)
+            yield state.notice(text, robot=robot.name, alarm=now.failed, ago=now.age(state.now))
         elif before is not None and before.why != now.why:
             # A robot's own navigation says why it gave up a little later.
             yield state.notice(f"{now.kind} {_VERBS[now.phase]}: {now.reason}", robot=robot.name)

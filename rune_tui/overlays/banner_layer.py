@@ -77,7 +77,8 @@ def _draw(canvas: Canvas, banner: Banner, state: ConsoleState) -> None:
     more = f"+{banner.more}" if banner.more else ""
     room = canvas.width - 2 - (len(more) + 2 if more else 0)
     text = f"{prefix}{banner.text}"
-    forms = (f"{text} {banner.advice}", text) if banner.calm else banner_forms(text)
+    full = " · ".join(filter(None, (text, banner.advice)))
+    forms = (full, *banner_forms(text)[2:]) if banner.calm else banner_forms(text)
     words = fitting_form(room, *forms)
     row = canvas.rows // 2
     canvas.text(max(1, (canvas.width - len(words)) // 2), row, words, ink)

@@ -349,7 +349,8 @@ def scene(
     view.resize(*size)
     state = dataclasses.replace(
         ConsoleState.at_start(layout, NOW, "ada"),
-        **{"theme": theme, "notices": _HISTORY, "releases_reported": True} | situation.state,
+        **{"began": 0.0, "theme": theme, "notices": _HISTORY, "releases_reported": True}
+        | situation.state,
         robots={each.name: situation.robot(each.name) for each in layout.robots},
     )
     cells = view.render(state)

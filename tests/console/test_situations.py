@@ -74,7 +74,7 @@ def test_where_nothing_is_wrong_nothing_is_red(name: str) -> None:
     assert "!!" not in words(cells)
     plate = (cells.pixels[..., :3] == DARK.alarm[:3]).all(axis=2)
     assert not plate[:4].any()
-    assert words(cells).count("EXPLORING 62 % by itself; a key that drives ends it") == (
+    assert words(cells).count("EXPLORING 62 % by itself · a key that drives ends it") == (
         name == "exploring"
     )
     assert words(cells).count("EXPLORING") == (name == "exploring")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from hub.gcm.autonomy import Phase
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.robot_task import RobotTask, task_of
 from rune_tui.visualizers.parts.severity import Part, Severity
@@ -35,9 +36,12 @@ _OUTCOMES = {
 }
 
 
-def task_parts(robot: RobotState, now: float) -> Iterator[Part]:
-    """The short form, for the status line: the task, or for a while its outcome."""
-    task = task_of(robot)
+def task_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    """The short form, for the status line: the task, or for a while its outcome.
+
+    An outcome from before the console's start is history.
+    """
+    task, now = task_of(robot), state.now
     if task is None or task.phase is Phase.IDLE:
         return
     severity = _SEVERITIES.get(task.phase, Severity.PLAIN)
@@ -46,11 +50,12 @@ def task_parts(robot: RobotState, now: float) -> Iterator[Part]:
         text = f"{head(task)}, NOT HEARD FOR {silent}"
         yield Part(text, 7, Severity.WARNING, cause="task")
     elif task.phase is Phase.WAITING:
-        text = task.why.replace("waits", "WAITS", 1)
-        yield Part(text, 7, severity, short="WAITS", cause="task")
+        why = task.why.removeprefix("waits").lstrip(" ,:;")
+        text = f"{head(task)}: {why}" if why else head(task)
+        yield Part(text, 7, severity, short=head(task), cause="task")
     elif task.under_way:
         yield Part(head(task), 7, severity)
-    elif task.age(now) < SHOWN_S.get(task.phase, OTHERS_S):
+    elif task.age(now) < min(SHOWN_S.get(task.phase, OTHERS_S), now - state.began):
         text = f"{head(task)}: {task.reason}"
         yield Part(text, _OUTCOME_WEIGHT, severity, short=head(task), cause="task")
 

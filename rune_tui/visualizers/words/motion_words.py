@@ -24,6 +24,9 @@ from hub.gcm.body import Freedom
 from hub.gcm.navigation import MotionState
 from hub.gcm.navigation import RobotState as NavigationState
 from hub.gcm.vehicle import VEHICLE_STATE, Arming, HoldPhase, VehicleState
+from rune_tui.layout.rules import Purpose
+from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.control import Standing, standing
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.vehicle import autopilot_of
 from rune_tui.visualizers.parts.staleness import Staleness, pause_of, staleness
@@ -38,13 +41,15 @@ _USUAL = frozenset({"stands", "drives"})
 """Activities that say no more than the state of motion."""
 
 HOLD_FAILS = "HOLD FAILS"
+READY = "READY"
+_LET_GO = "WAITING: let go of all keys"
 _MOTION = {
     MotionState.STANDING: "STANDING",
     MotionState.MOVING: "MOVING",
     MotionState.SILENCE: "STOPPED: commands fell silent",
     MotionState.STOPPED: "STOPPED: a stop was sent",
     MotionState.NO_DRIVER: "NO DRIVER: cannot move",
-    MotionState.WAITING: "WAITING for a neutral command",
+    MotionState.WAITING: READY,
     MotionState.GOING: "GOING by itself",
 }
 _ROLLING_ON = {
@@ -52,12 +57,11 @@ _ROLLING_ON = {
     MotionState.SILENCE: "STOPPING: commands fell silent",
     MotionState.STOPPED: "STOPPING: a stop was sent",
     MotionState.NO_DRIVER: "NO DRIVER, and it moves",
-    MotionState.WAITING: "STOPPING, then waits for a neutral command",
+    MotionState.WAITING: "STOPPING",
 }
 """The same while the robot still moves without a command."""
 _SHORT_MOTION = {
-    "WAITING for a neutral command": "WAITING",
-    "STOPPING, then waits for a neutral command": "STOPPING",
+    _LET_GO: "LET GO",
     "STOPPED: commands fell silent": "STOPPED: silence",
     "STOPPED: a stop was sent": "STOPPED",
     "STOPPING: commands fell silent": "STOPPING",
@@ -79,7 +83,26 @@ def motion_words(robot: RobotState, motion: MotionState, now: float) -> str:
 
 def short_motion(words: str) -> str:
     """Fewer words for these `motion_words`; empty: there are none."""
+    if words.startswith(f"{READY}:"):
+        return READY
     return "NO HOLD" if words.startswith(HOLD_FAILS) else _SHORT_MOTION.get(words, "")
+
+
+def ready_words(robot: RobotState, state: ConsoleState) -> str:
+    """The words for a robot that stands and waits for a neutral command.
+
+    | control | keys | words |
+    | --- | --- | --- |
+    | another console's, or the operator may not drive | any | STANDING |
+    | another | some are down | they must go up first |
+    | another | all are up | READY, and the key that drives |
+    """
+    if not robot.link.may_command or standing(robot) is Standing.OTHERS:
+        return _MOTION[MotionState.STANDING]
+    if state.held or state.must_release:
+        return _LET_GO
+    key = state.input_of(Purpose.DRIVE, robot.name)
+    return f"{READY}: press {key.upper() if len(key) == 1 else key}" if key else READY
 
 
 def is_disarmed(robot: RobotState, motion: MotionState, now: float) -> bool:

@@ -34,9 +34,11 @@ from rune_tui.visualizers.parts.staleness import (
 )
 from rune_tui.visualizers.parts.task_words import task_parts
 from rune_tui.visualizers.words.motion_words import (
+    READY,
     motion_words,
     other_speed_words,
     other_speeds,
+    ready_words,
     short_motion,
 )
 
@@ -90,7 +92,7 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
         _link(robot, state.now),
         *_permission(robot),
         *control_parts(robot, state),
-        *_motion(robot, state.now),
+        *_motion(robot, state),
         *_limit(robot, state),
         *_camera(robot, state.now),
         *_picture_age(robot, state),
@@ -131,7 +133,8 @@ def _permission(robot: RobotState) -> Iterator[Part]:
         yield Part("OBSERVER: this key may watch and stop, not drive", 8, Severity.WARNING)
 
 
-def _motion(robot: RobotState, now: float) -> Iterator[Part]:
+def _motion(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
+    now = state.now
     if robot.navigation is None:
         yield Part("no robot state yet", 7, Severity.WARNING, cause="state")
         return
@@ -142,7 +145,7 @@ def _motion(robot: RobotState, now: float) -> Iterator[Part]:
         yield Part(f"STATE {age_text(age)} OLD", 9, Severity.ALARM, cause="state")
     stale = staleness(age) is Staleness.STALE
     lost = robot.link.phase is LinkPhase.CONNECTED and navigation.motion is MotionState.NO_DRIVER
-    for part in (*_moving(robot, navigation, now), *_battery(navigation)):
+    for part in (*_moving(robot, navigation, state), *_battery(navigation)):
         if stale and lost and part.cause == "motion":  # nothing newer comes, and this is so now
             yield Part(_UNKNOWN_MOTION, part.weight, part.severity, "NO DRIVER", cause=part.cause)
         else:
@@ -177,13 +180,14 @@ def _past(part: Part) -> Part:
     return Part(f"was {part.text}", min(part.weight, 4), Severity.FAINT, short, part.gauge)
 
 
-def _moving(robot: RobotState, navigation: NavigationState, now: float) -> Iterator[Part]:
+def _moving(robot: RobotState, navigation: NavigationState, state: ConsoleState) -> Iterator[Part]:
     """The robot's motion and its speed."""
-    motion = navigation.motion
+    motion, now = navigation.motion, state.now
     if motion is MotionState.WAITING and not robot.link.may_command:
         motion = MotionState.STANDING  # an observer sends no neutral command
     text = motion_words(robot, motion, now)
-    by_itself = tuple(task_parts(robot, now))
+    text = ready_words(robot, state) if text == READY else text
+    by_itself = tuple(task_parts(robot, state))
     if motion is not MotionState.GOING or not by_itself:
         severity = Severity.ALARM if motion in _FAULTS else Severity.PLAIN
         yield Part(text, 7, severity, short=short_motion(text), cause="motion")

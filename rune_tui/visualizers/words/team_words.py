@@ -35,7 +35,7 @@ _DOES = {
     MotionState.SILENCE: "STOPPED: silence",
     MotionState.STOPPED: "STOPPED",
     MotionState.NO_DRIVER: "NO DRIVER",
-    MotionState.WAITING: "waits for neutral",
+    MotionState.WAITING: "ready",
     MotionState.GOING: "goes by itself",
 }
 _QUIET = frozenset({MotionState.STANDING, MotionState.MOVING})

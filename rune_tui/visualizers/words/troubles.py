@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Final
 
+from hub.gcm.autonomy import Phase
 from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.diagnostics import Severity as Level
 from hub.gcm.navigation import Assistance
@@ -13,6 +14,7 @@ from rune_tui.model.attention import Problem
 from rune_tui.model.autopilot_watch import is_fault
 from rune_tui.model.body import pressed_bumpers
 from rune_tui.model.console_state import Banner, ConsoleState, Notice
+from rune_tui.model.control import Standing, standing
 from rune_tui.model.mission import mission_of
 from rune_tui.model.robot_state import LackKind, RobotState
 from rune_tui.model.robot_task import task_of
@@ -30,6 +32,8 @@ REPORT_S: Final = 5.0
 FAULT_S: Final = 25.0
 """Time in which a fault that an autopilot reported holds: it repeats a leak every 20 s [s]."""
 
+ITSELF: Final = " by itself"
+"""Ends the banner of a robot that moves by itself."""
 _SIGNED: Final = frozenset({Severity.ALARM, Severity.WARNING})
 _REPORT_WEIGHT: Final = 8.5
 """Weight of a refusal: it is short, so only a lost link, an old state and a request win."""
@@ -88,9 +92,16 @@ def _own_tasks(state: ConsoleState) -> Iterator[Banner]:
         task = task_of(robot)
         if task is None or not task.under_way or state.now - task.measured > SILENT_S:
             continue
-        for part in task_parts(robot, state.now):
-            advice = "by itself; a key that drives ends it"
-            yield Banner(robot=robot.name, text=part.text, advice=advice, calm=True)
+        for part in task_parts(robot, state):
+            itself = ITSELF if task.phase is Phase.ACTIVE else ""
+            text = f"{part.text}{itself}"
+            yield Banner(robot=robot.name, text=text, advice=_advice(robot), calm=True)
+
+
+def _advice(robot: RobotState) -> str:
+    """How this console ends a task of the robot; empty: it may not drive it."""
+    drives = robot.link.may_command and standing(robot) is not Standing.OTHERS
+    return "a key that drives ends it" if drives else ""
 
 
 def _diagnosed(robot: RobotState, now: float) -> Iterator[Part]:
@@ -126,7 +137,9 @@ def _of_autopilot(robot: RobotState, now: float) -> Iterator[Part]:
 def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:
     """Whether the banner shows this already."""
     banner = state.banner
-    return banner is not None and (banner.robot, banner.text) == (robot.name, part.text)
+    if banner is None or banner.robot != robot.name:
+        return False
+    return banner.text.removesuffix(ITSELF) == part.text
 
 
 def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:

@@ -10,7 +10,7 @@ from tests.console.visualizers.conftest import Made, received
 from tests.support.messages import robot_state
 
 ME = 7
-NEUTRAL = "it waits for a neutral command: release all keys, then drive"
+NEUTRAL = "it waits: release all keys, then drive"
 
 
 class Scene:

@@ -7,10 +7,11 @@ from typing import Any
 
 from hub.gcm.autonomy import AUTONOMY_STATE, Behaviour, Phase
 from hub.gcm.navigation import NAVIGATION_STATUS, Cause, Task
-from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.robot_state import Received
 from rune_tui.model.task_watch import WAIT_S, TaskWatch
 from tests.console.visualizers import known
-from tests.console.visualizers.conftest import Made, received
+from tests.console.visualizers.conftest import Made
 from tests.console.visualizers.words.test_autonomy import navigation
 from tests.support.cases import for_each
 
@@ -21,6 +22,8 @@ class Story:
     def __init__(self) -> None:
         self.watch = TaskWatch()
         self.now = 100.0
+        self.began = 50.0
+        self.told: list[Notice] = []
 
     def look(
         self,
@@ -31,12 +34,16 @@ class Story:
         self.now += after
         messages = {}
         if autonomy is not None:
-            messages[AUTONOMY_STATE.name] = received(known.autonomy(**autonomy))
+            messages[AUTONOMY_STATE.name] = self._received(known.autonomy(**autonomy))
         if status is not None:
-            messages[NAVIGATION_STATUS.name] = received(navigation(**status))
+            messages[NAVIGATION_STATUS.name] = self._received(navigation(**status))
         robot = Made().robot(messages=messages)
-        notices = self.watch.look(robot, ConsoleState(now=self.now))
-        return [(notice.text, notice.alarm) for notice in notices]
+        state = ConsoleState(now=self.now, began=self.began, clock="14:03:22")
+        self.told = [*self.watch.look(robot, state)]
+        return [(notice.text, notice.alarm) for notice in self.told]
+
+    def _received(self, value: Any) -> Received[Any]:
+        return Received(value=value, measured=self.now - 0.1, number=1)
 
 
 IDLE = {"phase": Phase.IDLE, "asked": Behaviour.HOLD, "number": 0}
@@ -109,10 +116,22 @@ def test_the_goals_of_autonomy_are_not_told_one_by_one() -> None:
         assert story.look({}, over) == []
 
 
-def test_what_was_over_before_the_console_came_is_not_told_and_what_goes_on_is() -> None:
-    over = {"phase": Phase.DONE, "ended_s": 99.0}
-    assert Story().look(over, {"task": Task.REACHED, "ended_s": 3.0}) == []
-    assert Story().look({}) == [("exploring begins", False)]
+def test_what_was_over_before_the_console_came_is_history_with_its_time_and_no_alarm() -> None:
+    story = Story()
+    assert story.look(None, None) == []
+    blocked = {"task": Task.BLOCKED, "why": "no way", "ended_s": 449.0, "seconds": 0.5}
+    assert story.look(None, blocked, after=2.0) == [("going BLOCKED: no way", False)]
+    (told,) = story.told
+    assert (told.past, told.quiet, told.clock) == (True, True, "13:55:53")
+    assert story.look({"seconds": 131.0}, blocked) == [("exploring begins", False)]
+    assert story.told[0].past
+
+
+def test_what_ended_while_the_link_was_lost_is_news_with_its_time() -> None:
+    story = Story()
+    story.look(None, {})
+    assert story.look(None, {"task": Task.BLOCKED, "ended_s": 60.0}, after=100.0)[0][1]
+    assert (story.told[0].past, story.told[0].clock) == (False, "14:02:22")
 
 
 def test_it_is_told_that_it_waits_for_long_and_goes_on() -> None:

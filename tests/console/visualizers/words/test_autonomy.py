@@ -78,11 +78,11 @@ UNDER_WAY = [
     ),
     (
         {"autonomy": {"phase": Phase.WAITING, "why": "waits: the map is old"}},
-        "WAITS: the map is old",
+        "EXPLORING 42 %, WAITS: the map is old",
     ),
     (
         {"status": {"cause": Cause.BUSY, "why": "waits: navigation is too busy to steer"}},
-        "WAITS: navigation is too busy to steer",
+        "GOING 3.1 m, WAITS: navigation is too busy to steer",
     ),
     ({}, "GOING by itself"),
 ]

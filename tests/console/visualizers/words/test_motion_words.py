@@ -62,8 +62,8 @@ def said(known: RobotState) -> list[str]:
             {"linear": 0.03},
             "holds",
             HELD,
-            "WAITING for a neutral command",
-            "waits for neutral",
+            "READY",
+            "ready",
         ),
         (AFLOAT, STOPPED, {"linear": 0.03}, "drifts", (), "STOPPED: a stop was sent", "STOPPED"),
         # A hold of the depth stops no motion ahead.

@@ -83,7 +83,7 @@ def test_every_motion_state_has_its_words(said, motion, words) -> None:
         (MotionState.STOPPED, "STOPPING: a stop was sent"),
         (MotionState.SILENCE, "STOPPING: commands fell silent"),
         (MotionState.NO_DRIVER, "NO DRIVER, and it moves"),
-        (MotionState.WAITING, "STOPPING, then waits for a neutral command"),
+        (MotionState.WAITING, "STOPPING"),
         (MotionState.MOVING, "  MOVING  +0.42 m/s"),
     ],
 )
@@ -436,4 +436,4 @@ def test_who_only_watches_is_not_said_to_wait_for_a_command(made, draw) -> None:
     watched = made.robot(navigation=waiting, link=made.link(may_command=False))
     assert "STANDING" in line(draw(NAME, watched, (200, 2)))
     driven = made.robot(navigation=waiting)
-    assert "WAITING for a neutral command" in line(draw(NAME, driven, (200, 2)))
+    assert "READY" in line(draw(NAME, driven, (200, 2)))
