@@ -8,6 +8,7 @@ from rune_tui.compositor.blend import Layer
 from rune_tui.model.console_state import Banner, ConsoleState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
+from rune_tui.visualizers.parts.fitting import clauses
 from rune_tui.visualizers.parts.rows import fitting_form
 
 _TALL_ROWS = 30
@@ -87,10 +88,4 @@ def _draw(canvas: Canvas, banner: Banner, state: ConsoleState) -> None:
 
 def banner_forms(text: str) -> tuple[str, ...]:
     """Forms of a text, longest first: with signs, without signs, then with fewer clauses."""
-    forms = [f"!!  {text}  !!", f"!! {text}", text]
-    shorter = text
-    for mark in (", ", ": "):
-        while mark in shorter:
-            shorter = shorter.rpartition(mark)[0]
-            forms.append(shorter)
-    return tuple(forms)
+    return (f"!!  {text}  !!", f"!! {text}", *clauses(text))

@@ -97,7 +97,8 @@ def autopilot_parts(
     if autopilot.verified or not autopilot.vehicle:
         yield Part(named, 1, Severity.FAINT)
     else:
-        yield Part(f"{named}: NOT VERIFIED, its rules follow documents only", 5, Severity.WARNING)
+        text = f"{named}: NOT VERIFIED, its rules follow documents only"
+        yield Part(text, 5, Severity.WARNING, short="NOT VERIFIED")
 
 
 def never_words(autopilot: AutopilotState) -> str:

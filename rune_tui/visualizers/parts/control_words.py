@@ -39,23 +39,25 @@ def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 
 
 def control_rows(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """All words, a row each."""
+    """All words, a row each; a request comes first."""
     control = control_of(robot)
     if control is None:
-        yield Part("control: not known", 0, Severity.FAINT)
+        yield Part("control: not known", 6, Severity.FAINT, short="not known")
         return
     stands = standing(robot)
     severities = {Standing.OTHERS: Severity.WARNING, Standing.MINE: Severity.GOOD}
-    yield Part(owner_words(robot), 0, severities.get(stands, Severity.PLAIN))
+    words = owner_words(robot)
+    short = words.partition(" since")[0]
+    yield Part(words, 6.5, severities.get(stands, Severity.PLAIN), short=short)
     yield from request_parts(robot, state)
     yield from _silence(control)
     moved = "moves the robot"
     if control.commander is DrivingMode.NOBODY:
-        yield Part(f"nobody {moved}", 0, Severity.FAINT)
+        yield Part(f"nobody {moved}", 2, Severity.FAINT)
     else:
-        yield Part(f"{control.commander_name} {moved}", 0)
+        yield Part(f"{control.commander_name} {moved}", 4)
     if hint := _hint(robot, state):
-        yield Part(hint, 0, Severity.FAINT)
+        yield Part(hint, 3, Severity.FAINT)
     yield Part(control.why, 0, Severity.FAINT)
 
 

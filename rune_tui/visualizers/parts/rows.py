@@ -142,11 +142,10 @@ def entry_rows(entries: Sequence[Entry], weights: Sequence[int], columns: int) -
 
 
 def write_rows(canvas: Canvas, rows: Sequence[TextRow], theme: Theme) -> None:
-    """Write rows from the top; the number of further entries replaces rows that do not fit."""
-    if len(rows) > canvas.rows > 1:
-        left_out = sum(not row.continues for row in rows[canvas.rows - 1 :])
-        lines = "line" if left_out == 1 else "lines"
-        more = f"{left_out} more {lines}" if left_out else _ELLIPSIS
-        rows = [*rows[: canvas.rows - 1], TextRow(more, Severity.FAINT)]
-    for index, row in enumerate(rows):
+    """Write rows from the top; the last one counts the entries that follow, where it has room."""
+    for index, row in enumerate(rows[: canvas.rows]):
         canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.severity, theme))
+    if left_out := sum(not row.continues for row in rows[canvas.rows :]):
+        more, used = f" +{left_out}", len(printable_text(rows[canvas.rows - 1].text))
+        if used + len(more) <= canvas.width:
+            canvas.text(canvas.width - len(more), canvas.rows - 1, more, theme.faint)

@@ -100,13 +100,36 @@ def draw_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> No
 
 
 def mark_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> None:
-    """Write "STALE 4.2 s" in the middle of the first row, if data of this age [s] is stale."""
-    if staleness(age, pause) is not Staleness.STALE:
+    """Write "STALE 4.2 s" where no words are, if data of this age [s] is stale.
+
+    That is the middle of the first row, else the end of a row; a shorter form, if room is short.
+    Without any room it covers the end of the last row.
+    """
+    if staleness(age, pause) is not Staleness.STALE or not canvas.rows:
         return
-    full = f" STALE {age_text(age)} "
-    short = f"!{age_text(age)}"
-    string = next((form for form in (full, short) if len(form) <= canvas.width), "!")
-    column = max(0, (canvas.width - len(string)) // 2)
+    forms = (f" STALE {age_text(age)} ", f" STALE {age_text(age)}", f"!{age_text(age)}", "!")
+    found = (
+        (form, place) for form in forms if (place := _free_place(canvas, len(form))) is not None
+    )
+    form, (row, column) = next(found, ("!", (canvas.rows - 1, canvas.width - 1)))
     with drawing(canvas) as pen:
-        pen.rectangle(column, 0, column + len(string), 2, theme.panel)
-    canvas.text(column, 0, string, theme.warning)
+        pen.rectangle(column, 2 * row, column + len(form), 2 * row + 2, theme.panel)
+    canvas.text(column, row, form, theme.warning)
+
+
+def _free_place(canvas: Canvas, length: int) -> tuple[int, int] | None:
+    """Row and column of a run of cells without words; the middle of the first row, if it is one."""
+    last = canvas.width - length
+    if last < 0:
+        return None
+    written = (canvas.glyphs != 0) & (canvas.glyphs != ord(" "))
+    every = ((row, column) for row in range(canvas.rows) for column in range(last, -1, -1))
+    places = ((0, last // 2), *every)
+    return next(
+        (
+            (row, column)
+            for row, column in places
+            if not written[row, max(0, column - 1) : column + length + 1].any()
+        ),
+        None,
+    )

@@ -66,17 +66,22 @@ def task_rows(robot: RobotState, now: float) -> Iterator[Part]:
     if task is None:
         yield Part("nothing yet: the robot has done nothing by itself", 0, Severity.FAINT)
         return
-    yield Part(head(task), 0, _SEVERITIES.get(task.phase, Severity.PLAIN))
+    short = f"{task.kind.upper()} WAITS" if task.phase is Phase.WAITING else ""
+    yield Part(head(task), 9, _SEVERITIES.get(task.phase, Severity.PLAIN), short=short)
     if task.reason:
-        yield Part(task.reason, 0)
+        yield Part(task.reason, 6)
     if task.under_way and math.isfinite(task.x) and math.isfinite(task.y):
         left = f", {task.left_m:.1f} m to go" if math.isfinite(task.left_m) else ""
-        yield Part(f"to {task.x:.1f}, {task.y:.1f} m{left}", 0)
+        yield Part(f"to {task.x:.1f}, {task.y:.1f} m{left}", 7)
     if task.under_way and math.isfinite(task.edge_m):
-        yield Part(f"{task.edge_m:.1f} m of the map's edge are left to explore", 0)
+        text = f"{task.edge_m:.1f} m of the map's edge are left to explore"
+        yield Part(text, 4, short=f"{task.edge_m:.1f} m of edge left")
     took = f"{'for' if task.under_way else 'took'} {duration(task.seconds)}"
-    ago = "" if task.under_way else f", ended {duration(task.age(now))} ago"
-    yield Part(f"{took}{ago}", 0, Severity.FAINT)
+    if task.under_way:
+        yield Part(took, 3, Severity.FAINT)
+    else:
+        ago = f"ended {duration(task.age(now))} ago"
+        yield Part(f"{took}, {ago}", 8, Severity.FAINT, short=ago)
 
 
 def head(task: RobotTask) -> str:

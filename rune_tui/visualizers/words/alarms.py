@@ -12,13 +12,12 @@ from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.ranges import RANGES
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.robot_state import RobotState
-from rune_tui.model.theme import Theme
+from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
-from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
+from rune_tui.visualizers.parts.fitting import write_fitted
+from rune_tui.visualizers.parts.rows import fitting_form
+from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.visualizer import PlainVisualizer
 from rune_tui.visualizers.words.troubles import is_in_banner, troubles
 
@@ -53,21 +52,17 @@ class Alarms(PlainVisualizer):
         parts = _not_in_banner(robot, state)
         if not parts:
             prefix = "" if len(state.robots) == 1 else f"{state.title(robot.name)}: "
-            words = "nothing else" if _alarmed(state) else f"{prefix}all well"
-            canvas.text(0, 0, cut(words, canvas.width), theme.faint)
+            words = _nothing(robot, state)
+            canvas.text(0, 0, fitting_form(canvas.width, f"{prefix}{words}", words), theme.faint)
             return
-        lines, hidden = _fitting([_block(part, canvas.width) for part in parts], canvas.rows)
-        more = f" +{hidden}" if hidden else ""
-        for row, line in enumerate(lines):
-            behind = more if row == len(lines) - 1 else ""
-            _write(canvas, row, line, behind, state.theme)
+        write_fitted(canvas, [_signed(part) for part in parts], theme)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word."""
         return (
             state.title(robot.name),
             _not_in_banner(robot, state),
-            _alarmed(state),
+            _nothing(robot, state),
             state.theme.name,
         )
 
@@ -81,31 +76,14 @@ def _not_in_banner(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     return tuple(part for part in troubles(robot, state) if not is_in_banner(part, robot, state))
 
 
-def _block(part: Part, columns: int) -> list[TextRow]:
+def _signed(part: Part) -> Part:
     sign = _SIGNS[part.severity]
-    return [*wrapped(TextRow(sign + part.text, part.severity), columns, " " * len(sign))]
+    short = f"{sign}{part.short}" if part.short else ""
+    return replace(part, text=f"{sign}{part.text}", short=short)
 
 
-def _fitting(blocks: list[list[TextRow]], rows: int) -> tuple[list[TextRow], int]:
-    """The lines that fit, the last one cut where its block goes on; the number of hidden blocks."""
-    lines: list[TextRow] = []
-    for index, block in enumerate(blocks):
-        room = rows - len(lines)
-        if room <= 0:
-            return lines, len(blocks) - index
-        lines += block[:room]
-        if len(block) > room and room > 0:
-            rest = " ".join(line.text.strip() for line in block[room:])
-            lines[-1] = replace(lines[-1], text=f"{lines[-1].text} {rest}")
-    return lines, 0
-
-
-def _write(canvas: Canvas, row: int, line: TextRow, behind: str, theme: Theme) -> None:
-    ink = ink_of(line.severity, theme)
-    if line.severity is Severity.ALARM:
-        ink = theme.on_alarm
-        with drawing(canvas) as pen:
-            pen.rectangle(0, 2 * row, canvas.width, 2 * row + 2, theme.alarm)
-    room = canvas.width - len(behind)
-    canvas.text(0, row, cut(line.text, room), ink)
-    canvas.text(room, row, behind, ink)
+def _nothing(robot: RobotState, state: ConsoleState) -> str:
+    """The words without further problems; what is wrong with a lost robot is not known."""
+    if robot.link.phase is not LinkPhase.CONNECTED:
+        return "not known: no link"
+    return "nothing else" if _alarmed(state) else "all well"

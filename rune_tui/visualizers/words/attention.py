@@ -43,7 +43,11 @@ class Attention(PlainVisualizer):
         """Write the entries that fit, and the number of the others."""
         theme = state.theme
         canvas.fill(theme.panel)
-        rows = _rows(state, canvas.width)
+        columns = canvas.width
+        rows = _rows(state, columns)
+        more = f" +{len(rows) - canvas.rows}"
+        if len(rows) > canvas.rows:
+            rows = _rows(state, columns - len(more))
         for number, (row, waits) in enumerate(rows[: canvas.rows]):
             ink = ink_of(row.severity, theme)
             if waits and row.severity is Severity.ALARM:
@@ -52,8 +56,7 @@ class Attention(PlainVisualizer):
                     pen.rectangle(0, 2 * number, canvas.width, 2 * number + 2, theme.alarm)
             canvas.text(0, number, row.text, ink)
         if len(rows) > canvas.rows:
-            more = f" +{len(rows) - canvas.rows}"
-            canvas.text(canvas.width - len(more), canvas.rows - 1, more, theme.ink)
+            canvas.text(columns - len(more), canvas.rows - 1, more, theme.ink)
         if not rows:
             several = len(state.robots) > 1
             words = "no alarms: all well" if several else "no alarms"

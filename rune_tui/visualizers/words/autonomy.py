@@ -13,7 +13,7 @@ from rune_tui.model.robot_state import Received, RobotState
 from rune_tui.model.robot_task import task_of
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
+from rune_tui.visualizers.parts.fitting import write_fitted
 from rune_tui.visualizers.parts.severity import Part
 from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
 from rune_tui.visualizers.parts.task_words import task_rows
@@ -35,12 +35,7 @@ class VisualizeAutonomy(PlainVisualizer):
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the rows that fit, and their age."""
         canvas.fill(state.theme.panel)
-        rows = [
-            row
-            for part in _parts(robot, state)
-            for row in wrapped(TextRow(part.text, part.severity), canvas.width)
-        ]
-        write_rows(canvas, rows, state.theme)
+        write_fitted(canvas, _parts(robot, state), state.theme)
         report = _task_report(robot)
         if report is not None:
             draw_age(canvas, report.age(state.now), state.theme, pause_of(AUTONOMY_STATE))

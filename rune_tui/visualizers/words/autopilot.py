@@ -18,7 +18,8 @@ from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.autopilot_words import autopilot_parts, head_of, shorter_heads
-from rune_tui.visualizers.parts.rows import TextRow, fitting_form, wrapped, write_rows
+from rune_tui.visualizers.parts.fitting import write_fitted
+from rune_tui.visualizers.parts.rows import fitting_form
 from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
 from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
 from rune_tui.visualizers.visualizer import PlainVisualizer
@@ -47,8 +48,7 @@ class VisualizeAutopilot(PlainVisualizer):
         """Write the rows that fit, the most important ones where room is short."""
         canvas.fill(state.theme.panel)
         head, *parts = _parts(robot, state)
-        rows = [row for part in _fitting(parts, canvas) for row in _rows(part, canvas.width)]
-        write_rows(canvas, [TextRow(""), *rows], state.theme)
+        write_fitted(canvas, parts, state.theme, top=1)
         autopilot = autopilot_of(robot)
         forms = shorter_heads(head, autopilot) if autopilot is not None else (head.text, head.short)
         _write_head(canvas, head, forms, state.theme)
@@ -72,35 +72,6 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     said = [Part(each.text, place / 10.0, _LEVELS[each.level]) for place, each in enumerate(texts)]
     follow = state.input_of(Purpose.FOLLOW, robot.name)
     return (head_of(robot, autopilot), *autopilot_parts(robot, autopilot, follow), *said)
-
-
-def _rows(part: Part, columns: int) -> list[TextRow]:
-    text = part.short if part.short and len(part.text) > columns else part.text
-    return [*wrapped(TextRow(text, part.severity), columns)]
-
-
-def _fitting(parts: list[Part], canvas: Canvas) -> list[Part]:
-    """The parts that have room below the first row, in their order; those of most weight stay.
-
-    The last one says how many are left out.
-    """
-    room = canvas.rows - 1
-    kept = _kept(parts, canvas.width, room)
-    if len(kept) == len(parts):
-        return kept
-    kept = _kept(parts, canvas.width, room - 1)
-    return [*kept, Part(f"{len(parts) - len(kept)} more", 0, Severity.FAINT)]
-
-
-def _kept(parts: list[Part], columns: int, room: int) -> list[Part]:
-    kept: set[int] = set()
-    for place in sorted(range(len(parts)), key=lambda each: -parts[each].weight):
-        needed = len(_rows(parts[place], columns))
-        if needed > room:
-            break  # what matters less does not take its place
-        room -= needed
-        kept.add(place)
-    return [part for place, part in enumerate(parts) if place in kept]
 
 
 def _write_head(canvas: Canvas, head: Part, forms: tuple[str, ...], theme: Theme) -> None:

@@ -10,11 +10,10 @@ from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
-from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.control_words import control_rows
-from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
-from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
+from rune_tui.visualizers.parts.fitting import write_fitted
+from rune_tui.visualizers.parts.severity import Part
 from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
 from rune_tui.visualizers.visualizer import PlainVisualizer
 
@@ -31,27 +30,12 @@ class Control(PlainVisualizer):
     urgency: ClassVar[Urgency] = Urgency.ALARM
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write the rows that fit, a request first."""
-        theme = state.theme
-        canvas.fill(theme.panel)
-        parts = _parts(robot, state)
-        rows = [
-            row
-            for part in parts
-            for row in wrapped(TextRow(part.text, part.severity), canvas.width)
-        ]
-        if len(rows) > canvas.rows:
-            rows.sort(key=lambda row: row.severity is not Severity.ALARM)  # equals keep their order
-        for index, row in enumerate(rows[: canvas.rows]):
-            ink = ink_of(row.severity, theme)
-            if row.severity is Severity.ALARM:
-                ink = theme.on_alarm
-                with drawing(canvas) as pen:
-                    pen.rectangle(0, 2 * index, canvas.width, 2 * index + 2, theme.alarm)
-            canvas.text(0, index, cut(row.text, canvas.width), ink)
+        """Write the rows that fit, a request above all."""
+        canvas.fill(state.theme.panel)
+        write_fitted(canvas, _parts(robot, state), state.theme)
         reported = robot.newest(CONTROL_STATE)
         if reported is not None:
-            draw_age(canvas, reported.age(state.now), theme, pause_of(CONTROL_STATE))
+            draw_age(canvas, reported.age(state.now), state.theme, pause_of(CONTROL_STATE))
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word, and with the fading of its age."""

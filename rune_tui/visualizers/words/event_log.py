@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Sequence
 from typing import ClassVar, Self
 
 from hub.values import dataclass
@@ -13,13 +12,13 @@ from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.notices import KEPT_S, by_importance, merged, shortened
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
+from rune_tui.visualizers.parts.fitting import clauses
 from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
 from rune_tui.visualizers.parts.severity import Severity, ink_of
 
 _NARROW = 40
 _INDENT = " " * 4
-_MOST_ROWS = 2
-"""Most rows of one notice."""
+_SMALL_WORDS = frozenset({"a", "an", "the", "is", "are", "was", "it"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,15 +64,19 @@ class EventLog:
     def _chosen(
         self, notices: Sequence[Notice], columns: int, room: int, state: ConsoleState
     ) -> list[TextRow]:
-        """The rows of the most important notices, in the order of time."""
-        chosen: dict[int, list[TextRow]] = {}
+        """The rows of the most important notices, in the order of time.
+
+        Each has one row with the longest form that fits. Where rows are left, it has two.
+        """
         places = {id(notice): number for number, notice in enumerate(notices)}
-        for notice in by_importance(notices, state.now):
-            rows = [*_rows(notice, _robot_name(notice, state), columns)][:room]
-            room -= len(rows)
+        chosen: dict[int, list[TextRow]] = {}
+        ordered = by_importance(notices, state.now)[: max(0, room)]
+        left = room - len(ordered)
+        for notice in ordered:
+            forms = _forms(notice, _robot_name(notice, state), columns)
+            rows = _longest(forms, _severity(notice), columns, 2 if left > 0 else 1)
+            left -= len(rows) - 1
             chosen[places[id(notice)]] = rows
-            if room <= 0:
-                break
         order = sorted(chosen, reverse=self.newest_at_top)
         return [row for number in order for row in chosen[number]]
 
@@ -95,14 +98,35 @@ def _robot_name(notice: Notice, state: ConsoleState) -> str:
     return "" if len(state.robots) == 1 else state.title(notice.robot)
 
 
-def _rows(notice: Notice, robot: str, columns: int) -> Iterator[TextRow]:
-    """A notice in at most two rows; the page of messages has the whole text."""
-    clock = notice.clock if columns >= _NARROW else notice.clock[: len("14:03")]
-    whom = f"{robot}:" if robot else ""
-    words = (clock, "!" if notice.alarm else "", whom, shortened(notice.text))
-    row = TextRow(" ".join(filter(None, words)), Severity.ALARM if notice.alarm else Severity.PLAIN)
-    lines = [*wrapped(row, columns, _INDENT)]
-    yield from lines[: _MOST_ROWS - 1]
-    for last in lines[_MOST_ROWS - 1 : _MOST_ROWS]:
-        more = " …" if len(lines) > _MOST_ROWS else ""
-        yield dataclasses.replace(last, text=cut(last.text, columns - len(more)) + more)
+def _longest(forms: Sequence[str], severity: Severity, columns: int, room: int) -> list[TextRow]:
+    """The rows of the longest form that fits, else the last form, cut."""
+    for form in forms:
+        rows = [*wrapped(TextRow(form, severity), columns, _INDENT)]
+        if len(rows) <= room:
+            return rows
+    return [TextRow(cut(forms[-1], columns), severity)]
+
+
+def _severity(notice: Notice) -> Severity:
+    if notice.past:
+        return Severity.FAINT
+    return Severity.ALARM if notice.alarm else Severity.PLAIN
+
+
+def _forms(notice: Notice, robot: str, columns: int) -> tuple[str, ...]:
+    """A notice with its time in ever fewer words; the page of messages has the whole text."""
+    clock = notice.clock if columns >= _NARROW else _minutes(notice.clock)
+    before = (clock, "!" if notice.alarm else "", f"{robot}:" if robot else "")
+    texts = (text for each in clauses(shortened(notice.text)) for text in (each, _brief(each)))
+    return tuple(" ".join(filter(None, (*before, text))) for text in texts)
+
+
+def _minutes(clock: str) -> str:
+    """A time of day without seconds."""
+    return clock.rpartition(":")[0] or clock
+
+
+def _brief(sentence: str) -> str:
+    """A sentence without the words that say little."""
+    words = [word for word in sentence.split() if word not in _SMALL_WORDS]
+    return " ".join(words) or sentence

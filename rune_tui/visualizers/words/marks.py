@@ -18,7 +18,7 @@ from rune_tui.visualizers.parts.rows import NARROW, TextRow, fitting_form, table
 from rune_tui.visualizers.parts.severity import Severity
 
 _Cells = tuple[str, ...]
-_WEIGHTS = (9, 8, 8, 7, 5, 2, 4, 3, 6)
+_WEIGHTS = (8, 7, 9, 10, 5, 2, 4, 3, 6)
 _UNKEPT = "NOT KEPT"
 
 
@@ -43,18 +43,22 @@ class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
         return _head(value), tuple(map(_cells, newest_first))
 
     def show(self, canvas: Canvas, reading: tuple[str, tuple[_Cells, ...]], theme: Theme) -> None:
-        """The head line, if there are two rows, and the list."""
+        """The newest marks; the head line above them where at least two marks have room too.
+
+        What is not kept is said in one row less.
+        """
         head, marks = reading
+        severities = [Severity.WARNING if unkept else Severity.PLAIN for _, _, unkept, *_ in marks]
         if canvas.width < NARROW:
             marks = tuple(
-                (number, kind[0].upper(), "!" if unkept else "", *rest)
+                (f"{number} {kind[0].upper()}{'!' if unkept else ''}", "", "", *rest)
                 for number, kind, unkept, *rest in marks
             )
         lines = tabled(marks, _WEIGHTS, canvas.width)
-        severities = (Severity.WARNING if unkept else Severity.PLAIN for _, _, unkept, *_ in marks)
         rows = [TextRow(line, severity) for line, severity in zip(lines, severities, strict=True)]
-        if canvas.rows > 1 or not rows:
-            severity = Severity.WARNING if _UNKEPT in head else Severity.FAINT
+        unkept = _UNKEPT in head
+        if canvas.rows > min(len(rows), 1 if unkept else 2):
+            severity = Severity.WARNING if unkept else Severity.FAINT
             rows.insert(0, TextRow(fitting_form(canvas.width, head, _short(head)), severity))
         write_rows(canvas, rows, theme)
 

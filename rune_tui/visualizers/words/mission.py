@@ -13,7 +13,7 @@ from rune_tui.model.mission import OLD_S, mission_of
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
+from rune_tui.visualizers.parts.fitting import write_fitted
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
 from rune_tui.visualizers.visualizer import PlainVisualizer
@@ -30,20 +30,9 @@ class VisualizeMission(PlainVisualizer):
     urgency: ClassVar[Urgency] = Urgency.ALARM
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
-        """Write the rows that fit, unstored parts first."""
+        """Write the rows that fit: what is not kept above all, then the number of kept marks."""
         canvas.fill(state.theme.panel)
-        parts = _parts(robot, state)
-        rows = [
-            row
-            for part in parts
-            for row in wrapped(TextRow(part.text, part.severity), canvas.width)
-        ]
-        if len(rows) > canvas.rows and all(part.severity is not Severity.ALARM for part in parts):
-            joined = TextRow("; ".join(part.text for part in parts[1:]), parts[-1].severity)
-            rows = [TextRow(parts[0].text, parts[0].severity), *wrapped(joined, canvas.width)]
-        if len(rows) > canvas.rows:
-            rows.sort(key=lambda row: row.severity is not Severity.ALARM)  # equals keep their order
-        write_rows(canvas, rows, state.theme)
+        write_fitted(canvas, _parts(robot, state), state.theme)
         reported = robot.newest(MISSION_STATE)
         if reported is not None:
             draw_age(canvas, reported.age(state.now), state.theme, pause_of(MISSION_STATE))
@@ -62,40 +51,44 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 def mission_rows(mission: MissionState | None, unconfirmed: int, key: str = "") -> Iterator[Part]:
     """The rows about a mission, the most important first."""
+    if unconfirmed:
+        marks = "1 mark" if unconfirmed == 1 else f"{unconfirmed} marks"
+        text = f"{marks} NOT CONFIRMED by the robot"
+        yield Part(text, 9, Severity.ALARM, short=f"{unconfirmed} NOT CONFIRMED")
+    if mission is not None and mission.fault:
+        yield Part(f"NOT KEPT: {mission.fault}", 9, Severity.ALARM, short="NOT KEPT")
     if mission is None:
-        yield Part("the robot tells of no mission", 0, Severity.FAINT)
+        yield Part("no mission is reported", 0, Severity.FAINT, short="no mission")
     elif not mission.running:
         ended = f"mission {mission.name} is ended" if mission.begun else "no mission runs"
-        yield Part(ended, 0)
+        yield Part(ended, 5, short="ended" if mission.begun else "no mission")
         first = f"{key}, " if key else ""
         yield Part(f"{first}a mark, or who takes control, begins one", 0, Severity.FAINT)
     else:
-        yield Part(f"{mission.name}, {_time(mission.running_s)}", 0)
-        yield Part(_kept(mission), 0, Severity.WARNING if mission.unkept else Severity.GOOD)
+        yield _kept(mission)
+        yield Part(f"{mission.name}, {_time(mission.running_s)}", 5, short=mission.name)
         yield _saved(mission)
-    if unconfirmed:
-        yield Part(f"NOT CONFIRMED BY THE ROBOT: {unconfirmed}", 9, Severity.ALARM)
-    if mission is not None and mission.fault:
-        yield Part(f"NOT KEPT: {mission.fault}", 9, Severity.ALARM)
 
 
-def _kept(mission: MissionState) -> str:
+def _kept(mission: MissionState) -> Part:
     count = mission.marks + mission.earlier
     words = f"{count} mark{'' if count == 1 else 's'}"
+    short = f"{words}, {mission.unkept} in memory" if mission.unkept else f"{words} kept"
     words += f", {mission.unkept} changes in memory only" if mission.unkept else " kept"
     if mission.sheet > 1:
         words += f"; sheet {mission.sheet}, {mission.earlier} of them on those before"
-    return words
+    severity = Severity.WARNING if mission.unkept else Severity.GOOD
+    return Part(words, 8, severity, short=short)
 
 
 def _saved(mission: MissionState) -> Part:
     if math.isnan(mission.map_age_s):
-        return Part("map not saved yet", 0, Severity.FAINT)
+        return Part("map not saved yet", 3, Severity.FAINT, short="map not saved")
     old = mission.map_age_s > OLD_S
     # A standing robot maps nothing new, and has nothing to save.
-    return Part(
-        f"map saved {_time(mission.map_age_s)} ago", 0, Severity.FAINT if old else Severity.GOOD
-    )
+    age = _time(mission.map_age_s)
+    severity = Severity.FAINT if old else Severity.GOOD
+    return Part(f"map saved {age} ago", 3, severity, short=f"map {age} ago")
 
 
 def _time(seconds: float) -> str:

@@ -16,7 +16,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.vehicle import brightness, joint_angle
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import TextRow, wrapped, write_rows
+from rune_tui.visualizers.parts.fitting import write_fitted
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import age_look, draw_age, pause_of
 from rune_tui.visualizers.visualizer import PlainVisualizer
@@ -42,14 +42,7 @@ class VisualizeVehicle(PlainVisualizer):
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the rows that fit, what fails first."""
         canvas.fill(state.theme.panel)
-        rows = [
-            row
-            for part in _parts(robot, state)
-            for row in wrapped(TextRow(part.text, part.severity), canvas.width)
-        ]
-        if len(rows) > canvas.rows:
-            rows.sort(key=lambda row: row.severity is not Severity.WARNING)  # equals stay in order
-        write_rows(canvas, rows, state.theme)
+        write_fitted(canvas, _parts(robot, state), state.theme)
         known = robot.newest(VEHICLE_STATE)
         if known is not None:
             draw_age(canvas, known.age(state.now), state.theme, _PAUSE_S)
@@ -69,16 +62,16 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     parts = [_activity(vehicle), *(_hold(each) for each in vehicle.holds)]
     parts += [*_joints(robot), *_lights(robot), *_tether(vehicle)]
     trims = [f"{name} {trim:+.3g}" for name, trim in state.trim(robot.name).items() if trim]
-    parts += [Part(f"trim {', '.join(trims)}", 0)] * bool(trims)
+    parts += [Part(f"trim {', '.join(trims)}", 4)] * bool(trims)
     return tuple(parts)
 
 
 def _activity(vehicle: VehicleState) -> Part:
     armed = {Arming.NONE: "", Arming.ARMED: ", armed", Arming.DISARMED: ""}[vehicle.arming]
     if vehicle.arming is Arming.DISARMED:
-        return Part("DISARMED: its motors are off", 0, Severity.WARNING)
+        return Part("DISARMED: its motors are off", 9, Severity.WARNING)
     targets = "".join(f" {target_words(hold)}" for hold in vehicle.holds if _is_kept(hold))
-    return Part(f"{vehicle.activity.upper()}{targets}{armed}", 0)
+    return Part(f"{vehicle.activity.upper()}{targets}{armed}", 7)
 
 
 def _is_kept(hold: HoldState) -> bool:
@@ -96,9 +89,9 @@ def target_words(hold: HoldState) -> str:
 def _hold(hold: HoldState) -> Part:
     name = hold.kind.name.lower()
     if hold.phase is HoldPhase.OFF:
-        return Part(f"{name}: no hold", 0, Severity.FAINT)
+        return Part(f"{name}: no hold", 2, Severity.FAINT)
     if hold.phase is HoldPhase.READY or not math.isfinite(hold.target):
-        return Part(f"{name}: holds when you let go", 0, Severity.FAINT)
+        return Part(f"{name}: holds when you let go", 1, Severity.FAINT)
     if not math.isfinite(hold.error):
         off = ""
     elif hold.kind is HoldKind.HEADING:
@@ -107,24 +100,26 @@ def _hold(hold: HoldState) -> Part:
     else:
         off = f" ({round(hold.error, 2) + 0.0:+.2f} m)"
     if hold.phase is HoldPhase.FAILING:
-        return Part(f"{name}: HOLD FAILS {target_words(hold)}{off}", 0, Severity.WARNING)
-    return Part(f"{name}: holds {target_words(hold)}{off}", 0, Severity.GOOD)
+        text = f"{name}: HOLD FAILS {target_words(hold)}{off}"
+        return Part(text, 8, Severity.WARNING, short=f"{name} FAILS {target_words(hold)}")
+    text = f"{name}: holds {target_words(hold)}{off}"
+    return Part(text, 6, Severity.GOOD, short=f"{name} {target_words(hold)}")
 
 
 def _lights(robot: RobotState) -> Iterator[Part]:
     for light in robot.body.lights if robot.body is not None else ():
         lit = brightness(robot, light)
         if lit > 0.0:
-            yield Part(f"{light.name} {lit:.0%}", 0)
+            yield Part(f"{light.name} {lit:.0%}", 4)
         else:
-            yield Part(f"{light.name} {'?' if math.isnan(lit) else 'off'}", 0, Severity.FAINT)
+            yield Part(f"{light.name} {'?' if math.isnan(lit) else 'off'}", 2, Severity.FAINT)
 
 
 def _joints(robot: RobotState) -> Iterator[Part]:
     for joint in robot.body.joints if robot.body is not None else ():
         angle = joint_angle(robot, joint.name)
         words = "?" if math.isnan(angle) else f"{math.degrees(angle):+.0f} deg"
-        yield Part(f"{joint.name} {words}", 0)
+        yield Part(f"{joint.name} {words}", 5)
 
 
 def _tether(vehicle: VehicleState) -> Iterator[Part]:
@@ -136,4 +131,4 @@ def _tether(vehicle: VehicleState) -> Iterator[Part]:
         words += f", {abs(turns):.1f} turns {'left' if turns > 0.0 else 'right'}"
     used = vehicle.tether_paid > _FULL * vehicle.tether_length
     severity = Severity.WARNING if used or abs(turns) > _TURNS else Severity.PLAIN
-    yield Part(words, 0, severity)
+    yield Part(words, 8 if severity is Severity.WARNING else 3, severity)

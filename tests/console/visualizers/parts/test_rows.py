@@ -71,9 +71,9 @@ def test_a_wrapped_row_keeps_its_letters_and_the_width(text: str, columns: int) 
     ("height", "shown"),
     [
         (8, ["a", "b", "  b", "c"]),
-        (6, ["a", "b", "1 more line"]),
-        (4, ["a", "2 more lines"]),
-        (2, ["a"]),
+        (6, ["a", "b", "  b       +1"]),
+        (4, ["a", "b         +1"]),
+        (2, ["a         +2"]),
     ],
 )
 def test_what_does_not_fit_is_counted_without_what_only_continues(height, shown) -> None:

@@ -92,7 +92,7 @@ def test_request_that_is_to_be_answered_here_stands_out_and_comes_first_where_ro
     draw: Any,
 ) -> None:
     canvas = draw("visualizeControl", robot_with(**ASKED), (60, 2), state=STATE)
-    assert words(canvas) == ["bob ASKS FOR CONTROL, 7 s: Y hands it over, O keeps it"]
+    assert words(canvas) == ["bob ASKS FOR CONTROL, 7 s: Y hands it over, O keeps it  +4"]
     assert tuple(canvas.pixels[0, 59]) == DARK.alarm
 
 

@@ -96,11 +96,14 @@ def test_a_hold_that_fails_or_waits_or_is_off_is_said(draw: Draw) -> None:
 def test_without_room_what_fails_comes_first(draw: Draw) -> None:
     hold = HoldState(kind=HoldKind.DEPTH, phase=HoldPhase.FAILING, target=1.0, error=0.45)
     vehicle = dataclasses.replace(VEHICLE, holds=(hold,))
-    assert rows(draw, robot(vehicle), 2) == ["depth: HOLD FAILS 1.0 m (+0.45 m)"]
+    assert rows(draw, robot(vehicle), 2) == ["depth: HOLD FAILS 1.0 m (+0.45 m)  +4"]
 
 
-def test_joints_are_said_before_lights_and_what_has_no_room_is_counted(draw: Draw) -> None:
-    assert rows(draw, robot(), 10)[3:] == ["front flippers +35 deg", "2 more lines"]
+def test_joints_are_said_before_lights_and_little_room_is_shared(draw: Draw) -> None:
+    assert rows(draw, robot(), 10)[3:] == [
+        "front flippers +35 deg",
+        "headlight 70%  tether 12.0 of 25 m",
+    ]
 
 
 def test_disarmed_motors_are_said_and_an_old_state_is_marked(draw: Draw) -> None:
