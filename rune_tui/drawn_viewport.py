@@ -27,7 +27,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.notice import write_notice
-from rune_tui.visualizers.visualizer import Locating, Overlaying, Picturing, Visualizer
+from rune_tui.visualizers.visualizer import Locating, Naming, Overlaying, Picturing, Visualizer
 from rune_tui.visualizers.words.title import titled
 
 _logger = logging.getLogger(__name__)
@@ -40,6 +40,8 @@ MIN_PICTURE: Final = (16, 12)
 """Smallest picture that is requested: width and height [pixels]."""
 _ROBOT: Final = "{robot}"
 """Stands for the robot's name in a title."""
+_SHOWN: Final = "{shown}"
+"""Stands for the word of a `Naming` visualizer in a title."""
 
 
 class DrawTimes:
@@ -132,7 +134,7 @@ class DrawnViewport:
             if self.failed:
                 return False
             self.failed = True
-            _logger.exception("viewport %s: %s failed", self.spec.name, self._function)
+            _logger.exception("viewport %s: %s failed", self.spec.name, self.function)
             source, over = object(), None
             canvas = self._failure(state)
         self.due = None
@@ -152,7 +154,7 @@ class DrawnViewport:
         try:
             canvas, over = self._drawn(due.robot, due.state), self._drawn_over(due.robot, due.state)
         except Exception:  # as above
-            _logger.exception("viewport %s: %s failed", self.spec.name, self._function)
+            _logger.exception("viewport %s: %s failed", self.spec.name, self.function)
             canvas, over, self.source = self._failure(due.state), None, object()
         finally:
             self.visualizer = own
@@ -161,15 +163,20 @@ class DrawnViewport:
         self._keep(canvas, over, due.robot)
         return True
 
+    def says(self, word: str) -> bool:
+        """Whether a row of the last drawing has this word, in letters of any case."""
+        rows = self.layer.canvas.glyphs.tolist() if self.layer is not None else ()
+        return any(word in "".join(chr(each or 32) for each in row).casefold() for row in rows)
+
     @property
-    def _function(self) -> str:
+    def function(self) -> str:
         """The name of its visualizer in layouts."""
         return self.spec.visualizer.function if self.spec.visualizer else ""
 
     def _failure(self, state: ConsoleState) -> Canvas:
         """The notice of a drawing that failed."""
         canvas = Canvas.blank(self.place.width, self.place.height)
-        write_notice(canvas, f"{self._function} failed; the log says why", state.theme)
+        write_notice(canvas, f"{self.function} failed; the log says why", state.theme)
         return canvas
 
     def _keep(self, canvas: Canvas, over: Canvas | None, robot: RobotState) -> None:
@@ -217,6 +224,8 @@ class DrawnViewport:
         """Its title, the longest form first; it says so if keys do not command what it shows."""
         robot = self.robot(state)
         title = self.spec.title.replace(_ROBOT, state.title(robot.name) if robot else "no robot")
+        if _SHOWN in title and self.visualizer.rule.names and robot is not None:
+            title = title.replace(_SHOWN, cast("Naming", self.visualizer).shown_word(robot))
         if self.spec.robot == CHOSEN and state.peeked and not self.visualizer.rule.of_all:
             return f"{title} · PEEK: keys drive nothing", f"{title} · PEEK", "PEEK"
         return title, title.split(" ")[0]

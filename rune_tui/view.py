@@ -17,16 +17,18 @@ from rune_tui.compositor.contrast import make_legible
 from rune_tui.compositor.seen_pictures import SeenPicture, seen_pictures
 from rune_tui.controls.events import Hit
 from rune_tui.drawn_viewport import DrawnViewport, DrawTimes, is_shown
-from rune_tui.layout.placing import Placed, arrangement_for, filled, placed
+from rune_tui.layout.placing import Area, Placed, arrangement_for, filled, given_away, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
 from rune_tui.model.attention import AttentionEntry, AttentionQueue
+from rune_tui.model.body import lacks
 from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, Theme
-from rune_tui.overlays.banner_layer import BannerLayer
+from rune_tui.overlays.banner_layer import BANNER_ROWS, TALL_ROWS, BannerLayer
 from rune_tui.overlays.notice_layer import NoticeLayer, notice_only
 from rune_tui.overlays.page_layer import PageLayer
+from rune_tui.overlays.stop_layer import StopLayer
 from rune_tui.raster.urgency import Urgencies
 from rune_tui.visualizers.visualizer import Visualizer
 from rune_tui.visualizers.words.title import with_title
@@ -36,6 +38,10 @@ _logger = logging.getLogger(__name__)
 
 MIN_COLUMNS = 16
 MIN_ROWS = 4
+_STOP = "stop"
+"""The word of lines of keys and of buttons for the key that stops."""
+_LINE = 2
+"""Most height of a pane that the banner spares [pixels]."""
 _INVISIBLE = 255
 """Transparency of a viewport that cannot be seen."""
 
@@ -84,6 +90,7 @@ class View:
         self._failed = False
         self._full = ""
         self._vital: tuple[str, ...] = ()
+        self._idle: frozenset[str] = frozenset()
         self._arrangement = self._spec.arrangements[0]
         self.places: Mapping[str, bool] = {}
         self._page = PageLayer(layout)
@@ -94,6 +101,7 @@ class View:
         self._queue = AttentionQueue()
         self.attention: tuple[AttentionEntry, ...] = ()
         self._notices = NoticeLayer()
+        self._stop = StopLayer()
         self.urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self.pictures: tuple[SeenPicture, ...] = ()
 
@@ -149,7 +157,8 @@ class View:
             whole, *rest = filled(self._arrangement, full, self._vital, *size, free=free)
             self._page_rows = whole.area.height // 2
             return (whole, *rest)
-        return placed(self._arrangement, *size, free=free)
+        kept = given_away(self._arrangement.places, self._idle)
+        return placed(dataclasses.replace(self._arrangement, places=kept), *size, free=free)
 
     def _visualizer(self, viewport: ViewportSpec) -> Visualizer:
         if viewport.name not in self._visualizers:
@@ -194,7 +203,8 @@ class View:
         panes = [copy.copy(each) for each in self.panes]
         for pane in panes:
             pane.visualizer, pane.times = shown[pane.spec.name], twin.times
-        parts = {name: copy.copy(vars(self)[name]) for name in ("_page", "_banner", "_notices")}
+        overlays = ("_page", "_banner", "_notices", "_stop")
+        parts = {name: copy.copy(vars(self)[name]) for name in overlays}
         vars(twin).update(parts, panes=panes, _visualizers=shown, _queue=self._queue.copied())
         return twin
 
@@ -204,9 +214,21 @@ class View:
         self.times.slow = {}
         found = troubles_of_all(state)
         self.attention = self._queue.look(problems(found), state.seen, state.now)
-        state = dataclasses.replace(state, banner=banner_of(state, found), attention=self.attention)
+        state = dataclasses.replace(
+            state,
+            banner=banner_of(state, found),
+            attention=self.attention,
+            drawn=frozenset(pane.function for pane in self.panes if pane.visible(state)),
+        )
+        # Those that say how to stop come first; the status line says it where none does.
+        telling = [pane for pane in self.panes if pane.visualizer.rule.heads]
+        rest = [pane for pane in self.panes if not pane.visualizer.rule.heads]
         # Refreshes every pane: `any` over a generator would end at the first change.
-        changed = [pane.refresh(state, draw=draw) for pane in self.panes]
+        changed = [pane.refresh(state, draw=draw) for pane in telling]
+        told = any(pane.says(_STOP) for pane in telling)
+        state = dataclasses.replace(state, stop_told=told)
+        changed += [pane.refresh(state, draw=draw) for pane in rest]
+        changed.append(self._refresh_stop(state))
         changed.append(self._refresh_banner(state))
         top, rows = self._page_place
         nearest = self._top_zpos + 1
@@ -225,7 +247,8 @@ class View:
         else:
             layers = [layer for pane in self.panes for layer in pane.layers(state)]
             layers += [pane.over for pane in self.panes if pane.over is not None]
-            layers += [*self._page.layers, *self._notices.layers, *self._banner.layers]
+            layers += [*self._stop.layers, *self._page.layers]
+            layers += [*self._notices.layers, *self._banner.layers]
         self.urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._background(state.theme), layers)
         make_legible(cells, state.theme.tint)
@@ -256,12 +279,24 @@ class View:
         return needs
 
     def _arrange(self, state: ConsoleState) -> None:
-        """Place the viewports again when a viewport or a page starts or ends to fill the view."""
+        """Place the viewports again when one of them or a page fills the view, or one is idle."""
         full = state.full if state.full in self._viewports else ""
         vital = tuple(self._vital_names(full, state)) if full or state.paged else ()
-        if (full, vital, state.paged) != (self._full, self._vital, self._paged):
-            self._full, self._vital, self._paged = full, vital, state.paged
+        idle = self._idle_names(state)
+        look = full, vital, state.paged, idle
+        if look != (self._full, self._vital, self._paged, self._idle):
+            self._full, self._vital, self._paged, self._idle = look
             self.resize(self._columns, self._rows)
+
+    def _idle_names(self, state: ConsoleState) -> frozenset[str]:
+        """Names of the viewports that can show nothing of their robot's body."""
+        found = set()
+        for name, viewport in self._viewports.items():
+            rule = self._visualizer(viewport).rule
+            robot = state.shown_robot(viewport.robot) if rule.measured else None
+            if robot is not None and lacks(robot, rule.message):
+                found.add(name)
+        return frozenset(found)
 
     def _vital_names(self, full: str, state: ConsoleState) -> list[str]:
         """Names of the vital viewports that are shown; the robot in the full view comes first."""
@@ -299,7 +334,7 @@ class View:
     @property
     def _page_place(self) -> tuple[int, int]:
         """First row and height of a page, between the banner and the vital viewports [cells]."""
-        top = min(self._banner.rows, self._page_rows - 1)
+        top = min(self._banner.end, self._page_rows - 1)
         return max(0, top), max(1, self._page_rows - top)
 
     def within_page(self, state: ConsoleState) -> ConsoleState:
@@ -313,15 +348,44 @@ class View:
 
     def _refresh_banner(self, state: ConsoleState) -> bool:
         listed = any(pane.visualizer.rule.of_all and pane.visible(state) for pane in self.panes)
-        return self._banner.refresh(
-            self._columns, self._uncovered_rows, self._rows, state, listed=listed
-        )
+        return self._banner.refresh(self._banner_place(state), self._rows, state, listed=listed)
+
+    def _banner_place(self, state: ConsoleState) -> Area:
+        """The first row and the columns of the banner.
+
+        It lies over the main picture, so that it hides no other pane, below lines at its upper
+        edge. Where no picture takes half of the columns, it takes all of them.
+        """
+        top = self._uncovered_rows
+        pictures = [
+            pane.place
+            for pane in self.panes
+            if pane.visualizer.rule.pictures
+            and pane.visible(state)
+            and 2 * pane.place.width >= self._columns
+        ]
+        whole = Area(x=0, y=0, width=self._columns, height=0)
+        main = max(pictures, key=lambda each: each.width * each.height, default=whole)
+        top = max(top, main.y // 2)
+        lines = {
+            pane.place.y // 2
+            for pane in self.panes
+            if pane.place.height <= _LINE and pane.place.meets(main) and pane.visible(state)
+        }
+        height = BANNER_ROWS if self._rows >= TALL_ROWS else 1
+        while covered := lines.intersection(range(top, top + height)):
+            top = max(covered) + 1
+        return Area(x=main.x, y=2 * top, width=main.width, height=2)
+
+    def _refresh_stop(self, state: ConsoleState) -> bool:
+        told = state.stop_told or "visualizeStatus" in state.drawn
+        return self._stop.refresh(self._columns, self._rows, self._top_zpos + 1, state, told=told)
 
     def _refresh_notices(self, state: ConsoleState) -> bool:
         logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self.panes)
         return self._notices.refresh(
             (self._columns, self._rows),
-            self._uncovered_rows + self._banner.rows,
+            self._banner.end or self._uncovered_rows,
             self._top_zpos + 2,
             state,
             page_rows=self._page_rows,

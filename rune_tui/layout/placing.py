@@ -116,6 +116,66 @@ def placed(
     )
 
 
+def given_away(places: Sequence[PlaceSpec], idle: Collection[str]) -> tuple[PlaceSpec, ...]:
+    """The places without those of idle viewports, whose room goes to a place beside them.
+
+    A place grows over an idle one in one direction, if it then covers no other place. The one that
+    gains the most room is chosen. What lies over another viewport leaves nothing to give.
+
+    Args:
+        places: The places of an arrangement.
+        idle: Viewports that can show nothing.
+    """
+    kept = [place for place in places if place.viewport not in idle]
+    holes = [
+        place
+        for place in places
+        if place.viewport in idle and not any(_meet(place, each) for each in kept)
+    ]
+    while holes:
+        hole = holes.pop(0)
+        grown = [
+            (number, larger)
+            for number, place in enumerate(kept)
+            if place.scaled
+            for larger in _over(place, hole)
+            if not any(
+                _meet(larger, each) and not _meet(place, each) for each in kept if each is not place
+            )
+        ]
+        if grown:
+            number, larger = max(grown, key=lambda each: _gain(kept[each[0]], each[1]))
+            kept[number] = larger
+            holes = [each for each in holes if not _meet(larger, each)]
+    return tuple(kept)
+
+
+def _over(place: PlaceSpec, hole: PlaceSpec) -> Iterator[PlaceSpec]:
+    """The place, grown over a hole that lies below, above, right or left of it."""
+    right, bottom = place.xpos + place.xsize, place.ypos + place.ysize
+    hole_right, hole_bottom = hole.xpos + hole.xsize, hole.ypos + hole.ysize
+    if place.xpos <= hole.xpos and hole_right <= right:
+        if hole.ypos >= bottom:
+            yield dataclasses.replace(place, ysize=hole_bottom - place.ypos)
+        elif hole_bottom <= place.ypos:
+            yield dataclasses.replace(place, ypos=hole.ypos, ysize=bottom - hole.ypos)
+    if place.ypos <= hole.ypos and hole_bottom <= bottom:
+        if hole.xpos >= right:
+            yield dataclasses.replace(place, xsize=hole_right - place.xpos)
+        elif hole_right <= place.xpos:
+            yield dataclasses.replace(place, xpos=hole.xpos, xsize=right - hole.xpos)
+
+
+def _meet(one: PlaceSpec, other: PlaceSpec) -> bool:
+    across = one.xpos < other.xpos + other.xsize and other.xpos < one.xpos + one.xsize
+    down = one.ypos < other.ypos + other.ysize and other.ypos < one.ypos + one.ysize
+    return across and down
+
+
+def _gain(before: PlaceSpec, after: PlaceSpec) -> int:
+    return after.xsize * after.ysize - before.xsize * before.ysize
+
+
 def filled(
     arrangement: ArrangementSpec,
     full: str,

@@ -228,6 +228,8 @@ class VisualizerRule:
         logs: Whether it lists notices, so that they need not pass over the view.
         heads: Whether nothing covers a row of it at the upper edge.
         of_all: Whether it shows all robots, not the one of its viewport.
+        names: Whether it has a word for `{shown}` in a title; it is a `Naming`.
+        measured: Whether only some bodies measure its message; others give the room away.
     """
 
     meaning: str
@@ -246,6 +248,8 @@ class VisualizerRule:
     logs: bool = False
     heads: bool = False
     of_all: bool = False
+    names: bool = False
+    measured: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

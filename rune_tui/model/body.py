@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from hub.gcm.body import Bumper, RobotBody
+from rune_tui.model.robot_state import RobotState
 from rune_tui.model.sightings import Floats
 
 
@@ -62,3 +63,9 @@ def pressed_bumpers(body: RobotBody | None, bits: int) -> tuple[Bumper, ...]:
     """
     bumpers = body.bumpers if body is not None else ()
     return tuple(each for number, each in enumerate(bumpers) if bits >> number & 1)
+
+
+def lacks(robot: RobotState, message: str) -> bool:
+    """Whether the robot's body measures nothing for a message, and none has come."""
+    brought = {each.message for each in robot.body.messages} if robot.body is not None else set()
+    return bool(brought) and message not in brought and message not in robot.messages

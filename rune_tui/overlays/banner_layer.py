@@ -5,14 +5,17 @@ from __future__ import annotations
 import sys
 
 from rune_tui.compositor.blend import Layer
+from rune_tui.layout.placing import Area
 from rune_tui.model.console_state import Banner, ConsoleState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.fitting import clauses
 from rune_tui.visualizers.parts.rows import fitting_form
 
-_TALL_ROWS = 30
-"""Least height of a terminal for a banner of three rows [cells]."""
+TALL_ROWS = 30
+"""Least height of a terminal for a banner of several rows [cells]."""
+BANNER_ROWS = 3
+"""Height of the banner there [cells]."""
 
 
 class BannerLayer:
@@ -23,18 +26,15 @@ class BannerLayer:
         self.layers: tuple[Layer, ...] = ()
 
     @property
-    def rows(self) -> int:
-        """Height of the banner [cells]."""
-        return self.layers[0].canvas.rows if self.layers else 0
+    def end(self) -> int:
+        """The row below the banner [cells]; 0: there is none."""
+        return sum(each.y // 2 + each.canvas.rows for each in self.layers)
 
-    def refresh(
-        self, columns: int, top: int, rows: int, state: ConsoleState, *, listed: bool = False
-    ) -> bool:
+    def refresh(self, place: Area, rows: int, state: ConsoleState, *, listed: bool = False) -> bool:
         """Bring `layers` up to date.
 
         Args:
-            columns: Width of the terminal [cells].
-            top: The banner's first row [cells].
+            place: Its first row and its columns.
             rows: Height of the terminal [cells].
             state: The console's state.
             listed: Whether another pane lists the alarms of all robots. Then those of robots that
@@ -46,8 +46,7 @@ class BannerLayer:
         prefix = state.title(state.banner.robot) if state.banner else ""
         aside = listed and state.banner is not None and state.banner.robot not in {"", state.seen}
         seen = (
-            columns,
-            top,
+            place,
             rows,
             state.theme.name,
             len(state.robots),
@@ -61,11 +60,11 @@ class BannerLayer:
         self._look = look
         self.layers = ()
         if state.banner is not None:
-            tall = rows >= _TALL_ROWS and not (state.banner.calm or aside)
-            canvas = Canvas.blank(columns, 2 * (3 if tall else 1))
+            tall = rows >= TALL_ROWS and not (state.banner.calm or aside)
+            canvas = Canvas.blank(place.width, 2 * (BANNER_ROWS if tall else 1))
             _draw(canvas, state.banner, state)
             nearest = sys.maxsize - 1
-            layer = Layer(canvas=canvas, x=0, y=2 * top, zpos=nearest, urgency=Urgency.ALARM)
+            layer = Layer(canvas=canvas, x=place.x, y=place.y, zpos=nearest, urgency=Urgency.ALARM)
             self.layers = (layer,)
         return True
 

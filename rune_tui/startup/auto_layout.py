@@ -238,7 +238,7 @@ def _stance(body: RobotBody) -> Iterator[_Panel]:
         yield _Panel(name="attitude", body=shown, rows=18, least=12, title="attitude")
     if flies or ALTITUDE.name in brought:
         shown = _shows("visualizeDepth")
-        yield _Panel(name="height", body=shown, rows=18, least=12, title="height")
+        yield _Panel(name="height", body=shown, rows=18, least=12, title="{shown}")
 
 
 def _gauges() -> Iterator[_Panel]:

@@ -77,6 +77,13 @@ class Locating(Protocol):
         """
 
 
+class Naming(Protocol):
+    """A visualizer that names what it shows of a robot, for `{shown}` in a title."""
+
+    def shown_word(self, robot: RobotState) -> str:
+        """The name, such as "depth"."""
+
+
 class Overlaying(Protocol):
     """A visualizer with `draws_over` in its rule: ranges must not cover a part of it."""
 

@@ -314,7 +314,10 @@ SITUATIONS: Final[dict[str, Situation]] = {
             ),
         ),
         state={
-            "notices": (*_HISTORY, _told("goal blocked: no way around the table", 2.0, alarm=True))
+            "notices": (
+                *_HISTORY,
+                _told("going BLOCKED: no way around the table (41 s)", 2.0, alarm=True),
+            )
         },
     ),
     "mark-refused": Situation(

@@ -57,11 +57,12 @@ def test_what_must_be_seen_first_is_the_banner_and_stands_there_only(
     name: str, alarm: str, size: tuple[int, int]
 ) -> None:
     cells = shown(name, size)
-    keys = 0 if size == (40, 12) else 1  # there the line of keys is a lower one
-    row = keys + (1 if size[1] >= 30 else 0)
-    assert (cells.pixels[2 * row, :, :3] == DARK.alarm[:3]).all()
-    banner = words(cells).splitlines()[row]
-    if len(alarm) <= size[0] - 2:
+    plate = (cells.pixels[::2, :, :3] == DARK.alarm[:3]).all(axis=2)
+    rows = [row for row in range(size[1]) if plate[row, : size[0] // 2].all()]
+    assert len(rows) == (3 if size[1] >= 30 else 1)
+    assert rows[0] <= 3
+    banner = words(cells).splitlines()[rows[len(rows) // 2]]
+    if len(alarm) <= plate[rows[0]].sum() - 2:
         assert alarm in banner
     # The list of events is a record of what happened; all else says it once.
     recorded = "events" in words(cells) and name in {"goal-blocked", "mark-refused"}

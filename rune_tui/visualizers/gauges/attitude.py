@@ -39,6 +39,7 @@ class Attitude(MessageGauge[Imu, _Tilt]):
     rule: ClassVar = VisualizerRule(
         meaning="roll and pitch, as an artificial horizon and in words",
         message=IMU.name,
+        measured=True,
         option=NumberOption(
             default=0.0,
             least=0.0,

@@ -42,6 +42,8 @@ class Depth(MessageGauge[Altitude, _Level]):
     rule: ClassVar = VisualizerRule(
         meaning="depth or height, on an upright tape and in words",
         message=ALTITUDE.name,
+        measured=True,
+        names=True,
         option=NumberOption(
             default=0.0,
             least=0.0,
@@ -68,6 +70,12 @@ class Depth(MessageGauge[Altitude, _Level]):
         known = [name for name, level in levels.items() if math.isfinite(level)]
         name = wanted if wanted in levels else (known or _NAMES)[0]
         return _Level(name, _tenths(levels[name]), _tenths(value.climb))
+
+    def shown_word(self, robot: RobotState) -> str:
+        """Depth or height, as the robot measures it."""
+        known = robot.newest(ALTITUDE)
+        name = self.reading(known.value, robot).name if known is not None else "height"
+        return name if name in {"depth", "height"} else "height"
 
     def show(self, canvas: Canvas, reading: _Level, theme: Theme) -> None:
         """The tape with the value in its middle; words at the bottom."""

@@ -43,6 +43,7 @@ class EnvironmentGauge(MessageGauge[Environment, _Air]):
     rule: ClassVar = VisualizerRule(
         meaning="sound level and carbon dioxide around the robot, as bars and in words",
         message=ENVIRONMENT.name,
+        measured=True,
         options={
             "loud_db": NumberOption(
                 default=LOUD_DB,

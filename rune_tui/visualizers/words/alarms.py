@@ -21,6 +21,8 @@ from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.visualizer import PlainVisualizer
 from rune_tui.visualizers.words.troubles import is_in_banner, troubles
 
+_TASKS = "visualizeAutonomy"
+"""Shows how a task waits or ended."""
 _SIGNS = {Severity.ALARM: "!! ", Severity.WARNING: "! "}
 
 
@@ -73,7 +75,13 @@ def _alarmed(state: ConsoleState) -> bool:
 
 
 def _not_in_banner(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
-    return tuple(part for part in troubles(robot, state) if not is_in_banner(part, robot, state))
+    return tuple(part for part in troubles(robot, state) if not _is_elsewhere(part, robot, state))
+
+
+def _is_elsewhere(part: Part, robot: RobotState, state: ConsoleState) -> bool:
+    """Whether the banner or another pane says it."""
+    by_itself = part.cause == "task" and _TASKS in state.drawn
+    return by_itself or is_in_banner(part, robot, state)
 
 
 def _signed(part: Part) -> Part:
@@ -86,4 +94,5 @@ def _nothing(robot: RobotState, state: ConsoleState) -> str:
     """The words without further problems; what is wrong with a lost robot is not known."""
     if robot.link.phase is not LinkPhase.CONNECTED:
         return "not known: no link"
-    return "nothing else" if _alarmed(state) else "all well"
+    elsewhere = _alarmed(state) or bool(troubles(robot, state))
+    return "nothing else" if elsewhere else "all well"

@@ -105,10 +105,15 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 
 def _stop_key(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
-    """The stop key, while no line of keys is visible."""
-    key = state.input_of(Purpose.STOP, robot.name)
-    if key and (state.full or state.paged):
-        yield Part(f"{key[:1].upper()}{key[1:]} STOP", 10)
+    """The stop key, while no line of keys says it."""
+    if (words := stop_words(robot.name, state)) and not state.stop_told:
+        yield Part(words, 10)
+
+
+def stop_words(robot: str, state: ConsoleState) -> str:
+    """How a robot is stopped; empty: no key does."""
+    key = state.input_of(Purpose.STOP, robot)
+    return f"{key[:1].upper()}{key[1:]} STOP" if key else ""
 
 
 def _peek(robot: RobotState, state: ConsoleState) -> Iterator[Part]:

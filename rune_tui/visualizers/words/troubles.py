@@ -139,7 +139,8 @@ def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:
     banner = state.banner
     if banner is None or banner.robot != robot.name:
         return False
-    return banner.text.removesuffix(ITSELF) == part.text
+    said = banner.text.removesuffix(ITSELF).casefold()
+    return said == part.text.casefold() or said.startswith(f"{part.text.casefold()} (")
 
 
 def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
