@@ -221,11 +221,11 @@ class View:
             drawn=frozenset(pane.function for pane in self.panes if pane.visible(state)),
         )
         # Those that say how to stop come first; the status line says it where none does.
-        telling = [pane for pane in self.panes if pane.visualizer.rule.heads]
-        rest = [pane for pane in self.panes if not pane.visualizer.rule.heads]
+        telling = [pane for pane in self.panes if pane.visualizer.rule.text]
+        rest = [pane for pane in self.panes if not pane.visualizer.rule.text]
         # Refreshes every pane: `any` over a generator would end at the first change.
         changed = [pane.refresh(state, draw=draw) for pane in telling]
-        told = any(pane.says(_STOP) for pane in telling)
+        told = any(pane.says(_STOP) and not self._is_covered(pane, state) for pane in telling)
         state = dataclasses.replace(state, stop_told=told)
         changed += [pane.refresh(state, draw=draw) for pane in rest]
         changed.append(self._refresh_stop(state))
@@ -354,7 +354,7 @@ class View:
         """The first row and the columns of the banner.
 
         It lies over the main picture, so that it hides no other pane, below lines at its upper
-        edge. Where no picture takes half of the columns, it takes all of them.
+        edge. Where no picture takes more than half of the columns, it takes all of them.
         """
         top = self._uncovered_rows
         pictures = [
@@ -362,7 +362,7 @@ class View:
             for pane in self.panes
             if pane.visualizer.rule.pictures
             and pane.visible(state)
-            and 2 * pane.place.width >= self._columns
+            and 2 * pane.place.width > self._columns
         ]
         whole = Area(x=0, y=0, width=self._columns, height=0)
         main = max(pictures, key=lambda each: each.width * each.height, default=whole)
@@ -376,6 +376,14 @@ class View:
         while covered := lines.intersection(range(top, top + height)):
             top = max(covered) + 1
         return Area(x=main.x, y=2 * top, width=main.width, height=2)
+
+    def _is_covered(self, pane: DrawnViewport, state: ConsoleState) -> bool:
+        """Whether another viewport lies over a part of this one."""
+        return any(
+            other.place.meets(pane.place) and other.how.zpos >= pane.how.zpos
+            for other in self.panes[self.panes.index(pane) + 1 :]
+            if other.visible(state)
+        )
 
     def _refresh_stop(self, state: ConsoleState) -> bool:
         told = state.stop_told or "visualizeStatus" in state.drawn

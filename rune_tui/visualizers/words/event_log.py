@@ -13,7 +13,7 @@ from rune_tui.model.notices import KEPT_S, by_importance, merged, shortened
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.visualizers.parts.fitting import clauses
-from rune_tui.visualizers.parts.rows import TextRow, cut, wrapped
+from rune_tui.visualizers.parts.rows import TextRow, cut, fitting_form, wrapped
 from rune_tui.visualizers.parts.severity import Severity, ink_of
 
 _NARROW = 40
@@ -58,7 +58,8 @@ class EventLog:
         """Write the notices that fit, those that need the operator first."""
         canvas.fill(state.theme.panel)
         rows = self._chosen(merged(self._notices(robot, state)), canvas.width, canvas.rows, state)
-        for index, row in enumerate(rows or [TextRow("nothing has happened yet", Severity.FAINT)]):
+        nothing = fitting_form(canvas.width, "nothing has happened yet", "no events")
+        for index, row in enumerate(rows or [TextRow(nothing, Severity.FAINT)]):
             canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.severity, state.theme))
 
     def _chosen(
