@@ -13,7 +13,7 @@ import copy
 import dataclasses
 import logging
 import math
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
 from typing import Final, NamedTuple, cast
 
 from hub.values import dataclass
@@ -163,10 +163,11 @@ class DrawnViewport:
         self._keep(canvas, over, due.robot)
         return True
 
-    def says(self, word: str) -> bool:
-        """Whether a row of the last drawing has this word, in letters of any case."""
+    def says(self, words: Collection[str]) -> bool:
+        """Whether a row of the last drawing has all these words, in letters of any case."""
         rows = self.layer.canvas.glyphs.tolist() if self.layer is not None else ()
-        return any(word in "".join(chr(each or 32) for each in row).casefold() for row in rows)
+        said = ("".join(chr(each or 32) for each in row).casefold() for row in rows)
+        return any(all(word in row for word in words) for row in said)
 
     @property
     def function(self) -> str:

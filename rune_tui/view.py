@@ -17,7 +17,7 @@ from rune_tui.compositor.contrast import make_legible
 from rune_tui.compositor.seen_pictures import SeenPicture, seen_pictures
 from rune_tui.controls.events import Hit
 from rune_tui.drawn_viewport import DrawnViewport, DrawTimes, is_shown
-from rune_tui.layout.placing import Area, Placed, arrangement_for, filled, given_away, placed
+from rune_tui.layout.placing import Placed, arrangement_for, filled, given_away, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
 from rune_tui.model.attention import AttentionEntry, AttentionQueue
@@ -25,11 +25,10 @@ from rune_tui.model.body import lacks
 from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.theme import DARK, Theme
-from rune_tui.overlays.banner_layer import BANNER_ROWS, TALL_ROWS, BannerLayer
-from rune_tui.overlays.notice_layer import NoticeLayer, notice_only
+from rune_tui.overlays.notice_layer import notice_only
 from rune_tui.overlays.page_layer import PageLayer
-from rune_tui.overlays.stop_layer import StopLayer
 from rune_tui.raster.urgency import Urgencies
+from rune_tui.top_layers import TopLayers, shows_stop
 from rune_tui.visualizers.visualizer import Visualizer
 from rune_tui.visualizers.words.title import with_title
 from rune_tui.visualizers.words.troubles import banner_of, problems, troubles_of_all
@@ -38,10 +37,6 @@ _logger = logging.getLogger(__name__)
 
 MIN_COLUMNS = 16
 MIN_ROWS = 4
-_STOP = "stop"
-"""The word of lines of keys and of buttons for the key that stops."""
-_LINE = 2
-"""Most height of a pane that the banner spares [pixels]."""
 _INVISIBLE = 255
 """Transparency of a viewport that cannot be seen."""
 
@@ -97,11 +92,9 @@ class View:
         self._paged = False
         self._page_rows = 0
         self._needs: Mapping[str, Mapping[str, PictureNeed]] = {}
-        self._banner = BannerLayer()
+        self._top = TopLayers()
         self._queue = AttentionQueue()
         self.attention: tuple[AttentionEntry, ...] = ()
-        self._notices = NoticeLayer()
-        self._stop = StopLayer()
         self.urgencies: Urgencies = np.zeros((0, 0), np.uint8)
         self.pictures: tuple[SeenPicture, ...] = ()
 
@@ -203,8 +196,7 @@ class View:
         panes = [copy.copy(each) for each in self.panes]
         for pane in panes:
             pane.visualizer, pane.times = shown[pane.spec.name], twin.times
-        overlays = ("_page", "_banner", "_notices", "_stop")
-        parts = {name: copy.copy(vars(self)[name]) for name in overlays}
+        parts = {"_page": copy.copy(self._page), "_top": self._top.copied()}
         vars(twin).update(parts, panes=panes, _visualizers=shown, _queue=self._queue.copied())
         return twin
 
@@ -220,20 +212,20 @@ class View:
             attention=self.attention,
             drawn=frozenset(pane.function for pane in self.panes if pane.visible(state)),
         )
-        # Those that say how to stop come first; the status line says it where none does.
-        telling = [pane for pane in self.panes if pane.visualizer.rule.text]
-        rest = [pane for pane in self.panes if not pane.visualizer.rule.text]
+        # Lines of keys come first: the status line says how to stop where they do not.
+        with_text = [pane for pane in self.panes if pane.visualizer.rule.text]
+        others = [pane for pane in self.panes if not pane.visualizer.rule.text]
         # Refreshes every pane: `any` over a generator would end at the first change.
-        changed = [pane.refresh(state, draw=draw) for pane in telling]
-        told = any(pane.says(_STOP) and not self._is_covered(pane, state) for pane in telling)
-        state = dataclasses.replace(state, stop_told=told)
-        changed += [pane.refresh(state, draw=draw) for pane in rest]
-        changed.append(self._refresh_stop(state))
-        changed.append(self._refresh_banner(state))
+        changed = [pane.refresh(state, draw=draw) for pane in with_text]
+        state = dataclasses.replace(state, stop_shown=shows_stop(self.panes, state))
+        changed += [pane.refresh(state, draw=draw) for pane in others]
+        size = self._columns, self._rows
+        changed.append(self._top.refresh_banner(self.panes, size, state))
         top, rows = self._page_place
         nearest = self._top_zpos + 1
         changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
-        changed.append(self._refresh_notices(state))
+        page_rows = self._page_rows
+        changed.append(self._top.refresh(self.panes, size, nearest, state, page_rows=page_rows))
         return state, any(changed)
 
     def _rendered(self, state: ConsoleState) -> Cells | None:
@@ -247,8 +239,7 @@ class View:
         else:
             layers = [layer for pane in self.panes for layer in pane.layers(state)]
             layers += [pane.over for pane in self.panes if pane.over is not None]
-            layers += [*self._stop.layers, *self._page.layers]
-            layers += [*self._notices.layers, *self._banner.layers]
+            layers += [*self._page.layers, *self._top.layers]
         self.urgencies = urgencies_of(self._columns, self._rows, layers)
         cells = compose(self._columns, self._rows, self._background(state.theme), layers)
         make_legible(cells, state.theme.tint)
@@ -282,21 +273,18 @@ class View:
         """Place the viewports again when one of them or a page fills the view, or one is idle."""
         full = state.full if state.full in self._viewports else ""
         vital = tuple(self._vital_names(full, state)) if full or state.paged else ()
-        idle = self._idle_names(state)
+        idle = frozenset(name for name in self._viewports if self._is_idle(name, state))
         look = full, vital, state.paged, idle
         if look != (self._full, self._vital, self._paged, self._idle):
             self._full, self._vital, self._paged, self._idle = look
             self.resize(self._columns, self._rows)
 
-    def _idle_names(self, state: ConsoleState) -> frozenset[str]:
-        """Names of the viewports that can show nothing of their robot's body."""
-        found = set()
-        for name, viewport in self._viewports.items():
-            rule = self._visualizer(viewport).rule
-            robot = state.shown_robot(viewport.robot) if rule.measured else None
-            if robot is not None and lacks(robot, rule.message):
-                found.add(name)
-        return frozenset(found)
+    def _is_idle(self, name: str, state: ConsoleState) -> bool:
+        """Whether a viewport can show nothing of its robot's body."""
+        viewport = self._viewports[name]
+        rule = self._visualizer(viewport).rule
+        robot = state.shown_robot(viewport.robot) if rule.measured else None
+        return robot is not None and lacks(robot, rule.message)
 
     def _vital_names(self, full: str, state: ConsoleState) -> list[str]:
         """Names of the vital viewports that are shown; the robot in the full view comes first."""
@@ -320,21 +308,9 @@ class View:
         return self._rows
 
     @property
-    def _uncovered_rows(self) -> int:
-        """Number of rows at the upper edge that nothing may cover: heads and vital viewports."""
-        lines = {
-            row
-            for pane in self.panes
-            if pane.place.width == self._columns
-            and (pane.visualizer.rule.heads or pane.visualizer.rule.vital)
-            for row in range(pane.place.y // 2, (pane.place.y + pane.place.height) // 2)
-        }
-        return next(row for row in range(len(lines) + 1) if row not in lines)
-
-    @property
     def _page_place(self) -> tuple[int, int]:
         """First row and height of a page, between the banner and the vital viewports [cells]."""
-        top = min(self._banner.end, self._page_rows - 1)
+        top = min(self._top.banner_end, self._page_rows - 1)
         return max(0, top), max(1, self._page_rows - top)
 
     def within_page(self, state: ConsoleState) -> ConsoleState:
@@ -345,60 +321,6 @@ class View:
     @property
     def _too_small(self) -> bool:
         return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
-
-    def _refresh_banner(self, state: ConsoleState) -> bool:
-        listed = any(pane.visualizer.rule.of_all and pane.visible(state) for pane in self.panes)
-        return self._banner.refresh(self._banner_place(state), self._rows, state, listed=listed)
-
-    def _banner_place(self, state: ConsoleState) -> Area:
-        """The first row and the columns of the banner.
-
-        It lies over the main picture, so that it hides no other pane, below lines at its upper
-        edge. Where no picture takes more than half of the columns, it takes all of them.
-        """
-        top = self._uncovered_rows
-        pictures = [
-            pane.place
-            for pane in self.panes
-            if pane.visualizer.rule.pictures
-            and pane.visible(state)
-            and 2 * pane.place.width > self._columns
-        ]
-        whole = Area(x=0, y=0, width=self._columns, height=0)
-        main = max(pictures, key=lambda each: each.width * each.height, default=whole)
-        top = max(top, main.y // 2)
-        lines = {
-            pane.place.y // 2
-            for pane in self.panes
-            if pane.place.height <= _LINE and pane.place.meets(main) and pane.visible(state)
-        }
-        height = BANNER_ROWS if self._rows >= TALL_ROWS else 1
-        while covered := lines.intersection(range(top, top + height)):
-            top = max(covered) + 1
-        return Area(x=main.x, y=2 * top, width=main.width, height=2)
-
-    def _is_covered(self, pane: DrawnViewport, state: ConsoleState) -> bool:
-        """Whether another viewport lies over a part of this one."""
-        return any(
-            other.place.meets(pane.place) and other.how.zpos >= pane.how.zpos
-            for other in self.panes[self.panes.index(pane) + 1 :]
-            if other.visible(state)
-        )
-
-    def _refresh_stop(self, state: ConsoleState) -> bool:
-        told = state.stop_told or "visualizeStatus" in state.drawn
-        return self._stop.refresh(self._columns, self._rows, self._top_zpos + 1, state, told=told)
-
-    def _refresh_notices(self, state: ConsoleState) -> bool:
-        logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in self.panes)
-        return self._notices.refresh(
-            (self._columns, self._rows),
-            self._banner.end or self._uncovered_rows,
-            self._top_zpos + 2,
-            state,
-            page_rows=self._page_rows,
-            logged=logged,
-        )
 
     def _background(self, theme: Theme) -> tuple[int, int, int]:
         """Colour behind all viewports; the layout's own colour applies to the dark theme only."""

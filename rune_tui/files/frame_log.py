@@ -44,7 +44,7 @@ CONSOLE = "console"
 """The first part of topics of the console itself."""
 OTHERWISE = frozenset(
     {"now", "clock", "robots", "display", "places", "attention", "rows", "banner", "inputs"}
-    | {"drawn", "stop_told"}
+    | {"drawn", "stop_shown"}
 )
 """Fields of the state that frames have, or that follow from the layout and the other fields."""
 _RECORDED = tuple(

@@ -119,8 +119,9 @@ def placed(
 def given_away(places: Sequence[PlaceSpec], idle: Collection[str]) -> tuple[PlaceSpec, ...]:
     """The places without those of idle viewports, whose room goes to a place beside them.
 
-    A place grows over an idle one in one direction, if it then covers no other place. The one that
-    gains the most room is chosen. What lies over another viewport leaves nothing to give.
+    A place grows over an idle one in one direction, if it then covers no other place. The nearest
+    one is chosen, of these the one that gains the most. What lies over another viewport leaves no
+    room.
 
     Args:
         places: The places of an arrangement.
@@ -144,7 +145,7 @@ def given_away(places: Sequence[PlaceSpec], idle: Collection[str]) -> tuple[Plac
             )
         ]
         if grown:
-            number, larger = max(grown, key=lambda each: _gain(kept[each[0]], each[1]))
+            number, larger = min(grown, key=lambda each: _effort(kept[each[0]], hole, each[1]))
             kept[number] = larger
             holes = [each for each in holes if not _meet(larger, each)]
     return tuple(kept)
@@ -172,8 +173,12 @@ def _meet(one: PlaceSpec, other: PlaceSpec) -> bool:
     return across and down
 
 
-def _gain(before: PlaceSpec, after: PlaceSpec) -> int:
-    return after.xsize * after.ysize - before.xsize * before.ysize
+def _effort(place: PlaceSpec, hole: PlaceSpec, larger: PlaceSpec) -> tuple[int, int]:
+    """Key of an order: near places first, then those that gain the most."""
+    across = max(hole.xpos - place.xpos - place.xsize, place.xpos - hole.xpos - hole.xsize)
+    down = max(hole.ypos - place.ypos - place.ysize, place.ypos - hole.ypos - hole.ysize)
+    gain = larger.xsize * larger.ysize - place.xsize * place.ysize
+    return max(across, down), -gain
 
 
 def filled(

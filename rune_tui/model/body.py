@@ -66,6 +66,6 @@ def pressed_bumpers(body: RobotBody | None, bits: int) -> tuple[Bumper, ...]:
 
 
 def lacks(robot: RobotState, message: str) -> bool:
-    """Whether the robot's body measures nothing for a message, and none has come."""
+    """Whether the robot's body measures nothing for a message, and none arrived."""
     brought = {each.message for each in robot.body.messages} if robot.body is not None else set()
     return bool(brought) and message not in brought and message not in robot.messages

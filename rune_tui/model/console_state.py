@@ -151,7 +151,7 @@ class ConsoleState:
         overdue: Number of those that are late, in the same form.
         banner: The alarm that is drawn over the view; panes do not repeat it.
         drawn: Functions of the visualizers that are shown.
-        stop_told: Whether a line of keys or a button that is shown says how to stop.
+        stop_shown: Whether a line of keys or a button that is seen says how to stop.
         attention: The problems of all robots, in the order in which they need the operator.
         ghosts: Marks that the operator has not confirmed yet, by robot.
         sent_off: Time of the last order to go somewhere from this console [s], by robot.
@@ -197,7 +197,7 @@ class ConsoleState:
     overdue: Mapping[tuple[int, str], int] = field(default_factory=dict)
     banner: Banner | None = None
     drawn: frozenset[str] = frozenset()
-    stop_told: bool = False
+    stop_shown: bool = False
     attention: tuple[AttentionEntry, ...] = ()
     ghosts: Mapping[str, Ghost] = field(default_factory=dict)
     sent_off: Mapping[str, float] = field(default_factory=dict)

@@ -21,7 +21,7 @@ class StopLayer:
         self.layers: tuple[Layer, ...] = ()
 
     def refresh(
-        self, columns: int, rows: int, zpos: int, state: ConsoleState, *, told: bool
+        self, columns: int, rows: int, zpos: int, state: ConsoleState, *, shown: bool
     ) -> bool:
         """Bring `layers` up to date.
 
@@ -30,12 +30,12 @@ class StopLayer:
             rows: Height of the view [cells].
             zpos: Depth order of the layer.
             state: The console's state.
-            told: Whether a viewport says how to stop.
+            shown: Whether a viewport says how to stop.
 
         Returns:
             Whether they changed.
         """
-        words = "" if told else stop_words(state.seen, state)[:columns]
+        words = "" if shown else stop_words(state.seen, state)[:columns]
         look = (columns, rows, zpos, state.theme.name, words)
         if look == self._look:
             return False

@@ -103,7 +103,7 @@ def mark_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> No
     """Write "STALE 4.2 s" where no words are, if data of this age [s] is stale.
 
     That is the middle of the first row, else the end of a row; a shorter form, if room is short.
-    Without any room it covers the end of the last row.
+    Words are never covered: where they take all room, fading alone marks the age.
     """
     if staleness(age, pause) is not Staleness.STALE or not canvas.rows:
         return
@@ -111,7 +111,10 @@ def mark_age(canvas: Canvas, age: float, theme: Theme, pause: float = 0.0) -> No
     found = (
         (form, place) for form in forms if (place := _free_place(canvas, len(form))) is not None
     )
-    form, (row, column) = next(found, ("!", (canvas.rows - 1, canvas.width - 1)))
+    free = next(found, None)
+    if free is None:
+        return
+    form, (row, column) = free
     with drawing(canvas) as pen:
         pen.rectangle(column, 2 * row, column + len(form), 2 * row + 2, theme.panel)
     canvas.text(column, row, form, theme.warning)

@@ -130,7 +130,9 @@ class Button:
 
 
 def _words(face: _Face, columns: int) -> str:
-    forms = [face.text]
+    # Without room the first word stays, then the last one, which is the key.
+    first, *others = face.text.split()
+    forms = [face.text, *([first, others[-1]] if others else ())]
     if not face.known:
         forms = [f"{face.text}: ?", f"{face.text}?"]
     elif face.on is not None:

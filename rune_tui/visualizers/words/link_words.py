@@ -13,8 +13,9 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, LinkState, PictureFlow, RobotState
 from rune_tui.raster.canvas import Canvas
-from rune_tui.visualizers.parts.rows import GAP, TextRow, cut, flowing, wrapped
-from rune_tui.visualizers.parts.severity import Severity, ink_of
+from rune_tui.visualizers.parts.fitting import forms_of
+from rune_tui.visualizers.parts.rows import GAP, TextRow, cut, fitting_form, flowing, wrapped
+from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
 from rune_tui.visualizers.parts.staleness import (
     ALARM_AFTER_S,
     Staleness,
@@ -43,7 +44,9 @@ class Link(PlainVisualizer):
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the words that fit, from the start."""
         canvas.fill(state.theme.panel)
-        lines = [*flowing(_not_in_banner(robot, state), canvas.width)]
+        parts = _not_in_banner(robot, state)
+        words = (TextRow(fitting_form(canvas.width, *forms_of(p)), p.severity) for p in parts)
+        lines = [*flowing(words, canvas.width)]
         if robot.link.detail:
             lines += [(row,) for row in wrapped(TextRow(robot.link.detail), canvas.width)]
         for index, line in enumerate(lines[: canvas.rows]):
@@ -58,24 +61,25 @@ class Link(PlainVisualizer):
         return tuple(_not_in_banner(robot, state)), robot.link.detail, state.theme.name
 
 
-def _words(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
+def _words(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     link, now = robot.link, state.now
     yield _phase(link, now)
     if not link.may_command:
-        yield TextRow("may watch and stop", Severity.WARNING)
+        yield Part("may watch and stop", 0, Severity.WARNING)
     if link.missed:
-        yield TextRow(
-            f"{link.missed} message{'s' if link.missed > 1 else ''} lost", Severity.WARNING
-        )
+        plural = "s" if link.missed > 1 else ""
+        yield Part(f"{link.missed} message{plural} lost", 0, Severity.WARNING)
     if robot.navigation is not None:
         age = robot.navigation.age(now)
         fresh = staleness(age) is Staleness.FRESH
-        yield TextRow(f"state {age_text(age)} old", Severity.PLAIN if fresh else Severity.ALARM)
+        severity = Severity.PLAIN if fresh else Severity.ALARM
+        yield Part(f"state {age_text(age)} old", 0, severity, short=f"{age_text(age)} old")
     if robot.picture is not None:
         age = robot.picture.age(now) + state.latency
         late = age > max(ALARM_AFTER_S, usual_age(robot.picture.value))
         text = f"PICTURE {age_text(age)} OLD" if late else f"picture {age_text(age)} old"
-        yield TextRow(text, Severity.ALARM if late else Severity.PLAIN)
+        severity = Severity.ALARM if late else Severity.PLAIN
+        yield Part(text, 0, severity, short=f"pic {age_text(age)}")
     if state.display is not None:
         yield from _display(state.display)
     # Counts are valid while central answers.
@@ -83,48 +87,48 @@ def _words(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
     if connected and link.pictures is not None:
         yield from _pictures(link.pictures)
     if connected and math.isfinite(link.round_trip):
-        yield TextRow(f"round trip {_KILO * link.round_trip:.0f} ms")
+        yield Part(f"round trip {_KILO * link.round_trip:.0f} ms", 0)
     if connected and math.isfinite(link.messages_per_s):
-        yield TextRow(f"{link.messages_per_s:.0f} messages/s")
+        yield Part(f"{link.messages_per_s:.0f} messages/s", 0)
     if connected and math.isfinite(link.bytes_per_s):
-        yield TextRow(_amount(link.bytes_per_s))
+        yield Part(_amount(link.bytes_per_s), 0)
 
 
-def _display(display: DisplayState) -> Iterator[TextRow]:
+def _display(display: DisplayState) -> Iterator[Part]:
     """The state of the line from the console to the terminal."""
     latency = display.latency
     if math.isfinite(latency):
         late = latency > ALARM_AFTER_S
         shown = f"{_TENS * round(_KILO * latency / _TENS):.0f} ms"
         text = f"TERMINAL {shown} BEHIND" if late else f"terminal {shown} behind"
-        yield TextRow(text, Severity.ALARM if late else Severity.PLAIN)
+        yield Part(text, 0, Severity.ALARM if late else Severity.PLAIN)
     if display.coarseness >= _COARSE:
-        yield TextRow("drawn coarser for the terminal", Severity.WARNING)
+        yield Part("drawn coarser for the terminal", 0, Severity.WARNING)
 
 
-def _pictures(flow: PictureFlow) -> Iterator[TextRow]:
+def _pictures(flow: PictureFlow) -> Iterator[Part]:
     if flow.shrunk:
-        yield TextRow("pictures made smaller for the link", Severity.WARNING)
-    yield TextRow(f"{flow.per_s:.0f} pictures/s")
+        yield Part("pictures made smaller for the link", 0, Severity.WARNING)
+    yield Part(f"{flow.per_s:.0f} pictures/s", 0)
     kind = f"{flow.width_px}x{flow.height_px} {flow.coding.name}"
-    yield TextRow(kind if flow.coding is ImageCoding.RAW else f"{kind} {flow.quality}")
+    yield Part(kind if flow.coding is ImageCoding.RAW else f"{kind} {flow.quality}", 0)
 
 
-def _not_in_banner(robot: RobotState, state: ConsoleState) -> Iterator[TextRow]:
+def _not_in_banner(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     """All words that the banner does not show."""
     banner = state.banner
     said = banner.text if banner is not None and banner.robot == robot.name else ""
-    return (row for row in _words(robot, state) if not said.startswith(row.text))
+    return (part for part in _words(robot, state) if not said.startswith(part.text))
 
 
-def _phase(link: LinkState, now: float) -> TextRow:
+def _phase(link: LinkState, now: float) -> Part:
     seconds = max(0.0, now - link.since)
     since = f"{int(seconds)} s" if seconds < _LONG_S else age_text(seconds)
     if link.phase is LinkPhase.CONNECTED:
-        return TextRow("linked", Severity.GOOD)
+        return Part("linked", 0, Severity.GOOD)
     if link.phase is LinkPhase.CONNECTING:
-        return TextRow(f"connecting {since}", Severity.WARNING)
-    return TextRow(f"LINK LOST {since}", Severity.ALARM)
+        return Part(f"connecting {since}", 0, Severity.WARNING)
+    return Part(f"LINK LOST {since}", 0, Severity.ALARM, short=f"LOST {since}")
 
 
 def _amount(bytes_per_s: float) -> str:

@@ -106,7 +106,7 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 def _stop_key(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     """The stop key, while no line of keys says it."""
-    if (words := stop_words(robot.name, state)) and not state.stop_told:
+    if (words := stop_words(robot.name, state)) and not state.stop_shown:
         yield Part(words, 10)
 
 

@@ -1,0 +1,205 @@
+"""The word or number that decides is the last to be cut, in every pane at every size."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+from hub.gcm.autonomy import AutonomyState, Behaviour, DrivingMode, Phase
+from hub.gcm.body import ROBOT_DESCRIPTION
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
+from hub.gcm.mission import MISSION_STATE, MissionState
+from hub.gcm.supervision import (
+    CAPABILITY_REPORTS,
+    MODULE_REPORTS,
+    CapabilityPhase,
+    CapabilityReport,
+    CapabilityReports,
+    ModulePhase,
+    ModuleReport,
+    ModuleReports,
+)
+from rune_tui.layout.spec import LayoutSpec
+from rune_tui.model.console_state import ConsoleState, Notice
+from rune_tui.model.robot_state import LinkPhase, Received, RobotState
+from rune_tui.view import View
+from tests.console.situations import MINE, NOW, ROOT, robot, shipped
+from tests.console.states import described
+from tests.support.cases import for_each
+
+LAYOUTS: Final = sorted(path.stem for path in (ROOT / "layouts").glob("*.xml"))
+SIZES: Final = (
+    *((16, 4), (20, 5), (24, 9), (40, 12), (57, 17), (80, 24)),
+    *((100, 30), (120, 40), (160, 48), (200, 60)),
+)
+NAMES: Final = ("r1", "Спасатель-двенадцать", "救助ロボット三号", "a" * 40, "Ünïcödé e\u0301tude")
+MARKS: Final = 12
+
+
+def _known(value: Any, age: float) -> Received[Any]:
+    return Received(value=value, measured=NOW - age, number=1)
+
+
+def _point(number: int, note: str) -> InterestPoint:
+    return InterestPoint(
+        number=number,
+        kind=PointKind.VICTIM,
+        x=-16.25,
+        y=number + 0.5,
+        stamp=1e9,
+        by="Александра",
+        kept=1,
+        note=note,
+        thumbnail=np.zeros(0, np.uint8),
+        uncertainty=0.12,
+        distance=2.4,
+    )
+
+
+def _all_of(role: str, name: str, age: float, *, ended: bool) -> RobotState:
+    """A robot that reports all that panes show, `age` seconds old [s]."""
+    autonomy = AutonomyState(
+        behaviour=Behaviour.EXPLORE,
+        pilot=DrivingMode.AUTONOMY,
+        x=3.2,
+        y=4.6,
+        frontier_m=6.4,
+        why="no way leads around the table, which stands in the middle of the room",
+        phase=Phase.BLOCKED if ended else Phase.ACTIVE,
+        asked=Behaviour.EXPLORE,
+        explored=0.62,
+        distance_m=3.1,
+        seconds=131.0,
+        ended_s=449.0 if ended else math.nan,
+        sender=3,
+        number=1,
+    )
+    mission = MissionState(
+        name=f"search of {name}",
+        running=1,
+        begun=1.0,
+        running_s=754.0,
+        marks=MARKS,
+        map_age_s=10.0,
+    )
+    modules = ModuleReports(
+        robot=name,
+        modules=(
+            ModuleReport(
+                name="vision",
+                phase=ModulePhase.FAILED,
+                pid=17,
+                capabilities="VIS_VID",
+                needs="",
+                asked=1,
+                always=1,
+                starts=2,
+                processor=0.07,
+                memory_mb=61.0,
+                age_s=12.0,
+                why="it was ended by signal 9 for the third time within a minute",
+            ),
+        ),
+    )
+    capabilities = CapabilityReports(
+        robot=name,
+        capabilities=(
+            CapabilityReport(
+                name="VIS_VID",
+                phase=CapabilityPhase.UNAVAILABLE,
+                module="",
+                modules="vision",
+                wanted_by="a console",
+            ),
+        ),
+    )
+    points = InterestPoints(points=tuple(_point(each, "a note") for each in range(1, MARKS + 1)))
+    seen = robot(
+        role,
+        age=age,
+        control=dataclasses.replace(MINE, operator=name[:20]),
+        autonomy=autonomy,
+        phase=LinkPhase.LOST if age > 20.0 else LinkPhase.CONNECTED,
+        since=NOW - 30.0,
+        battery_fraction=0.08,
+    )
+    told = {
+        ROBOT_DESCRIPTION.name: described(name),
+        MISSION_STATE.name: _known(mission, age),
+        MODULE_REPORTS.name: _known(modules, age),
+        CAPABILITY_REPORTS.name: _known(capabilities, age),
+        INTEREST_POINTS.name: _known(points, age),
+    }
+    return seen.with_(messages={**seen.messages, **told})
+
+
+DECIDING: Final[dict[str, Callable[[bool], tuple[str, ...]]]] = {
+    "visualizeMission": lambda _: (f"{MARKS} marks",),
+    "visualizeMarks": lambda _: ("-16.25, 12.50",),
+    "visualizeControl": lambda _: ("you have control",),
+    "visualizeAutonomy": lambda ended: ("EXPLORING 62 % BLOCKED" if ended else "EXPLORING 62 %",),
+    "visualizeModules": lambda _: ("vision",),
+    "visualizeCapabilities": lambda _: ("VIS_VID",),
+    "visualizeEventLog": lambda _: ("victim 12 marked", "victim 12 is marked"),
+    "visualizeBattery": lambda _: ("8%",),
+    "visualizeHeading": lambda _: ("090", "000"),
+    "visualizeLink": lambda _: ("linked", "LINK LOST 30 s", "30 s old"),
+}
+"""By the visualizer's function, the words of which one must be there; whether a task has ended."""
+_CLOCK: Final = len("14:06 ")
+
+
+def _panes(
+    layout: LayoutSpec, size: tuple[int, int], name: str, age: float, *, ended: bool
+) -> Iterator[tuple[str, str, tuple[int, int]]]:
+    """Function, words and size [cells] of each pane."""
+    view = View(layout, spent=lambda: 0.0)
+    view.resize(*size)
+    notice = Notice(text="victim 12 is marked", when=NOW - 30.0, clock="14:06:40")
+    state = dataclasses.replace(
+        ConsoleState.at_start(layout, NOW, "ada"),
+        began=0.0,
+        notices=(notice,),
+        robots={each.name: _all_of(each.name, name, age, ended=ended) for each in layout.robots},
+    )
+    assert view.render(state) is not None
+    for pane in view.panes:
+        if pane.visible(state) and pane.layer is not None:
+            glyphs = pane.layer.canvas.glyphs
+            rows = ("".join(chr(each or 32) for each in row).strip() for row in glyphs.tolist())
+            yield pane.function, " ".join(rows), (glyphs.shape[1], glyphs.shape[0])
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+def test_what_decides_is_whole_in_every_pane_that_has_room_for_it(name: str) -> None:
+    layout, missing = shipped(name), []
+    for number, size in enumerate(SIZES):
+        for age, ended in ((0.1, False), (0.1, True), (30.0, False)):
+            called = NAMES[(number + ended) % len(NAMES)]
+            for function, said, room in _panes(layout, size, called, age, ended=ended):
+                forms = DECIDING[function](ended) if function in DECIDING else ()
+                needed = min(map(len, forms), default=0)
+                needed += _CLOCK * (function == "visualizeEventLog")
+                if needed <= room[0] and forms and not any(form in said for form in forms):
+                    missing.append((size, function, room, age, said))
+    assert missing == []
+
+
+@for_each("name", LAYOUTS)
+def test_how_to_stop_is_in_sight_at_every_size(name: str) -> None:
+    layout = shipped(name)
+    for size in SIZES:
+        for age in (0.1, 30.0):
+            view = View(layout, spent=lambda: 0.0)
+            view.resize(*size)
+            known = {each.name: _all_of(each.name, "r", age, ended=False) for each in layout.robots}
+            state = ConsoleState.at_start(layout, NOW, "ada")
+            cells = view.render(dataclasses.replace(state, robots=known))
+            assert cells is not None
+            shown = "".join(chr(point or 32) for point in cells.glyphs.flat).casefold()
+            assert "space stop" in shown or "stop space" in shown, (size, age)
