@@ -131,7 +131,7 @@ class Button:
 
 def _words(face: _Face, columns: int) -> str:
     # Without room the first word stays, then the last one, which is the key.
-    first, *others = face.text.split()
+    first, *others = face.text.split() or [""]
     forms = [face.text, *([first, others[-1]] if others else ())]
     if not face.known:
         forms = [f"{face.text}: ?", f"{face.text}?"]
