@@ -4,6 +4,7 @@
 | --- | --- |
 | bytes that are not UTF-8, or escape sequences with unusable numbers | ends the console |
 | end of the terminal | reads forever |
+| answers of a slow terminal after the end | leaves them to the shell, which shows them |
 | a button's release beyond the upper left corner | loses it |
 | a mouse that moves faster than the console handles it | delays all keys |
 | a paste without brackets | takes each character for a key |
@@ -17,6 +18,7 @@ import logging
 import os
 import re
 import selectors
+import threading
 import time
 from collections.abc import Iterable
 from itertools import chain
@@ -60,6 +62,12 @@ _READ_S: Final = 0.1
 """Longest wait for input before the loop checks the clock [s]."""
 _REPORT_RELEASES: Final = "\x1b[=6;2u\x1b[?u"
 """Kitty keyboard protocol: turn on reports of repeats, releases and US keys; ask what is on."""
+_LAST_ROW: Final = 3
+"""Row of the cursor for the last question; frames ask in another one."""
+_LAST_QUESTION: Final = f"\x1b[=0u\x1b[?1004l\x1b[{_LAST_ROW};1H\x1b[6n"
+"""Ends reports of keys and of the focus, and asks where the cursor is."""
+_LAST_ANSWER_S: Final = 3.0
+"""Longest wait for the last answer [s]."""
 _MOST_DOWN: Final = 64
 """Most keys that are down together; one more means that the first one's release was lost."""
 _TYPES_TEXT: Final = ("enter", "tab")
@@ -101,6 +109,8 @@ class SturdyDriver(InsideDriver):
     """Keys that are down, by the terminal's codes."""
     _speed: TypingSpeed[events.Key]
     _ending: bool = False
+    _answers: bool = False
+    """Whether the terminal has said where its cursor is."""
     _dropped_move: events.MouseMove | None = None
     """The newest dropped move of the mouse."""
 
@@ -108,6 +118,7 @@ class SturdyDriver(InsideDriver):
         """Enter the terminal, and turn on reports of releases."""
         self._down = {}
         self._speed = TypingSpeed()
+        self._last_answer = threading.Event()
         super().start_application_mode()
         self.write(_REPORT_RELEASES)
 
@@ -123,6 +134,17 @@ class SturdyDriver(InsideDriver):
         self._ending = True
         super().stop_application_mode()
         self._ending = False
+
+    def disable_input(self) -> None:
+        """Read what the terminal still sends, so that the shell gets nothing of it."""
+        if self._answers and not self.exit_event.is_set():
+            self._ending = True
+            self.discard_output()
+            self._disable_mouse_support()
+            self.write(_LAST_QUESTION)
+            self._last_answer.wait(_LAST_ANSWER_S)
+            self._answers = False
+        super().disable_input()
 
     def run_input_thread(self) -> None:
         """Read until the console ends, in a thread of Textual."""
@@ -169,7 +191,10 @@ class SturdyDriver(InsideDriver):
 
     def _take_part(self, parser: SturdyParser, part: InputPart) -> None:
         match part:
-            case CursorReport():
+            case CursorReport(row=row):
+                self._answers = True
+                if self._ending and row == _LAST_ROW:
+                    self._last_answer.set()
                 self.process_message(FrameAnswered(part, time.monotonic()))
             case KeyReport():
                 self._post_key(parser, part)

@@ -153,6 +153,11 @@ with contextlib.suppress(ImportError):  # not on Windows
             """Write bytes in UTF-8."""
             self.write(data)  # type: ignore[arg-type] # the writer passes it on unchanged
 
+        def discard_output(self) -> None:
+            """Discard the output that waits for the terminal; nobody will look at it."""
+            if self._writer_thread is not None:
+                _discard(self._writer_thread)
+
         def suspend_application_mode(self) -> None:
             """Leave the terminal within a time limit, even if it blocks.
 
