@@ -116,9 +116,15 @@ def run_command(options: argparse.Namespace) -> int:
         return _WITHOUT_CLIENT[options.command](options)
     from hub.inspection import message_commands
 
-    client = message_commands.connect(options.hub, options.command, options.keys)
+    stops = options.command == "halt"
+    try:
+        client = message_commands.connect(options.hub, options.command, options.keys)
+    except HubError as error:
+        raise message_commands.not_stopped(error) if stops else error from error
     try:
         return _run_inspection(client, options)
+    except HubError as error:
+        raise message_commands.not_stopped(error) if stops else error from error
     except KeyboardInterrupt:
         leave()
     finally:
@@ -464,6 +470,7 @@ def _add_keys(keys: CommandParser) -> None:
     tasks = keys.add_subparsers(dest="task", required=True, metavar="TASK")
 
     make = tasks.add_parser("make", parents=[where], help="make a key and say where its file is")
+    make.advice = f"--role is one of {', '.join(role.value for role in Role)}"
     make.add_argument("name", help="letters, digits, - and _; the log names the key so")
     make.add_argument(
         "--role",

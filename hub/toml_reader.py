@@ -337,7 +337,7 @@ def load(
         raw = read_regular(path, MAX_FILE_BYTES)
     except (OSError, ValueError) as fault:
         reason = getattr(fault, "strerror", None) or str(fault)
-        raise error(str(path), [f"cannot be read: {reason}"]) from fault
+        raise error(str(path), [f"cannot be read: {reason}; check its path"]) from fault
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as fault:
@@ -349,7 +349,7 @@ def load(
     try:
         return tomllib.loads(text), Problems(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as fault:
-        raise error(str(path), [f"is not TOML: {fault}"]) from fault
+        raise error(str(path), [f"is not TOML: {fault}; correct it there"]) from fault
 
 
 def apply_settings(data: dict[str, Any], settings: Iterable[str], problems: Problems) -> None:

@@ -37,6 +37,7 @@ def add_adopt(commands: Commands) -> None:
         "Exit codes: 0 written, 1 it cannot be driven, or the file is there or cannot be written, "
         "2 wrong usage, 3 there is no vehicle or robot.",
     )
+    adopt.advice = "give an address, such as ws://HOST:8765 or mavlink:/dev/ttyACM0"
     kinds = adopt.add_subparsers(dest="task", required=True, metavar="KIND")
     mavlink = kinds.add_parser(
         "mavlink",

@@ -57,6 +57,11 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
     return client
 
 
+def not_stopped(error: HubError) -> HubError:
+    """The error of a stop that did not reach the robot: what to do comes first."""
+    return type(error)(f"the robot was NOT stopped; use its emergency stop: {error}")
+
+
 def list_all(client: Client, *, as_json: bool) -> int:
     """Show modules, messages, and dropped messages of central."""
     listing = client.directory.listing(_ANSWER_S)

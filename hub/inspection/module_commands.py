@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 from hub.command_output import put, put_json
@@ -24,6 +24,7 @@ from hub.inspection.output import report, span, table
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.message_info import MessageInfo
+from hub.nearest import did_you_mean
 from hub.plain_text import plain
 
 T = TypeVar("T")
@@ -95,7 +96,7 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
     def show(reports: supervision.CapabilityReports, _reception: MessageInfo) -> None:
         known = {each.name: each for each in reports.capabilities}
         for name in wanted:
-            now = _outlook(name, known.get(name))
+            now = _outlook(name, known.get(name), known)
             if said.get(name) != now:
                 said[name] = now
                 put(now)
@@ -188,9 +189,11 @@ def _no_daemon(client: Client) -> NoHandlerError:
     return NoHandlerError(text)
 
 
-def _outlook(name: str, report: supervision.CapabilityReport | None) -> str:
+def _outlook(name: str, report: supervision.CapabilityReport | None, known: Iterable[str]) -> str:
     if report is None or not report.modules:
-        return f"{name}: no module of this robot has it; `rune-hub capabilities` shows all"
+        near = did_you_mean(name, [each for each in known if each != name])
+        lacks = f"{name}: no module of this robot has it{near}"
+        return f"{lacks}; `rune-hub capabilities` shows all"
     if report.phase is CapabilityPhase.UNAVAILABLE:
         return f"{name}: {report.modules} cannot be started; see `rune-hub modules`"
     if report.phase is CapabilityPhase.RUNNING:

@@ -86,7 +86,10 @@ def _send(client: Client, order: RecordCommand) -> int:
             result = client.query_response(RECORD_COMMAND, order, COMMON_RESULT, timeout=_ANSWER_S)
         except NoHandlerError as error:
             if order.action is not RecordAction.START:
-                text = "the robot's recorder does not run, so nothing is recorded there"
+                text = (
+                    "the robot's recorder does not run, so nothing is recorded there; "
+                    "`rune-hub record --start` starts it"
+                )
                 raise QueryError(text) from error
             if time.monotonic() > deadline:
                 text = (

@@ -184,8 +184,8 @@ def _assigned(value: Any, path: list[str], text: str, where: str) -> Any:  # noq
     names = [field.name for field in dataclasses.fields(value)]
     name, rest = path[0], path[1:]
     if name not in names:
-        known = ", ".join(names)
-        reason = f"{where} has no field {name!r}{did_you_mean(name, names)}; it has {known}"
+        hint = did_you_mean(name, names) or f"; it has {', '.join(names)}"
+        reason = f"{where} has no field {name!r}{hint}"
         raise CodecError(reason)
     member = getattr(value, name)
     if dataclasses.is_dataclass(member) != bool(rest):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 
 from hub.command_output import put
 from hub.errors import RobotFileError
@@ -111,7 +112,9 @@ def _robot_file(name_or_path: str, load: Callable[[str], object]) -> list[Findin
     try:
         load(name_or_path)
     except RobotFileError as error:
-        return [problem(text, f"correct {name_or_path}") for text in error.problems]
+        found = Path(name_or_path).exists()
+        remedy = f"correct {name_or_path}" if found else "name a robot file or a shipped robot"
+        return [problem(text, remedy) for text in error.problems]
     return [ok(f"{find_robot_file(name_or_path)} has no mistakes")]
 
 

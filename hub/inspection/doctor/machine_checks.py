@@ -85,7 +85,7 @@ def clock() -> list[Finding]:
     if time.time() < installed - 86_400.0:
         text = f"the date is {time.strftime('%Y-%m-%d')}, before this hub was installed"
         findings.append(warning(text, "set the clock: timedatectl set-ntp true"))
-    return findings or [ok(f"steps of {steps * 1e9:.3g} ns; the date is possible")]
+    return findings or [ok(f"steps of {steps * 1e9:.3g} ns; the date is after its installation")]
 
 
 def space(robot: RobotDescription) -> list[Finding]:

@@ -173,7 +173,9 @@ def test_a_console_of_that_name_makes_no_recording_of_a_robot(
 
 
 def test_without_a_hub_the_code_is_3() -> None:
-    assert rune_hub("halt", "--hub", "tcp://127.0.0.1:1").returncode == 3
+    done = rune_hub("halt", "--hub", "tcp://127.0.0.1:1")
+    assert done.returncode == 3
+    assert "the robot was NOT stopped; use its emergency stop: no hub answers" in done.stderr
 
 
 def test_who_wants_to_stop_the_robot_by_stop_learns_of_halt() -> None:
