@@ -31,8 +31,6 @@ from hub.ipc.formats.codegen import DTYPES, LETTERS
 from hub.plain_text import is_plain, plain
 from hub.values import dataclass
 
-_LONGEST_WHOLE: Final = 1e15
-"""Whole numbers below this are written in full."""
 Note = Callable[[str], object]
 """Gets a sentence on a changed value."""
 
@@ -46,12 +44,6 @@ Fix = Callable[[Any, Note], Any]
 
 _MOST_LANES: Final = 64
 _FLOATS: Final = ("float", "double")
-
-
-def _plain(value: float) -> str:
-    """A number in full where it is whole, such as 2147483647."""
-    whole = math.isfinite(value) and value == int(value) and abs(value) < _LONGEST_WHOLE
-    return str(int(value)) if whole else f"{value:g}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +75,7 @@ class Range:
         if self.any_number:
             return "any number" + ", in " * bool(self.unit) + self.unit
         others = ", infinite" * self.infinite + " or NaN" * self.nan
-        bounds = f"{_plain(self.low)} to {_plain(self.high)}"
-        return f"{bounds}{' ' * bool(self.unit)}{self.unit}{others}"
+        return f"{self.low:g} to {self.high:g}{' ' * bool(self.unit)}{self.unit}{others}"
 
 
 @dataclass(frozen=True, slots=True)
