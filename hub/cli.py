@@ -116,19 +116,14 @@ def run_command(options: argparse.Namespace) -> int:
         return _WITHOUT_CLIENT[options.command](options)
     from hub.inspection import message_commands
 
-    stops = options.command == "halt"
-    try:
+    with message_commands.saying_what_failed(options.command):
         client = message_commands.connect(options.hub, options.command, options.keys)
-    except HubError as error:
-        raise message_commands.not_stopped(error) if stops else error from error
-    try:
-        return _run_inspection(client, options)
-    except HubError as error:
-        raise message_commands.not_stopped(error) if stops else error from error
-    except KeyboardInterrupt:
-        leave()
-    finally:
-        client.close()
+        try:
+            return _run_inspection(client, options)
+        except KeyboardInterrupt:
+            leave()
+        finally:
+            client.close()
 
 
 def _run_inspection(client: Client, options: argparse.Namespace) -> int:

@@ -147,8 +147,7 @@ def _demo(options: argparse.Namespace) -> int:
     named, arena = options.layout or "", _arena(options.arena)
     if named in ARENAS and not Path(named).exists():
         named, arena = "", arena or named
-    _check_demo_name(named, ARENAS)
-    layout = named or demo_layout(arena, options.robot)
+    layout = demo_layout(arena, options.robot, named)
     _need_screen([layout], options.set)
     log = log_to_file()
     with ExitStack() as stack:
@@ -225,21 +224,6 @@ def _check(options: argparse.Namespace) -> int:
                 f"  note: {note}\n" for note in (*layout.notes, *key_notes(layout))
             )
     return code
-
-
-def _check_demo_name(named: str, arenas: Sequence[str]) -> None:
-    """Refuse a name that is no layout and no arena; empty: none was given."""
-    from hub.nearest import did_you_mean
-    from rune_tui.errors import LayoutError, LayoutProblem
-    from rune_tui.startup.opening import shipped_layouts
-
-    layouts = [*shipped_layouts()]
-    if named in ("", AUTO, *layouts) or Path(named).exists():
-        return
-    hint = did_you_mean(named, [*layouts, *arenas])
-    hint = hint or f"; `rune layouts` lists layouts, and arenas are {', '.join(arenas)}"
-    text = f"there is no such file, layout or arena{hint}"
-    raise LayoutError([LayoutProblem(path=named, line=0, column=0, message=text)])
 
 
 def _arena(named: str | None) -> str:

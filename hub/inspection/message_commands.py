@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -57,9 +58,16 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
     return client
 
 
-def not_stopped(error: HubError) -> HubError:
-    """The error of a stop that did not reach the robot: what to do comes first."""
-    return type(error)(f"the robot was NOT stopped; use its emergency stop: {error}")
+@contextlib.contextmanager
+def saying_what_failed(command: str) -> Iterator[None]:
+    """Say first that the robot was not stopped, where a stop fails."""
+    try:
+        yield
+    except HubError as error:
+        if command != "halt":
+            raise
+        text = f"the robot was NOT stopped; use its emergency stop: {error}"
+        raise type(error)(text) from error
 
 
 def list_all(client: Client, *, as_json: bool) -> int:

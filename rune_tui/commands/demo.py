@@ -43,16 +43,37 @@ def demo_robots(roles: Sequence[str], arena: str, robot: str | None) -> tuple[li
     return robots, arena
 
 
-def demo_layout(arena: str, robot: str | None) -> str:
-    """The layout of a demo where none is named.
+def demo_layout(arena: str, robot: str | None, named: str = "") -> str:
+    """The layout of a demo.
 
     Args:
         arena: Name or path of the arena; empty: that of the robot.
         robot: Name of the robot; None: the one that suits the arena.
+        named: Its name or path; empty: the one that suits the robot.
+
+    Raises:
+        LayoutError: The name is that of no layout.
     """
+    if named:
+        _check_layout(named)
+        return named
     (chosen,), _ = demo_robots(["robot"], arena, robot)
     # The shipped layout has no keys for holds, joints or motion up and down.
     return DEMO_LAYOUT if chosen == ROBOTS[0] else AUTO
+
+
+def _check_layout(named: str) -> None:
+    from hub.nearest import did_you_mean
+    from rune_tui.errors import LayoutError, LayoutProblem
+    from rune_tui.startup.opening import shipped_layouts
+
+    layouts = [*shipped_layouts()]
+    if named in (AUTO, *layouts) or Path(named).exists():
+        return
+    hint = did_you_mean(named, [*layouts, *ARENAS])
+    hint = hint or f"; `rune layouts` lists layouts, and arenas are {', '.join(ARENAS)}"
+    text = f"there is no such file, layout or arena{hint}"
+    raise LayoutError([LayoutProblem(path=named, line=0, column=0, message=text)])
 
 
 class DemoHubs:

@@ -154,7 +154,7 @@ with contextlib.suppress(ImportError):  # not on Windows
             self.write(data)  # type: ignore[arg-type] # the writer passes it on unchanged
 
         def discard_output(self) -> None:
-            """Discard the output that waits for the terminal; nobody will look at it."""
+            """Discard the output that waits for the terminal."""
             if self._writer_thread is not None:
                 _discard(self._writer_thread)
 
