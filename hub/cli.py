@@ -116,7 +116,7 @@ def run_command(options: argparse.Namespace) -> int:
         return _WITHOUT_CLIENT[options.command](options)
     from hub.inspection import message_commands
 
-    with message_commands.saying_what_failed(options.command):
+    with message_commands.failures_explained(options.command):
         client = message_commands.connect(options.hub, options.command, options.keys)
         try:
             return _run_inspection(client, options)

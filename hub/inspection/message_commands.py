@@ -59,8 +59,8 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
 
 
 @contextlib.contextmanager
-def saying_what_failed(command: str) -> Iterator[None]:
-    """Say first that the robot was not stopped, where a stop fails."""
+def failures_explained(command: str) -> Iterator[None]:
+    """Begin the error of a stop with what it means for the robot."""
     try:
         yield
     except HubError as error:
