@@ -1,14 +1,26 @@
-"""The robot's outline on the ground, and its bumpers."""
+"""The robot's outline on the ground, its bumpers, and what its body can have."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from typing import Final
 
 import numpy as np
 
 from hub.gcm.body import Bumper, RobotBody
+from hub.gcm.capability import Capability
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.sightings import Floats
+
+_OF_PARTS: Final[Mapping[str, Callable[[RobotBody], object]]] = {
+    Capability.DRV_HOLD.value: lambda body: body.holds,
+    Capability.DRV_LIGHT.value: lambda body: body.lights,
+    Capability.DRV_JOINT.value: lambda body: body.joints,
+    Capability.DRV_ARM.value: lambda body: body.arms,
+    Capability.DRV_MODE.value: lambda body: body.arms,
+}
+"""The capabilities that only a body with certain parts has, and those parts."""
 
 
 def largest_radius(body: RobotBody | None) -> float:
@@ -69,3 +81,9 @@ def lacks(robot: RobotState, message: str) -> bool:
     """Whether the robot's body measures nothing for a message, and none arrived."""
     brought = {each.message for each in robot.body.messages} if robot.body is not None else set()
     return bool(brought) and message not in brought and message not in robot.messages
+
+
+def can_have(body: RobotBody | None, capability: str) -> bool:
+    """Whether a body has the parts of a capability."""
+    parts = _OF_PARTS.get(capability)
+    return parts is None or (body is not None and bool(parts(body)))

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
-from hub.gcm.body import RobotBody
-from hub.gcm.capability import Capability
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityPhase
 from rune_tui.model.autopilot_watch import AutopilotWatch
+from rune_tui.model.body import can_have
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.control import (
     Standing,
@@ -38,16 +37,6 @@ _GONE = {
 
 GRACE_S = 4.0
 """Shorter absences are not reported, because hubs start with some [s]."""
-
-
-_OF_PARTS: Mapping[str, Callable[[RobotBody], object]] = {
-    Capability.DRV_HOLD.value: lambda body: body.holds,
-    Capability.DRV_LIGHT.value: lambda body: body.lights,
-    Capability.DRV_JOINT.value: lambda body: body.joints,
-    Capability.DRV_ARM.value: lambda body: body.arms,
-    Capability.DRV_MODE.value: lambda body: body.arms,
-}
-"""The capabilities that only a body with certain parts has, and those parts."""
 
 
 class ChangeNotifier:
@@ -179,7 +168,7 @@ class ChangeNotifier:
         self._since |= {(name, each): at for each, at in since.items()}
         for capability, lack in now.items():
             why, absent = lack.why, lack.kind is LackKind.ABSENT
-            if absent and capability not in had and not _can_have(robot.body, capability):
+            if absent and capability not in had and not can_have(robot.body, capability):
                 continue
             new = reported.get(capability) != why
             lasting = lack.kind is not LackKind.COMING and state.now - since[capability] >= GRACE_S
@@ -197,9 +186,3 @@ class ChangeNotifier:
             for report in (reports.value.capabilities if reports else ())
             if report.phase is CapabilityPhase.RUNNING
         }
-
-
-def _can_have(body: RobotBody | None, capability: str) -> bool:
-    """Whether a body has the parts of a capability."""
-    parts = _OF_PARTS.get(capability)
-    return parts is None or (body is not None and bool(parts(body)))

@@ -12,6 +12,7 @@ from hub.gcm.supervision import (
     CapabilityReports,
 )
 from rune_tui.layout.rules import VisualizerRule
+from rune_tui.model.body import can_have
 from rune_tui.model.robot_state import Lack, LackKind, RobotState
 from rune_tui.model.theme import Theme
 from rune_tui.raster.canvas import Canvas
@@ -26,6 +27,7 @@ _ORDER = (
     CapabilityPhase.RUNNING,
 )
 _WEIGHTS = (9, 8, 4, 5)
+_BODILESS = "this body has no parts for it"
 _PHASES = {
     CapabilityPhase.AVAILABLE: "idle",
     CapabilityPhase.STARTING: "starting",
@@ -38,7 +40,7 @@ class Capabilities(MessageGauge[CapabilityReports, tuple[Entry, ...]]):
     """A row a capability: first the wanted ones, of these first the missing ones.
 
     Wanted capabilities that no module has are among them, though the robot does not list them;
-    capabilities of consoles are not.
+    capabilities of consoles are not. What the body has no parts for comes last, and is no alarm.
     """
 
     rule: ClassVar = VisualizerRule(
@@ -50,19 +52,30 @@ class Capabilities(MessageGauge[CapabilityReports, tuple[Entry, ...]]):
 
     def reading(self, value: CapabilityReports, robot: RobotState) -> tuple[Entry, ...]:
         """The robot's list, and the layout's wants that are missing in it."""
-        reports = [each for each in value.capabilities if each.name != Capability.CON_REAL]
-        known = {report.name for report in reports}
+        listed = [each for each in value.capabilities if each.name != Capability.CON_REAL]
+        bodiless = [each for each in listed if _is_bodiless(each, robot)]
+        reports = [each for each in listed if each not in bodiless]
+        known = {report.name for report in listed}
         unknown = [
             _lacking(name, lack)
             for name, lack in sorted(robot.link.lacking.items())
             if name not in known
         ]
-        return *unknown, *map(_entry, sorted(reports, key=_order))
+        return (
+            *unknown,
+            *map(_entry, sorted(reports, key=_order)),
+            *(Entry((each.name, "none", ""), _BODILESS, Severity.FAINT) for each in bodiless),
+        )
 
     def show(self, canvas: Canvas, reading: tuple[Entry, ...], theme: Theme) -> None:
         """The list."""
         rows = [*entry_rows(reading, _WEIGHTS, canvas.width)]
         write_rows(canvas, rows or [TextRow("the robot can do nothing")], theme)
+
+
+def _is_bodiless(report: CapabilityReport, robot: RobotState) -> bool:
+    """Whether the robot's body has no parts for a capability."""
+    return not report.modules and robot.body is not None and not can_have(robot.body, report.name)
 
 
 def _lacking(name: str, lack: Lack) -> Entry:

@@ -188,3 +188,17 @@ def test_a_mark_that_is_not_on_the_robots_disk_is_a_caution(made, draw, width, h
     assert [sign in row for row in rows[1:3]] == [True, False]
     inks = [tuple(canvas.ink[row, 1].tolist()) for row in range(3)]
     assert [ink == DARK.warning for ink in inks] == [True, True, False]
+
+
+def test_what_the_body_has_no_parts_for_comes_last_and_is_no_alarm(made, draw) -> None:
+    value = capabilities(
+        capability("DRV_ARM", CapabilityPhase.UNAVAILABLE, wanted="rune"),
+        capability("VIS_VID", CapabilityPhase.UNAVAILABLE, wanted="rune"),
+        capability("NAV_MOVE", wanted="rune"),
+    )
+    told = {CAPABILITY_REPORTS.name: made.received(value)}
+    canvas = draw("visualizeCapabilities", made.robot(messages=told), (70, 8))
+    rows = words(canvas)
+    assert [row.split()[0] for row in rows[:3]] == ["VIS_VID", "NAV_MOVE", "DRV_ARM"]
+    assert "this body has no parts for it" in rows[2]
+    assert tuple(canvas.ink[2, 0].tolist()) == DARK.faint
