@@ -71,6 +71,10 @@ def at_depth(cells: Cells, depth: ColourDepth) -> Cells:
     else:
         palette, nearest, nearest_pixels = _INDEXED[depth]
         numbers, glyphs = nearest_pixels(cells.pixels), cells.glyphs
+        if nearest_pixels is not nearest:
+            between = _between_words(cells)
+            plain = nearest(cells.pixels[0::2][between])
+            numbers[0::2][between] = numbers[1::2][between] = plain
         ground = nearest(behind)
         ink = nearest(cells.ink[written])
         faint = _faint_pairs(depth)[ink, ground]
@@ -85,6 +89,22 @@ def at_depth(cells: Cells, depth: ColourDepth) -> Cells:
         ink=palette.take(inks, axis=0),
         depth=depth,
     )
+
+
+def _between_words(cells: Cells) -> npt.NDArray[np.bool_]:
+    """Cells without a character on a ground of one colour that has characters in the same row.
+
+    Patterns there would look like characters.
+    """
+    upper, lower = cells.pixels[0::2], cells.pixels[1::2]
+    written = cells.glyphs != 0
+    flat = (upper == lower).all(axis=2)
+    begins = np.ones(flat.shape, np.bool_)
+    begins[:, 1:] = (upper[:, 1:] != upper[:, :-1]).any(axis=2) | ~flat[:, 1:] | ~flat[:, :-1]
+    runs = np.cumsum(begins.ravel()) - 1
+    with_words = np.bincount(runs, weights=written.ravel()) > 0.0
+    found: npt.NDArray[np.bool_] = with_words[runs].reshape(flat.shape) & flat & ~written
+    return found
 
 
 def _patterns(cells: Cells) -> tuple[Bytes, npt.NDArray[np.uint32]]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator, Sequence
+from itertools import islice
 
 from rune_tui.compositor.blend import Layer
 from rune_tui.layout.actions import actions_of
@@ -77,22 +78,25 @@ class PageLayer:
     def within(self, page: Page, columns: int, rows: int, state: ConsoleState) -> Page:
         """The page, scrolled at most to its end."""
         lines, room = self._lines(columns, state), self._room(columns, rows, state)
-        return dataclasses.replace(page, top=min(page.top, max(0, len(lines) - room)))
+        return dataclasses.replace(page, top=min(page.top, _last_top(lines, room, _height(rows))))
 
     def _draw(self, canvas: Canvas, state: ConsoleState) -> None:
         theme, columns = state.theme, canvas.width
         canvas.fill(theme.panel)
         lines = self._lines(columns, state)
         room = self._room(columns, canvas.rows, state)
-        top = min(state.page.top, max(0, len(lines) - room))
-        shown = lines[top : top + room]
+        height = _height(canvas.rows)
+        top = min(state.page.top, _last_top(lines, room, height))
+        placed = [*islice(_in_columns(lines[top:], height), room)]
+        shown = [line for line in placed if line is not None]
         canvas.text(1, 0, "HELP" if state.help else "MESSAGES", theme.accent)
         where = f"{top + 1}-{top + len(shown)} of {len(lines)}" if lines else "nothing"
         canvas.text(max(10, columns - 1 - len(where)), 0, where, theme.soft)
         canvas.text(1, 1, _hint(state, columns - 2), theme.soft)
-        height = _height(canvas.rows)
         left, right, _ = self._widths(columns, state)
-        for number, line in enumerate(shown):
+        for number, line in enumerate(placed):
+            if line is None:
+                continue
             column = 1 + number // height * (left + right + 2)
             row = _HEAD_ROWS + number % height
             if line.heading:
@@ -121,6 +125,25 @@ class PageLayer:
             unsafe = _unsafe(state)
             return [*help_lines(*known, unsafe=unsafe, search=search, left=left, right=right)]
         return [*log_lines(state, search=search, right=right)]
+
+
+def _in_columns(lines: Sequence[PageLine], height: int) -> Iterator[PageLine | None]:
+    """The lines in columns of a height; None in place of a heading that would end a column."""
+    row = 0
+    for line in lines:
+        if line.heading and row % height == height - 1 and height > 1:
+            row += 1
+            yield None
+        row += 1
+        yield line
+
+
+def _last_top(lines: Sequence[PageLine], room: int, height: int) -> int:
+    """The first line of the last page."""
+    top = max(0, len(lines) - room)
+    while top < len(lines) and len([*_in_columns(lines[top:], height)]) > room:
+        top += 1
+    return top
 
 
 def _unsafe(state: ConsoleState) -> tuple[tuple[str, str, str], ...]:

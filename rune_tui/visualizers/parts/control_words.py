@@ -35,7 +35,7 @@ def control_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     else:
         yield Part("nobody has control", 4.5, short="nobody")
     yield from request_parts(robot, state)
-    yield from _silence(control)
+    yield from _silence(control, mine=stands is Standing.MINE)
 
 
 def control_rows(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
@@ -50,7 +50,7 @@ def control_rows(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     short = words.partition(" since")[0]
     yield Part(words, 6.5, severities.get(stands, Severity.PLAIN), short=short)
     yield from request_parts(robot, state)
-    yield from _silence(control)
+    yield from _silence(control, mine=stands is Standing.MINE)
     moved = "moves the robot"
     if control.commander is DrivingMode.NOBODY:
         yield Part(f"nobody {moved}", 2, Severity.FAINT)
@@ -80,9 +80,10 @@ def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
         yield Part(text, 3)
 
 
-def _silence(control: ControlState) -> Iterator[Part]:
+def _silence(control: ControlState, *, mine: bool) -> Iterator[Part]:
     if control.owner and control.silent_s >= WARNED_S:
-        yield Part(f"{control.operator}'s console is silent", 6, Severity.WARNING)
+        other = f"{control.operator}'s console is silent"
+        yield Part("the hub does not hear you" if mine else other, 6, Severity.WARNING)
 
 
 def _hint(robot: RobotState, state: ConsoleState) -> str:

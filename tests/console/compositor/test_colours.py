@@ -155,3 +155,11 @@ def test_without_colours_pixels_are_half_blocks_and_shades(
     assert shown.pixels[0, 0, 0] == 255 * wanted[0]
     if glyph != "\0":
         assert shown.ink[0, 0].tolist() == [255, 255, 255, 1]
+
+
+def test_no_pattern_lies_between_words_on_a_ground_of_one_colour() -> None:
+    cells = flat(40, 1, 38, 45, 54)
+    cells.glyphs[0, [3, 4, 20]] = ord("A")
+    cells.ink[0, :, :3] = 255
+    reduced = at_depth(cells, ColourDepth.INDEXED_16)
+    assert len(np.unique(reduced.pixels.reshape(-1, reduced.pixels.shape[-1]), axis=0)) == 1

@@ -120,6 +120,15 @@ def test_every_line_can_be_reached_at_every_size(size: tuple[int, int]):
         assert any("Back to the shell" in row or "Quit" in row for row in shown)
 
 
+def test_no_column_ends_with_a_heading():
+    headings = {section.value for section in Section}
+    for rows in range(8, 60):
+        for columns in (80, 120):
+            last = page(HELPED, columns, rows)[rows - 2]
+            halves = (last,) if columns < 110 else (last[: columns // 2], last[columns // 2 :])
+            assert headings.isdisjoint(half.strip() for half in halves), (columns, rows)
+
+
 def test_a_search_leaves_what_has_it_with_its_headings():
     found = dataclasses.replace(HELPED, page=Page(search="VICTIM", typing=True))
     assert [row for row in page(found)[2:] if row] == [

@@ -69,6 +69,11 @@ CASES: list[tuple[dict[str, Any], list[str], str]] = [
         ["bob has control since 12:03", "bob's console is silent"],
         "bob's console is silent",
     ),
+    (
+        {"owner": ME, "operator": "ada", "silent_s": 1.2},
+        ["you have control since 12:03", "the hub does not hear you"],
+        "the hub does not hear you",
+    ),
 ]
 
 
