@@ -6,6 +6,7 @@ import dataclasses
 import logging
 import sys
 import time
+from collections import deque
 
 import numpy as np
 
@@ -31,6 +32,8 @@ _logger = logging.getLogger(__name__)
 _ACT_PERIOD = 0.1
 _STATE_PERIOD = 1.0 / autonomy.AUTONOMY_STATE.rate_hz
 _MAP_TIMEOUT = 2.0
+_MOST_NUMBERS = 8
+"""Most own numbers that are remembered; central draws them by chance, so none comes twice."""
 _NO_RANGES = (
     "it has no range sensors that look along the ground, so it cannot make a map to explore"
 )
@@ -50,6 +53,7 @@ class Autonomy:
         self._pilot = AutonomyDriver(
             radius=robot.radius + robot.margin, seed=robot.seed, limits=limits
         )
+        self._numbers: deque[int] = deque(maxlen=_MOST_NUMBERS)
         self._said = ""
         self._why = ""
         self._cannot_explore = "" if _maps(robot) else _NO_RANGES
@@ -109,9 +113,16 @@ class Autonomy:
         self._pilot.see_robot(state, reception.measured)
 
     def _navigation(self, status: navigation.NavigationStatus, _reception: MessageInfo) -> None:
-        mine = status.sender == self._client.number
+        self._note_number()
+        mine = status.sender in self._numbers
         self._pilot.see_navigation(status, self._clock(), mine=mine)
         self._act()
+
+    def _note_number(self) -> None:
+        """Note this client's number, which a new connection changes while a goal goes on."""
+        number = self._client.number
+        if number and number not in self._numbers:
+            self._numbers.append(number)
 
     def _act(self) -> None:
         now = self._clock()
@@ -119,6 +130,7 @@ class Autonomy:
             self._ask_for_map()
         goal = self._pilot.act(now)
         if goal is not None:
+            self._note_number()
             self._client.publish(navigation.GOAL_COMMAND, goal)
         if _shown(self._pilot.state(now)) != self._said:
             self._publish()
@@ -146,7 +158,8 @@ class Autonomy:
 
     def _publish(self) -> None:
         state = self._pilot.state(self._clock())
-        state = dataclasses.replace(state, sender=self._client.number)
+        self._note_number()
+        state = dataclasses.replace(state, sender=self._numbers[-1] if self._numbers else 0)
         if state.why != self._why:
             _logger.info("%s: %s", state.behaviour.name, state.why)
         self._said, self._why = _shown(state), state.why
