@@ -7,7 +7,7 @@ network mounts and editors that replace files included.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -57,7 +57,7 @@ class LayoutSource:
             arrivals: Layouts that come later; None: there are none.
         """
         self.layout = layout
-        self._names = names
+        self._names = names if len(names) > 1 else (*names, *_companions(layout))
         self._read = read
         self._watched, self._arrivals, self._came = watched, arrivals, False
         self._open = self._tried = 0
@@ -126,6 +126,15 @@ class LayoutSource:
         self._seen = {path: before.get(path, mark) for path, mark in marks.items()}
         self.layout = layout
         return layout
+
+
+def _companions(layout: LayoutSpec) -> Iterator[str]:
+    """The layout that another one names as its next, at most one."""
+    widgets = [*layout.view.widgets]
+    for viewport in layout.view.viewports:
+        widgets += viewport.widgets
+    named = (str(each.options.values.get("layout", "")) for each in widgets)
+    yield from [name for name in named if name][:1]
 
 
 def first_problem(error: LayoutError) -> str:

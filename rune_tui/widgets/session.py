@@ -22,7 +22,13 @@ class NextLayout(EffectWidget):
     rule: ClassVar = HandlerRule(
         section=Section.SESSION,
         says={"": "Open the next layout"},
-        meaning="Opens the next of the layouts that the console was started with.",
+        meaning="Opens the next of the layouts that the console was started with; with a single "
+        "one, that of the option `layout`.",
+        options={
+            "layout": TextOption(
+                longest=64, meaning="a shipped layout that is next where only one was named"
+            )
+        },
         needs_robot=False,
     )
 

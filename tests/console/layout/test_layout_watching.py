@@ -186,3 +186,11 @@ def test_a_layout_that_fails_in_some_other_way_is_read_again_only_when_it_is_sav
             looked(found)
         assert (found.check(), found.check(), found.check()) == (None, None, None)
         assert len(reads) == count
+
+
+def test_a_layout_that_was_opened_alone_goes_to_the_one_that_it_names_and_back() -> None:
+    one, other = "robobot-2003-expanded", "robobot-2003-collapsed"
+    both = LayoutSource([one], open_layout, open_layout(one), watched=False)
+    assert both.several
+    assert [Path(opened(both.next()).path).stem for _ in range(2)] == [other, one]
+    assert not LayoutSource(["demo"], open_layout, open_layout("demo"), watched=False).several
