@@ -63,7 +63,9 @@ def mission_rows(mission: MissionState | None, unconfirmed: int, key: str = "") 
         ended = f"mission {mission.name} is ended" if mission.begun else "no mission runs"
         yield Part(ended, 5, short="ended" if mission.begun else "no mission")
         first = f"{key}, " if key else ""
-        yield Part(f"{first}a mark, or who takes control, begins one", 0, Severity.FAINT)
+        short = f"{key} begins one" if key else "a mark begins one"
+        text = f"{first}a mark, or who takes control, begins one"
+        yield Part(text, 0, Severity.FAINT, short=short)
     else:
         yield _kept(mission)
         yield Part(f"{mission.name}, {_time(mission.running_s)}", 5, short=mission.name)
