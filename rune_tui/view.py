@@ -93,6 +93,7 @@ class View:
         self._page_rows = 0
         self._needs: Mapping[str, Mapping[str, PictureNeed]] = {}
         self._top = TopLayers()
+        self._stop_shown = False
         self._queue = AttentionQueue()
         self.attention: tuple[AttentionEntry, ...] = ()
         self.urgencies: Urgencies = np.zeros((0, 0), np.uint8)
@@ -204,6 +205,7 @@ class View:
         """Refresh all parts; returns the state with its banner, and whether anything changed."""
         self._arrange(state)
         self.times.slow = {}
+        state = dataclasses.replace(state, stop_shown=self._stop_shown)
         found = troubles_of_all(state)
         self.attention = self._queue.look(problems(found), state.seen, state.now)
         state = dataclasses.replace(
@@ -217,7 +219,9 @@ class View:
         others = [pane for pane in self.panes if not pane.visualizer.rule.text]
         # Refreshes every pane: `any` over a generator would end at the first change.
         changed = [pane.refresh(state, draw=draw) for pane in with_text]
-        state = dataclasses.replace(state, stop_shown=shows_stop(self.panes, state))
+        if (shown := shows_stop(self.panes, state)) is not self._stop_shown:
+            self._stop_shown = shown
+            state = dataclasses.replace(state, stop_shown=shown)
         changed += [pane.refresh(state, draw=draw) for pane in others]
         size = self._columns, self._rows
         changed.append(self._top.refresh_banner(self.panes, size, state))

@@ -62,7 +62,7 @@ _CAUSES = (("tilt", "tilted"), ("edge", "edge near"), ("range ", "sensor silent"
 _WRITTEN: Final = tuple(
     each.name
     for each in dataclasses.fields(ConsoleState)
-    if each.name not in ("banner", "attention")
+    if each.name not in ("banner", "attention", "drawn")
 )
 """The fields of the console's state that decide about the parts."""
 _newest: dict[str, tuple[RobotState, ConsoleState, tuple[Part, ...]]] = {}
@@ -80,7 +80,7 @@ def status_parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 
 def _alike(one: ConsoleState, other: ConsoleState) -> bool:
-    """Whether two states are copies with the same values, besides the banner and the attention."""
+    """Whether two states are copies with the same values, besides what the view sets itself."""
     return one is other or all(getattr(one, name) is getattr(other, name) for name in _WRITTEN)
 
 
