@@ -81,7 +81,7 @@ class FleetOperator:
 
     @property
     def known(self) -> bool:
-        return str(self.session) in self.numbers
+        return f"{self.principal}/{self.session}" in self.numbers
 
     def header(self, definition: MessageDefinition[Any], *, age: float = 0.0) -> Attachment:
         sequence = self._sequences[definition.name] = self._sequences.get(definition.name, 0) + 1

@@ -13,7 +13,7 @@ from hub.errors import FleetKeyError, FleetRefusalError, HubError, NotAllowedErr
 from hub.gcm.navigation import STOP, Stop
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition, Plane
-from hub.ipc.roles import Principal
+from hub.ipc.roles import Principal, Role
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import frames
 from hub.zenoh.attachment import Attachment, unpack
@@ -25,6 +25,10 @@ _logger = logging.getLogger(__name__)
 
 MOST_SESSIONS = 32
 """Most sessions of operators at one robot: each is a client of its hub."""
+MOST_OF_ONE = 8
+"""Most sessions of one operator."""
+MOST_THAT_OBSERVE = 16
+"""Most sessions of operators that only observe: the other places are for those that command."""
 _MOST_WAITING = 1000
 """Most further sessions that are remembered, until one of the others ends."""
 _REFUSAL_S = 1.0
@@ -50,8 +54,9 @@ class FleetOperators:
         """Wait for operators."""
         self._client, self._line, self._messages = client, line, messages
         self._faults, self._fleet, self._robot = faults, fleet, robot
-        self._sessions: dict[int, RemoteOperator] = {}
-        self._waiting: dict[int, Principal] = {}
+        # An operator may choose the number of another's session: each has numbers of its own.
+        self._sessions: dict[tuple[Principal, int], RemoteOperator] = {}
+        self._waiting: dict[tuple[Principal, int], None] = {}
         self._said: dict[str, float] = {}
         self._absent: dict[int, float] = {}
         self._published: dict[str, int] | None = None
@@ -70,7 +75,7 @@ class FleetOperators:
         self._timer = client.every(_LOOK_S, self._look)
 
     def as_json(self) -> bytes:
-        """The number at the robot's hub of each session, by session."""
+        """The number at the robot's hub of each session, by operator and session."""
         return json.dumps(self._numbers()).encode()
 
     def close(self) -> None:
@@ -85,8 +90,8 @@ class FleetOperators:
 
     def _numbers(self) -> dict[str, int]:
         return {
-            str(session): operator.number
-            for session, operator in self._sessions.items()
+            f"{principal}/{session}": operator.number
+            for (principal, session), operator in self._sessions.items()
             if operator.number
         }
 
@@ -106,32 +111,46 @@ class FleetOperators:
         principal, session = parsed.operator, parsed.session
         if principal is None:
             return
-        known = self._sessions.get(session)
-        if not there and known is not None and known.principal == principal:
-            del self._sessions[session]
+        place = principal, session
+        known = self._sessions.get(place)
+        if not there and known is not None:
+            del self._sessions[place]
             known.close()
             _logger.info("%s is gone from the fleet", principal)
             self._admit_waiting()
-        elif not there and self._waiting.get(session) == principal:
-            del self._waiting[session]
-        elif there and known is None:
-            if len(self._sessions) >= MOST_SESSIONS:
-                text = f"{principal} comes after {MOST_SESSIONS} sessions; end one of them first"
-                self._refuse(principal, "too many sessions", text)
-                if len(self._waiting) < _MOST_WAITING:
-                    self._waiting.setdefault(session, principal)
+        elif not there:
+            self._waiting.pop(place, None)
+        elif known is None:
+            full = self._full(principal)
+            if not full:
+                self._admit(principal, session)
                 return
-            self._admit(principal, session)
+            text = f"{principal} comes after {full}; end one of them first"
+            self._refuse(principal, "too many sessions", text)
+            if len(self._waiting) < _MOST_WAITING:
+                self._waiting.setdefault(place)
+
+    def _full(self, principal: Principal) -> str:
+        """Which sessions take all places that this operator may have; empty: one is free."""
+        there = [each for each, _ in self._sessions]
+        if there.count(principal) >= MOST_OF_ONE:
+            return f"{MOST_OF_ONE} sessions of its own"
+        observing = sum(each.role is Role.OBSERVE for each in there)
+        if principal.role is Role.OBSERVE and observing >= MOST_THAT_OBSERVE:
+            return f"{MOST_THAT_OBSERVE} sessions that observe"
+        return f"{MOST_SESSIONS} sessions" if len(there) >= MOST_SESSIONS else ""
 
     def _admit(self, principal: Principal, session: int) -> None:
-        self._sessions[session] = RemoteOperator(principal, session, self._client)
+        self._sessions[principal, session] = RemoteOperator(principal, session, self._client)
         _logger.info("%s is there, in the fleet", principal)
 
     def _admit_waiting(self) -> None:
-        """Let the session in that waits longest, in the place of one that ended."""
-        session = next(iter(self._waiting), 0)
-        if session and session not in self._sessions:
-            self._admit(self._waiting.pop(session), session)
+        """Let the session in that waits longest for a place that is free now."""
+        for principal, session in self._waiting:
+            if not self._full(principal):
+                del self._waiting[principal, session]
+                self._admit(principal, session)
+                return
 
     def _commanded(self, key: str, payload: bytes, attachment: bytes | None) -> None:
         try:
@@ -206,8 +225,8 @@ class FleetOperators:
         Raises:
             FleetRefusalError: It is not there, or not of this operator.
         """
-        operator = self._sessions.get(header.publisher)
-        if operator is None or operator.principal != principal:
+        operator = self._sessions.get((principal, header.publisher))
+        if operator is None:
             text = f"{principal} has no session {header.publisher} at {self._robot}"
             raise FleetRefusalError(text)
         if not operator.number:
@@ -220,8 +239,9 @@ class FleetOperators:
 
         The first commands of a console overtake the token of its session.
         """
-        operator, session = self._sessions.get(header.publisher), header.publisher
-        if operator is not None and operator.principal == principal and operator.number:
+        session = header.publisher
+        operator = self._sessions.get((principal, session))
+        if operator is not None and operator.number:
             self._absent.pop(session, None)
             return False
         now = self._client.loop.clock()

@@ -42,8 +42,12 @@ def definition_of(listing: control.Define) -> MessageDefinition[Any] | None:
         return None
 
 
-def read_operators(payload: bytes) -> dict[int, int]:
-    """The number at the robot's hub of each session that it knows.
+def read_operators(payload: bytes, operator: str) -> dict[int, int]:
+    """The number at the robot's hub of each session of one operator that it knows.
+
+    Args:
+        payload: The robot's table of sessions.
+        operator: The operator, such as "operate:alice".
 
     Raises:
         FrameError: It is none of that.
@@ -54,7 +58,9 @@ def read_operators(payload: bytes) -> dict[int, int]:
         raise FrameError(text)
     return {
         int(session): number
-        for session, number in said.items()
+        for place, number in said.items()
+        for owner, _, session in [place.rpartition("/")]
+        if owner == operator
         if session.isdecimal() and len(session) <= _MOST_DIGITS
         if isinstance(number, int) and 0 < number < 1 << 32
     }

@@ -157,7 +157,7 @@ class MirroredRobot:
 
     def _know(self, payload: bytes) -> None:
         try:
-            numbers: Mapping[int, int] = read_operators(payload)
+            numbers: Mapping[int, int] = read_operators(payload, str(self._line.operator))
         except HubError as error:
             self._faults.count("malformed document", f"{self._line.robot}: {error}")
             return

@@ -16,8 +16,13 @@ def listed(**others: object) -> dict[str, object]:
 
 
 def test_a_session_of_thousands_of_digits_is_left_out() -> None:
-    said = {"9" * 5000: 2, "7": 3, "\u00b2": 4}
-    assert read_operators(json.dumps(said).encode()) == {7: 3}
+    said = {"operate:eve/" + "9" * 5000: 2, "operate:eve/7": 3, "operate:eve/\u00b2": 4}
+    assert read_operators(json.dumps(said).encode(), "operate:eve") == {7: 3}
+
+
+def test_a_session_of_another_operator_is_none_of_ours() -> None:
+    said = {"operate:eve/7": 3, "supervise:sue/7": 4, "7": 5}
+    assert read_operators(json.dumps(said).encode(), "supervise:sue") == {7: 4}
 
 
 def test_a_listing_with_a_rate_beyond_all_floats_is_left_out() -> None:

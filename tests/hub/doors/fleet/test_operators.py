@@ -29,7 +29,7 @@ def test_a_session_that_came_after_too_many_others_is_let_in_when_one_ends(
         return f"rune/v1/rover/operator/operate:eve{number}/{number}"
 
     def sessions() -> set[int]:
-        return {int(each) for each in json.loads(served.as_json())}
+        return {int(each.rpartition("/")[2]) for each in json.loads(served.as_json())}
 
     for number in range(1, 10_000):
         changed(token(number), True)  # noqa: FBT003
@@ -42,6 +42,33 @@ def test_a_session_that_came_after_too_many_others_is_let_in_when_one_ends(
     assert sessions() == set()
     changed(token(7), True)  # noqa: FBT003
     assert sessions() == {7}
+
+
+def test_one_operator_and_those_that_observe_leave_places_to_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def made(principal: object, session: int, _client: object) -> mock.Mock:
+        return mock.Mock(principal=principal, number=session)
+
+    monkeypatch.setattr(operators, "RemoteOperator", made)
+    line, client = mock.Mock(), mock.Mock()
+    client.loop.clock.return_value = 0.0
+    served = FleetOperators(client, line, mock.Mock(), mock.Mock(), fleet="rune", robot="rover")
+    changed = line.watch.call_args.args[1]
+
+    def come(operator: str, numbers: range) -> list[str]:
+        for number in numbers:
+            changed(f"rune/v1/rover/operator/{operator}/{number}", True)  # noqa: FBT003
+        return [each for each in json.loads(served.as_json()) if each.startswith(f"{operator}/")]
+
+    assert len(come("observe:eve", range(1, 41))) == operators.MOST_OF_ONE
+    assert len(come("operate:alice", range(1, 41))) == operators.MOST_OF_ONE
+    for number in range(9):
+        come(f"observe:eve{number}", range(1, 9))
+    observing = [each for each in json.loads(served.as_json()) if each.startswith("observe:")]
+    assert len(observing) == operators.MOST_THAT_OBSERVE
+    # The number of a session of another operator is no claim on it.
+    assert come("supervise:sue", range(1, 2)) == ["supervise:sue/1"]
 
 
 def test_commands_that_overtake_their_session_are_dropped_and_refused_aloud_later_only() -> None:
