@@ -39,7 +39,7 @@ LINES = [
 
 @pytest.fixture(scope="module")
 def hub(tmp_path_factory: pytest.TempPathFactory) -> Iterator[HubProcess]:
-    with closing(HubProcess(tmp_path_factory.mktemp("hub"))) as running:
+    with closing(HubProcess(tmp_path_factory.mktemp("hub"), options=("--listen", "0"))) as running:
         yield running
 
 
