@@ -16,6 +16,8 @@ import numpy.typing as npt
 from hub.errors import MapFileError
 from hub.gcm.map_coding import MAX_CELLS
 from hub.gcm.occupancy_map import OccupancyMap
+from hub.gcm.turned_cells import turned_map
+from hub.pose import Pose
 from hub.values import dataclass
 
 MAX_YAML_BYTES = 10_000
@@ -40,6 +42,7 @@ class MapHeader:
         resolution: Edge of a cell [m].
         origin_x: Lower left corner of the picture in `map` [m].
         origin_y: Lower left corner of the picture in `map` [m].
+        theta: Direction of the picture's rows in `map`, from left to right [rad].
         negate: Whether white is occupied.
         occupied_thresh: A cell that is occupied with a greater probability counts as occupied.
         free_thresh: A cell that is occupied with a smaller probability counts as free.
@@ -49,6 +52,7 @@ class MapHeader:
     resolution: float
     origin_x: float
     origin_y: float
+    theta: float = 0.0
     negate: bool = False
     occupied_thresh: float = 0.65
     free_thresh: float = 0.196
@@ -114,8 +118,6 @@ def decode_yaml(raw: bytes) -> MapHeader:
     if len(parts) != 3:
         _refuse("origin is not [x, y, yaw]")
     x, y, yaw = (_number("origin", part.strip(), -_FARTHEST, _FARTHEST) for part in parts)
-    if yaw != 0.0:
-        _refuse(f"origin is turned by {yaw:g} rad; only maps that are not turned are read")
     negate = values.get("negate", "")
     if negate not in ("0", "1"):
         _refuse("negate is neither 0 nor 1")
@@ -124,6 +126,7 @@ def decode_yaml(raw: bytes) -> MapHeader:
         resolution=_number("resolution", values.get("resolution", ""), 0.001, 100.0),
         origin_x=x,
         origin_y=y,
+        theta=yaw,
         negate=negate == "1",
         occupied_thresh=_number("occupied_thresh", values.get("occupied_thresh", ""), 0.0, 1.0),
         free_thresh=_number("free_thresh", values.get("free_thresh", ""), 0.0, 1.0),
@@ -134,18 +137,21 @@ def decode_yaml(raw: bytes) -> MapHeader:
 
 
 def picture_of(header: MapHeader, grey: npt.NDArray[np.uint8]) -> OccupancyMap:
-    """The cells that map_server would publish of the two files: -1, 0 and 100."""
+    """The cells that map_server would publish of the two files, along x: -1, 0 and 100.
+
+    Raises:
+        MapFileError: The picture is turned, and too large for that.
+    """
     shades = np.arange(256) / 255.0
     occupied = shades if header.negate else 1.0 - shades
     table = np.full(256, -1, np.int8)
     table[occupied > header.occupied_thresh] = 100
     table[occupied < header.free_thresh] = 0
-    return OccupancyMap(
-        cells=np.take(table, grey[::-1]),
-        resolution=header.resolution,
-        origin_x=header.origin_x,
-        origin_y=header.origin_y,
-    )
+    origin = Pose(x=header.origin_x, y=header.origin_y, theta=header.theta)
+    made = turned_map(np.take(table, grey[::-1]), header.resolution, origin)
+    if made is None:
+        _refuse(f"picture is turned by {header.theta:g} rad, and too large for that")
+    return made
 
 
 def _lines(raw: bytes) -> dict[str, str]:

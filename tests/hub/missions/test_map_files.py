@@ -120,6 +120,14 @@ def test_descriptions_of_other_programs_are_read() -> None:
     assert ros_map.decode_yaml(nav2) == HEADER
 
 
+def test_a_turned_picture_is_turned_onto_the_axes() -> None:
+    header = ros_map.decode_yaml(yaml_with(origin="[1, 2, 1.5707963267948966]", resolution="0.5"))
+    shades = np.array([[254, 254, 0]], np.uint8)
+    read = ros_map.picture_of(header, shades)
+    assert read.cells.tolist() == [[0], [0], [100]]
+    assert (read.origin_x, read.origin_y) == pytest.approx((0.5, 2.0))
+
+
 def test_a_picture_of_pillow_is_read() -> None:
     shades = np.arange(12, dtype=np.uint8).reshape(3, 4)
     file = io.BytesIO()
@@ -154,7 +162,7 @@ def test_a_wrong_picture_is_refused(raw: bytes, why: str) -> None:
         (yaml_with(resolution="nan"), "resolution 'nan'"),
         (yaml_with(resolution="1e999"), "resolution"),
         (yaml_with(origin="[1, 2]"), "origin"),
-        (yaml_with(origin="[1, 2, 0.3]"), "turned by 0.3"),
+        (yaml_with(origin="[1, 2, nan]"), "origin"),
         (yaml_with(origin="[.inf, 2, 0]"), "origin"),
         (yaml_with(origin="[9e9, 2, 0]"), "origin"),
         (yaml_with(negate="maybe"), "negate"),

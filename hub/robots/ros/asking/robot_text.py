@@ -135,7 +135,8 @@ def _body(proposal: RosProposal) -> Iterator[str]:
         yield f"radius = {radius:g}    # as its planner has it"
     else:
         least = _unknown_radius(reach)
-        yield f"radius = {least:g}    # not known: measure the circle that encloses it"
+        why = f"; {plain(fault)[:300]}" if fault else ""
+        yield f"radius = {least:g}    # not known: measure the circle that encloses it{why}"
     yield f"height = {_UNKNOWN_HEIGHT:g}    # not known: measure it"
 
 

@@ -85,6 +85,7 @@ def test_a_mesh_that_cannot_be_read_makes_the_robot_larger(
     parameters |= {"/local_costmap.robot_radius": planner} if planner else {}
     proposal = RosProposal(driven(parameters))
     assert "footprint" not in read(proposal)["body"]
+    assert ("lacks link 'plough' at [0.5, 0]" in robot_file(proposal)) is (radius == 0.6)
     assert read(proposal)["body"]["radius"] == pytest.approx(radius)
     assert "its outline is not known: the outline lacks link 'plough' at [0.5, 0]" in "\n".join(
         proposal.remarks()
