@@ -132,6 +132,9 @@ def laser_scan(
         raise RosMessageError(text)
     near = near if nearest is None else nearest
     near, far = (min(1000.0, max(0.0, each)) for each in (near, far))
+    if not near <= far or not far:  # else all of them would be nothing within reach
+        text = f"the largest range of a scan is {far:g} m, its least {near:g} m"
+        raise RosMessageError(text)
     ranges = as_measured(ranges, near, far)
     many = -(-len(ranges) // MOST_BEAMS)
     if many > 1:
@@ -159,10 +162,10 @@ def single_range(
     infrared = int(value.get("radiation_type")) == _INFRARED
     far = known_number(value, "max_range", 0.0, 1000.0)
     near = known_number(value, "min_range", 0.0, 1000.0)
-    if math.isnan(far) or math.isnan(near):
-        text = "a range sensor has no limits"
-        raise RosMessageError(text)
     near = near if nearest is None else nearest
+    if not near <= far or not far:
+        text = "a range sensor has no limits that make sense"
+        raise RosMessageError(text)
     group = RangeGroup(
         name=name,
         kind=RangeKind.INFRARED if infrared else RangeKind.SONAR,

@@ -146,6 +146,12 @@ def test_a_range_sensor_with_a_fixed_distance_finds_something_or_nothing(said, m
     assert found == pytest.approx([means])
 
 
+@pytest.mark.parametrize("far", [0.0, -1.0, 0.05, math.nan])
+def test_a_scan_without_a_largest_range_is_refused(far):
+    with pytest.raises(RosMessageError):
+        read(group(4, -0.4, 0.2, nearest=0.1), scan([1.0, 2.0, 3.0, 4.0], -0.4, 0.2, far=far))
+
+
 def test_other_messages_are_refused():
     with pytest.raises(RosMessageError, match="PointCloud2"):
         RosRanges(group()).take(NamedValue("sensor_msgs/msg/PointCloud2", {}), 7.0, 1000.0)
