@@ -18,7 +18,12 @@ from rune_tui.widgets.mission import Mission
 from rune_tui.widgets.orders import Autonomy, GoTo, Safety
 from rune_tui.widgets.ptz import AdjustPan, AdjustPanTilt, AdjustTilt, AdjustZoom, HomePTZ
 from rune_tui.widgets.recording import RobotRecordWidget
-from rune_tui.widgets.seeing import ChooseCameraWidget, SetImageRequest, ToggleNightMode
+from rune_tui.widgets.seeing import (
+    ChooseCameraWidget,
+    SetImageQuality,
+    SetImageRequest,
+    ToggleNightMode,
+)
 from rune_tui.widgets.session import Calibrate, NextLayout, Quit, RecordWidget, Screenshot
 from rune_tui.widgets.showing import (
     FullScreen,
@@ -67,6 +72,7 @@ WIDGETS: Mapping[str, type[Widget]] = {
     "widgetHomePTZ": HomePTZ,
     "widgetChooseCamera": ChooseCameraWidget,
     "widgetSetImageRequest": SetImageRequest,
+    "widgetSetImageQuality": SetImageQuality,
     "widgetToggleNightMode": ToggleNightMode,
     "widgetLight": LightWidget,
     "widgetSetVictim": SetVictim,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from typing import ClassVar
 
 from hub.gcm.body import ROBOT_DESCRIPTION
@@ -11,8 +13,9 @@ from hub.gcm.vision import (
     ImageKind,
     NightCommand,
 )
+from rune_tui.controls.events import ControlEvent
 from rune_tui.layout.rules import ChoiceOption, HandlerRule, NumberOption, Section, TextOption
-from rune_tui.layout.spec import CHOSEN
+from rune_tui.layout.spec import CHOSEN, ControlKind, EventSpec
 from rune_tui.model.cameras import camera_names, camera_of, unknown_camera
 from rune_tui.model.console_state import ConsoleState, PictureWish
 from rune_tui.model.effects import (
@@ -25,9 +28,13 @@ from rune_tui.model.effects import (
 )
 from rune_tui.model.lacks import why_unsupported
 from rune_tui.model.robot_state import RobotState
-from rune_tui.widgets.widget import OrderWidget
+from rune_tui.widgets.widget import OrderWidget, PressWidget
 
 _MOST_PIXELS = 4096.0
+_QUALITY_STEP = 10.0
+"""Change of the quality by a key or button."""
+_LEAST_CHANGE = 5
+"""Least change of the quality by an axis; smaller ones only make requests."""
 _KINDS = tuple(kind.name.lower() for kind in ImageKind)
 _AUTO = "auto"
 _CODINGS = (_AUTO, *(coding.name.lower() for coding in ImageCoding))
@@ -84,6 +91,66 @@ class SetImageRequest(OrderWidget):
         )
         if state.wishes.get(robot.name) == wish:
             wish = PictureWish()
+        return (WishPictures(robot=robot.name, wish=wish),)
+
+
+class SetImageQuality(PressWidget):
+    """Sets the quality of pictures by the position of an axis, such as a throttle."""
+
+    rule: ClassVar = HandlerRule(
+        section=Section.LOOK,
+        says={"": "Pictures {direction}"},
+        meaning=(
+            "Sets the quality of pictures by the position of an axis, such as a throttle: from "
+            "`least` at its one end, or in its middle, to `most` at its other end. A key or button "
+            "changes it by 10."
+        ),
+        options={
+            "least": NumberOption(default=10.0, least=1.0, most=100.0, meaning="worst quality"),
+            "most": NumberOption(default=90.0, least=1.0, most=100.0, meaning="best quality"),
+            "coding": ChoiceOption(
+                default="jpeg",
+                choices=tuple(coding.name.lower() for coding in ImageCoding),
+                meaning="how pictures are coded on their way",
+            ),
+        },
+        words={"": ("better", "worse")},
+    )
+    repeats: ClassVar[bool] = True
+
+    def handle(
+        self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """The quality at this position; an axis in its middle or at its end has one too."""
+        if event_spec.kind is ControlKind.AXIS and not event_spec.released:
+            return self.press(event, event_spec, state)
+        return super().handle(event, event_spec, state)
+
+    def press(
+        self, event: ControlEvent, event_spec: EventSpec, state: ConsoleState
+    ) -> tuple[Effect, ...]:
+        """The wish for pictures of that quality, if it changes by enough to be seen."""
+        robot = state.robot(self.robot)
+        if robot is None:
+            return ()
+        options = self.spec.options
+        before = state.wishes.get(robot.name) or PictureWish()
+        least, most = options.number("least"), options.number("most")
+        if event_spec.kind is ControlKind.AXIS:
+            share = abs(event.value * event_spec.value) if event.pressed else 0.0
+            quality = least + min(1.0, share) * (most - least)
+        else:
+            quality = before.quality + math.copysign(_QUALITY_STEP, event_spec.value)
+        low, high = sorted((least, most))
+        wish = dataclasses.replace(
+            before,
+            quality=round(min(high, max(low, quality))),
+            coding=ImageCoding[options.word("coding").upper()],
+        )
+        near = abs(wish.quality - before.quality) < _LEAST_CHANGE
+        at_end = wish.quality in {round(low), round(high)}
+        if wish == before or (wish.coding is before.coding and near and not at_end):
+            return ()
         return (WishPictures(robot=robot.name, wish=wish),)
 
 

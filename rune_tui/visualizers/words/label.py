@@ -15,6 +15,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.lettering import Font, check_font, letter, measured
+from rune_tui.visualizers.parts.text_colour import COLOUR_OPTION, USUAL, colour_of
 
 _BETWEEN = " · "
 """Separates the pieces of a list; pieces that do not fit into one row are left out."""
@@ -43,10 +44,12 @@ class Label:
     Attributes:
         text: Its text.
         font: Letters of its own; None: the terminal's.
+        colour: Its colour, as in the option `colour`.
     """
 
     text: str
     font: Font | None = None
+    colour: str = USUAL
 
     rule: ClassVar = VisualizerRule(
         heads=True,
@@ -57,6 +60,7 @@ class Label:
         others=(ROBOT_DESCRIPTION.name,),
         text=True,
         font=True,
+        options={"colour": COLOUR_OPTION},
     )
     whole_cells: ClassVar[bool] = True
 
@@ -66,19 +70,21 @@ class Label:
         font = Font(file=spec.font.file, points=spec.font.points) if spec.font else None
         if font:
             check_font(font)
-        return cls(printable_text(spec.text), font)
+        return cls(printable_text(spec.text), font, spec.options.word("colour"))
 
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the text."""
         pieces = self._pieces(robot)
         if self.font:
+            ink = colour_of(self.colour, state.theme, state.theme.ink)
             text = _BETWEEN.join(pieces)
             for row, line in enumerate(_wrapped(text, self.font, canvas.width)):
                 height = measured(line, self.font)[1]
-                letter(canvas, (0.0, row * height), line, self.font, state.theme.ink)
+                letter(canvas, (0.0, row * height), line, self.font, ink)
             return
         for row, line in enumerate(_lines(pieces, canvas)):
-            canvas.text(0, row, line, state.theme.soft)
+            soft = colour_of(self.colour, state.theme, state.theme.soft)
+            canvas.text(0, row, line, soft)
 
     def source(self, robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with the pieces and the colours."""

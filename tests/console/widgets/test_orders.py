@@ -10,6 +10,8 @@ import pytest
 from hub.gcm.autonomy import AutonomyCommand, Behaviour
 from hub.gcm.navigation import Assistance, AssistanceCommand, GoalCommand
 from hub.gcm.vision import ImageCoding, ImageKind, NightCommand
+from rune_tui.controls.events import ControlEvent
+from rune_tui.layout.spec import ControlKind, EventSpec
 from rune_tui.model.console_state import ConsoleState, PictureWish
 from rune_tui.model.effects import (
     CalibrateEffect,
@@ -116,6 +118,22 @@ def test_other_pictures_are_asked_for_and_then_the_usual_ones_again():
     assert first == (WishPictures(robot="magellan", wish=wish),)
     second = pressed("widgetSetImageRequest", after(seeing(), first), **options)
     assert second == (WishPictures(robot="magellan", wish=PictureWish()),)
+
+
+def test_a_throttle_sets_the_quality_of_pictures_and_small_moves_ask_for_nothing():
+    widget, state, seen = widget_of("widgetSetImageQuality"), seeing(), []
+    throttle = EventSpec(
+        name="joystick pad throttle", kind=ControlKind.AXIS, control="", value=1.0, line=1
+    )
+    for value in (0.5, 0.51, 0.53, 1.0, 0.0):
+        moved = ControlEvent(
+            name="joystick pad throttle", pressed=bool(value), repeat=True, value=value
+        )
+        effects = widget.handle(moved, throttle, state)
+        seen.append([effect.wish.quality for effect in effects])  # type: ignore[attr-defined]
+        state = after(state, effects)
+    assert seen == [[50], [], [], [90], [10]]
+    assert state.wishes["magellan"].coding is ImageCoding.JPEG
 
 
 def test_night_mode_goes_on_and_off_here_and_on_the_robot():

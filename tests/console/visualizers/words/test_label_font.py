@@ -9,8 +9,10 @@ import numpy as np
 from rune_tui.compositor.cells import Cells
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState
+from rune_tui.raster.canvas import Canvas
 from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
+from rune_tui.visualizers.words.label import Label
 from tests.console.states import rendered, robot_of
 
 LAYOUT = """<rune>
@@ -64,3 +66,21 @@ def test_a_larger_size_is_larger(tmp_path: Path) -> None:
 def test_long_words_go_on_in_the_next_line(tmp_path: Path) -> None:
     one, two = lit(drawn(tmp_path, text="Rune")), lit(drawn(tmp_path, text="Rune " * 5))
     assert np.ptp(two) > 1.5 * np.ptp(one)
+
+
+def test_a_layout_chooses_the_colour_of_a_text_by_its_meaning(tmp_path: Path) -> None:
+    path = tmp_path / "colour.xml"
+    label = LAYOUT.format(size=16, text="Rune", font="").replace("/>\n    </viewport>", "{}")
+    link = LinkState(phase=LinkPhase.CONNECTED, since=0.0, endpoint="")
+    robot = robot_of(name="magellan", link=link)
+    inks = []
+    for colour in ("usual", "alarm", "good"):
+        option = f'><option name="colour" value="{colour}"/></visualizer>\n    </viewport>'
+        path.write_text(label.format(option))
+        (viewport,) = open_layout(path).view.viewports
+        drawing = Label.from_spec(viewport.visualizer)
+        canvas = Canvas.blank(40, 4)
+        drawing.draw(canvas, robot, ConsoleState(now=1.0))
+        inks.append(tuple(canvas.ink[0, 0][:3]))
+    theme = ConsoleState(now=1.0).theme
+    assert inks == [theme.soft[:3], theme.alarm_ink[:3], theme.good[:3]]
