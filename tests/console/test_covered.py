@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from textual import events
-from textual.widgets import Input
+from textual.widgets import Input, OptionList
 
 from rune_tui.controls.events import ControlEvent
 from rune_tui.model.console_state import ConsoleState
@@ -65,6 +65,27 @@ def test_under_the_palette_keys_do_not_drive_and_what_is_chosen_is_done(
             desk.robot.client.listen(0.02)
         assert "space" in desk.robot.stops[0]
         await desk.until(lambda: len(desk.console.screen_stack) == 1)
+
+    play(script)
+
+
+def test_a_list_that_finds_nothing_says_so_and_enter_does_nothing(
+    play: Callable[[Script], None],
+):
+    async def script(desk: Desk) -> None:
+        await desk.press("ctrl+p")
+        await desk.until(lambda: len(desk.console.screen_stack) == 2)
+
+        def shown() -> str:
+            listed = desk.console.screen.query(OptionList)
+            return " ".join(str(option.prompt) for each in listed for option in each.options)
+
+        await desk.until(lambda: isinstance(desk.console.focused, Input))
+        await desk.press(*"zzqx")
+        await desk.until(lambda: "Nothing here is called" in shown())
+        await desk.press("enter")
+        assert desk.robot.stops == []
+        assert not any(desk.robot.speeds)
 
     play(script)
 
