@@ -71,11 +71,11 @@ class AutopilotPhase(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnsafeParameter:
-    """A parameter of the vehicle that makes it unsafe.
+    """A parameter of the vehicle that makes it unsafe, or that was not read.
 
     Attributes:
         name: Its name at the vehicle.
-        value: Its value; NaN: the vehicle has none.
+        value: Its value; NaN: it was not read, so whether it is safe is not known.
         wanted: The value that it should have.
         why: What can happen with the present value.
     """
@@ -114,7 +114,7 @@ class AutopilotState:
         stops_after_zero_s: Time from a command of zero until it stands [s], at the limits of the
             robot file.
         stops_after_cut_s: The same after the link is cut [s].
-        unsafe: Its unsafe parameters.
+        unsafe: Its unsafe parameters, and those that decide and were not read.
     """
 
     stamp: Stamp = 0.0

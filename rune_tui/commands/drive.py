@@ -241,7 +241,7 @@ def _adopted(words: list[str]) -> tuple[int, Found | None]:
     _say(f"looking for a robot at {words[1]}; this takes some seconds")
     command = [sys.executable, "-m", "hub", "adopt", *words, "--json"]
     done = subprocess.run(command, stdout=subprocess.PIPE, check=False)
-    return done.returncode, json.loads(done.stdout) if done.returncode == 0 else None
+    return done.returncode, json.loads(done.stdout) if done.stdout.strip() else None
 
 
 def _say_found(address: str, found: Found) -> None:

@@ -31,6 +31,7 @@ class FakeVehicle:
         missions: Items of each mission type.
         armed: Whether it is armed.
         lost: Messages, by name and place among those of the name, that do not reach anybody.
+        deaf: Whether it answers nothing, as without its signing key.
         frozen: Parameters that keep their value.
         heard: Names of the messages that came.
         keys: Keys that SETUP_SIGNING gave it.
@@ -44,7 +45,7 @@ class FakeVehicle:
         self.streams: dict[int, str] = {}
         self.stream_fields: dict[str, int] = {}
         self.missions: dict[int, list[dict[str, Any]]] = {}
-        self.armed = False
+        self.armed = self.deaf = False
         self.lost: set[tuple[str, int]] = set()
         self.frozen: set[str] = set()
         self.heard: list[str] = []
@@ -69,7 +70,8 @@ class FakeVehicle:
     def answer(self, frame: MavlinkFrame) -> list[Sent]:
         """What it sends when a frame comes."""
         self.heard.append(frame.name)
-        return [each for each in self._answers(frame) if not self._is_lost(each[1])]
+        answers = () if self.deaf else self._answers(frame)
+        return [each for each in answers if not self._is_lost(each[1])]
 
     def _is_lost(self, name: str) -> bool:
         place = self._sent[name] = self._sent.get(name, -1) + 1

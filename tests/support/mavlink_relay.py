@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import random
 import selectors
 import socket
 import threading
@@ -39,12 +40,14 @@ class MavlinkRelay:
         port: Its own, for the hub.
         to_vehicle: Whether bytes pass to the vehicle.
         to_hub: Whether bytes pass to the hub.
+        loss: Share of the frames that are lost, each way.
         frames: All frames that came to it: monotonic time [s], whether of the hub, frame.
     """
 
     def __init__(self, vehicle: int) -> None:
         self.vehicle = vehicle
         self.to_vehicle = self.to_hub = True
+        self.loss, self._chance = 0.0, random.Random(1)
         self.frames: list[tuple[float, bool, MavlinkFrame]] = []
         self._vehicle: socket.socket | None = None
         self._listener = socket.create_server(("127.0.0.1", 0))
@@ -142,7 +145,10 @@ class MavlinkRelay:
                 each.close()
             return
         now = time.monotonic()
-        self.frames += [(now, of_hub, frame) for frame in parser.feed(data)]
+        frames = parser.feed(data)
+        self.frames += [(now, of_hub, frame) for frame in frames]
+        if self.loss:
+            data = b"".join(each.raw for each in frames if self._chance.random() >= self.loss)
         if self.to_vehicle if of_hub else self.to_hub:
             with contextlib.suppress(OSError):
                 other.sendall(data)

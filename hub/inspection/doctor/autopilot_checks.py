@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 from hub.errors import HubError, VehicleSilentError
-from hub.gcm.autopilot import UnsafeParameter
+from hub.gcm.autopilot import AutopilotPhase, UnsafeParameter
 from hub.inspection.doctor.finding import Finding, ok, problem, warning
 from hub.inspection.vehicle.vehicle_link import (
     autopilot_at,
@@ -18,6 +18,7 @@ from hub.inspection.vehicle.vehicle_link import (
 from hub.robots.description import RobotDescription
 from hub.robots.mavlink import adopting
 from hub.robots.mavlink.asking.search import find_vehicle
+from hub.robots.mavlink.asking.silence import unanswered
 from hub.robots.mavlink.profiles.stop_times import stop_times
 
 _LISTENING_S = 3.0
@@ -40,14 +41,21 @@ def autopilot(robot: RobotDescription) -> list[Finding]:
         except VehicleSilentError as fault:
             return [problem(str(fault), "connect the vehicle, or correct [mavlink]")]
     system = finder.vehicle.system if finder.vehicle is not None else place.system
-    findings = [ok(f"{place.address}: system {system}, a {adopting.title(finder)}")]
+    found = f"{place.address}: system {system}, a {adopting.title(finder)}"
+    if not finder.answers and finder.vehicle is not None:
+        words = unanswered(signed=finder.vehicle.signed, signs=session.signs)
+        advice = "nothing of how it stops is known: see its link and its key"
+        return [problem(f"{found}; {words}", advice)]
+    findings = [ok(found)]
     kind = finder.profile.name if finder.profile is not None else ""
     findings += _other_kind(kind, robot)
     findings += _unsafe(adopting.unsafe(finder, place.station), robot)
     if finder.profile is not None:
-        receiver = bool(finder.receiver)
+        receiver = finder.receiver
         times = stop_times(finder.profile, finder.parameters, robot, receiver=receiver)
-        having = f", {'with' if receiver else 'without'} a radio receiver,"
+        having = ", whether it has a radio receiver or not,"
+        if receiver is not None:
+            having = f", {'with' if receiver else 'without'} a radio receiver,"
         findings += _stopping(*times, robot, having)
     return findings
 
@@ -58,7 +66,11 @@ def _reported(hub: str, robot: RobotDescription) -> Iterator[Finding]:
     if state is None or not state.vehicle:
         yield warning(f"{text}, and knows no vehicle yet", "connect the vehicle, and try again")
         return
-    yield ok(f"{text} to a {state.vehicle} with {state.firmware}: {state.phase.name}")
+    text = f"{text} to a {state.vehicle} with {state.firmware}: {state.phase.name}"
+    if state.phase in (AutopilotPhase.LINKING, AutopilotPhase.GONE):
+        yield problem(f"{text}: {state.why}", "see the link to the vehicle")
+    else:
+        yield ok(text)
     yield from _other_kind(state.vehicle, robot)
     yield from _unsafe(state.unsafe, robot)
     yield from _stopping(state.stops_after_zero_s, state.stops_after_cut_s, robot, "")
@@ -73,10 +85,12 @@ def _other_kind(kind: str, robot: RobotDescription) -> Iterator[Finding]:
 
 def _unsafe(parameters: Iterable[UnsafeParameter], robot: RobotDescription) -> Iterator[Finding]:
     for each in parameters:
-        yield warning(
-            f"unsafe: {adopting.unsafe_words(each)}",
-            f"rune-hub vehicle parameters {robot.path} --write {each.name}={each.wanted:g}",
-        )
+        words = adopting.unsafe_words(each)
+        command = f"rune-hub vehicle parameters {robot.path}"
+        if math.isnan(each.value):
+            yield problem(words, f"{command} {each.name}")
+        else:
+            yield warning(words, f"{command} --write {each.name}={each.wanted:g}")
 
 
 def _stopping(zero: float, cut: float, robot: RobotDescription, having: str) -> Iterator[Finding]:
@@ -93,6 +107,9 @@ def _stopping(zero: float, cut: float, robot: RobotDescription, having: str) -> 
         yield problem(
             f"at the limits of the robot file{having} it never stops after the link is cut", remedy
         )
-    elif not math.isnan(zero + cut):
+    elif math.isnan(zero + cut):
+        text = f"at the limits of the robot file{having} its times to stop are not known"
+        yield warning(text, "take care: see the parameters that were not read, or try it slowly")
+    else:
         text = f"stops {zero:.1f} s after zero, {cut:.1f} s after the link is cut"
         yield ok(f"at the limits of the robot file{having} it {text}")

@@ -1,12 +1,17 @@
-"""`rune-hub adopt mavlink`: writes the robot file of a vehicle."""
+"""`rune-hub adopt mavlink`: writes the robot file of a vehicle.
+
+The exit code is 1 where the file was written, and a parameter that decides was not read.
+"""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 import time
 from collections.abc import Iterator
 
+from hub.command_line import ExitCode
 from hub.command_output import put_json
 from hub.inspection.robot_file_output import RobotFileOutput
 from hub.inspection.vehicle.vehicle_link import open_session
@@ -47,7 +52,13 @@ def run(options: argparse.Namespace) -> int:
         put_json(_facts(finder, options, remarks))
     else:
         output.report(text, *_lines(finder, options, remarks))
-    return 0
+    return ExitCode.FAULT if _is_unread(finder, options) else ExitCode.OK
+
+
+def _is_unread(finder: VehicleFinder, options: argparse.Namespace) -> bool:
+    """Whether something that decides how it stops is not known."""
+    decisive = adopting.unsafe(finder, options.station)
+    return not finder.answers or any(math.isnan(each.value) for each in decisive)
 
 
 def _lines(finder: VehicleFinder, options: argparse.Namespace, remarks: list[str]) -> Iterator[str]:

@@ -35,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     elif reading.items:
         heads = ("list", "number", "command", "place", "height", "parameters")
         table(heads, [_row(each) for each in reading.items], words=6)
-    elif not reading.missing:
+    elif ended and not reading.missing:
         put("the vehicle has no mission, no geofence and no rally points")
     for kind, why in reading.missing.items():
         print_error(f"{kind.name.lower()}: {why}")

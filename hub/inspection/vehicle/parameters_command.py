@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from hub.command_line import ExitCode
 from hub.command_output import print_error, put, put_json
@@ -34,6 +35,7 @@ from hub.robots.mavlink.asking.parameters import (
     shown,
 )
 from hub.robots.mavlink.asking.session import VehicleSession
+from hub.robots.mavlink.profiles.profile import OLDER_NAMES
 from hub.robots.mavlink.profiles.unsafe_parameters import unsafe_parameters, wanted_parameters
 
 _LISTING_S = 60.0
@@ -94,12 +96,14 @@ def _show(
     place: VehiclePlace,
     options: argparse.Namespace,
 ) -> int:
-    names = [name.upper() for name in options.names] or [*finder.wanted]
+    names = [name.upper() for name in options.names] or _with_older(finder.wanted)
     if not names and not options.all:
         print_error("Rune knows no parameters of vehicles of this type: name some, or give --all")
         return ExitCode.USAGE
     reading = _read(session, finder, [] if options.all else names)
-    unsafe = {each.name: each for each in _unsafe(finder, place, reading.values)}
+    checked = {each.name: each for each in _unsafe(finder, place, reading.values)}
+    unsafe = {name: each for name, each in checked.items() if not math.isnan(each.value)}
+    unread = [] if options.names else [name for name in checked if name not in unsafe]
     rows = [
         reading.values[name]
         for name in (sorted(reading.values) if options.all else names)
@@ -110,16 +114,39 @@ def _show(
             put_json(_facts(each, unsafe.get(each.name)))
     elif rows:
         table(("parameter", "value", "safe", "why"), [_row(each, unsafe) for each in rows], words=4)
-    elif options.unsafe:
+    elif options.unsafe and not unread:
         put("no parameter that Rune knows is unsafe")
-    return _missing(reading, named=bool(options.names))
+    return _missing(reading, unread, named=bool(options.names))
 
 
-def _missing(reading: ParameterReading, *, named: bool) -> int:
-    """Say what was not read; returns the exit code."""
+def _with_older(names: Sequence[str]) -> list[str]:
+    """Names, and those that older firmware has for them."""
+    return [*names, *(old for old, name in OLDER_NAMES.items() if name in names)]
+
+
+def _without_older(reading: ParameterReading) -> list[str]:
+    """The names that were not read, under no name that the vehicle may have for them."""
+    read = {OLDER_NAMES.get(name, name) for name in reading.values}
+    return [name for name in reading.missing if OLDER_NAMES.get(name, name) not in read]
+
+
+def _missing(reading: ParameterReading, unread: list[str], *, named: bool) -> int:
+    """Say what was not read; returns the exit code.
+
+    Args:
+        reading: What was asked.
+        unread: Those of it that decide whether the vehicle is safe.
+        named: Whether the operator named what to read; else the vehicle may lack some.
+    """
+    for name in unread:
+        print_error(f"not known whether safe: {name} was not read")
+    others = [name for name in _without_older(reading) if name not in unread]
+    if others:
+        print_error(f"it has no parameter {', '.join(others)}, or did not answer")
+    if unread or (others and named):
+        return ExitCode.FAULT
     if reading.missing:
-        print_error(f"the vehicle has no parameter {', '.join(reading.missing)}")
-        return ExitCode.FAULT if named else ExitCode.OK
+        return ExitCode.OK  # the vehicle has the present names of these
     if not reading.complete:
         print_error(f"only {len(reading.values)} of {reading.total} parameters came")
         return ExitCode.FAULT
@@ -161,8 +188,12 @@ def _unsafe(
 ) -> list[UnsafeParameter]:
     if finder.profile is None:
         return []
-    known = {name: each.value for name, each in values.items()}
-    return [*unsafe_parameters(finder.profile, known, place.station)]
+    present = {OLDER_NAMES.get(name, name): name for name in values}
+    known = {OLDER_NAMES.get(name, name): each.value for name, each in values.items()}
+    return [
+        dataclasses.replace(each, name=present.get(each.name, each.name))
+        for each in unsafe_parameters(finder.profile, known, place.station)
+    ]
 
 
 def _write(
@@ -177,24 +208,30 @@ def _write(
         print_error(f"{refusal}; nothing was changed")
         return ExitCode.FAULT
     if safe and finder.profile is not None:
-        names = [each.name for each in wanted_parameters(finder.profile, place.station)]
+        wanted_names = [each.name for each in wanted_parameters(finder.profile, place.station)]
+        names = _with_older(wanted_names)
     else:
         names = [*changes]
     present = _read(session, finder, names) if names else None
     if present is None:
         print_error("Rune knows no safe parameters of vehicles of this type; nothing was changed")
         return ExitCode.FAULT
+    unread: list[str] = []
     if safe:
-        changes = {each.name: each.wanted for each in _unsafe(finder, place, present.values)}
+        found = _unsafe(finder, place, present.values)
+        changes = {each.name: each.wanted for each in found if not math.isnan(each.value)}
+        unread = [each.name for each in found if math.isnan(each.value)]
     elif present.missing:
-        text = f"the vehicle has no parameter {', '.join(present.missing)}; nothing was changed"
-        print_error(text)
+        text = f"it has no parameter {', '.join(present.missing)}, or did not answer"
+        print_error(f"{text}; nothing was changed")
         return ExitCode.FAULT
+    for name in unread:
+        print_error(f"{name} was not read, so it was not set: give this command again")
     wanted = changes_of(changes, present.values)
-    if not wanted:
+    if not wanted and not unread:
         put("all parameters have these values already")
-        return ExitCode.OK
-    return _written(session, finder, place, present.values, wanted)
+    code = _written(session, finder, place, present.values, wanted) if wanted else ExitCode.OK
+    return ExitCode.FAULT if unread else code
 
 
 def _written(

@@ -17,6 +17,7 @@ from hub.robots.mavlink.asking.findings import (
     FoundStream,
     VehicleFinder,
 )
+from hub.robots.mavlink.asking.silence import unanswered
 from hub.robots.mavlink.kinds import AUTOPILOTS, KINDS, firmware_name, kind_name
 from hub.robots.mavlink.profiles.ardurover import STEERS
 from hub.robots.mavlink.profiles.profile import STATION, Setpoint
@@ -103,7 +104,7 @@ def limits(finder: VehicleFinder) -> Setpoint:
 
 
 def unsafe(finder: VehicleFinder, station: int) -> list[UnsafeParameter]:
-    """The unsafe parameters of a vehicle, for a ground station of this number."""
+    """Its parameters that are unsafe or were not read, for a ground station of this number."""
     if finder.profile is None:
         return []
     return [*unsafe_parameters(finder.profile, finder.parameters, station)]
@@ -134,10 +135,10 @@ def remarks(finder: VehicleFinder, *, station: int, signs: bool) -> Iterator[str
     vehicle = finder.vehicle
     if vehicle is None:
         return
-    if vehicle.signed and not signs:
-        yield "its frames have signatures: give the file of its key"
     if not finder.answers:
-        yield "it sends and does not answer: it may not receive, or needs a signing key"
+        yield unanswered(signed=vehicle.signed, signs=signs)
+    elif vehicle.signed and not signs:
+        yield "its frames have signatures: give the file of its key"
     yield from _rules(finder)
     if vehicle.armed:
         yield "it is armed now: its motors may move"
@@ -163,16 +164,19 @@ def _rules(finder: VehicleFinder) -> Iterator[str]:
 
 def _parameters(finder: VehicleFinder, station: int) -> Iterator[str]:
     asked = [name for name in finder.wanted if name not in EXTRA]
-    missing = [name for name in asked if name not in finder.parameters]
+    decisive = [each.name for each in unsafe(finder, station)]
+    missing = [name for name in asked if name not in (*finder.parameters, *decisive)]
     if missing and finder.answers:
-        yield f"it has no parameters of these names: {', '.join(missing)}"
+        yield f"it has no parameters of these names, or did not answer: {', '.join(missing)}"
     for each in unsafe(finder, station):
-        yield f"unsafe: {unsafe_words(each)}"
+        yield unsafe_words(each)
 
 
 def unsafe_words(each: UnsafeParameter) -> str:
-    """An unsafe parameter with the reason, in words."""
-    return f"{each.name} is {each.value:.6g} in place of {each.wanted:g}: {each.why}"
+    """An unsafe parameter, or one that was not read, with the reason."""
+    if math.isnan(each.value):
+        return f"not known: {each.name} was not read, and it has to be {each.wanted:g}: {each.why}"
+    return f"unsafe: {each.name} is {each.value:.6g} in place of {each.wanted:g}: {each.why}"
 
 
 def _component(each: FoundComponent, vehicle: FoundComponent) -> Iterator[str]:

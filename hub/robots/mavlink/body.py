@@ -85,7 +85,6 @@ class MavlinkBody:
         self._claimed_at = -math.inf
         signer = _signer(robot.signing_key)
         self._parser = FrameParser(signer)
-        self._signs = signer is not None
         self._station = robot.vehicle_station
         limits = Setpoint(
             ahead=robot.linear_limit,
@@ -260,7 +259,7 @@ class MavlinkBody:
 
         With a signing key nothing is sent: those frames have no signature of it.
         """
-        if not self._signs:
+        if not self.vehicle.signs:
             for frame in passable(frames, self.vehicle.system):
                 if frame.name.startswith("COMMAND"):
                     self.vehicle.stations.commanded(frame["command"])
@@ -292,6 +291,7 @@ class MavlinkBody:
         for piece in pieces:
             for frame in find(piece):
                 self.vehicle.received(frame, now)
+        self.vehicle.heard.refused = self._parser.refused
         if self.vehicle.system:
             self._take_claim(now)
         self.vehicle.step(now)
@@ -327,13 +327,15 @@ class MavlinkBody:
     def _stops(self) -> tuple[float, float]:
         """Times until it stands: after a zero, and after a cut [s]; NaN: not known."""
         vehicle, values = self.vehicle, self.vehicle.parameters.values
-        if vehicle.profile is None or not values:
+        if vehicle.profile is None:
             return math.nan, math.nan
         return stop_times(vehicle.profile, values, self._robot, receiver=vehicle.telemetry.receiver)
 
     def _unsafe(self) -> Iterator[UnsafeParameter]:
-        profile, values = self.vehicle.profile, self.vehicle.parameters.values
-        return unsafe_parameters(profile, values, self._station) if profile else iter(())
+        """Its unsafe parameters; those that were not read too, once all was asked for."""
+        profile, reads = self.vehicle.profile, self.vehicle.parameters
+        known = unsafe_parameters(profile, reads.values, self._station) if profile else ()
+        return (each for each in known if not (reads.reading and math.isnan(each.value)))
 
 
 def _signer(path: str) -> Signer | None:

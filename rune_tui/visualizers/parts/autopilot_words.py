@@ -29,6 +29,8 @@ _SHORT_PHASES: Final = {
     AutopilotPhase.DRIVING: "follows",
     AutopilotPhase.ELSEWHERE: "not driven",
 }
+_ASKED: Final = (AutopilotPhase.DISARMED, AutopilotPhase.ARMING, AutopilotPhase.DRIVING)
+"""The phases of a vehicle that was asked for all, in which its times to stop hold."""
 _SILENT_S: Final = 1.5
 """Age of a heartbeat that is a caution: they come every second [s]."""
 _SLOW_S: Final = 0.3
@@ -115,22 +117,25 @@ def never_words(autopilot: AutopilotState) -> str:
 
 
 def unsafe_words(autopilot: AutopilotState) -> str:
-    """How many parameters are unsafe."""
-    count = len(autopilot.unsafe)
-    return f"{count} unsafe parameter{'' if count == 1 else 's'}"
+    """How many parameters are unsafe, and how many were not read."""
+    unread = sum(math.isnan(each.value) for each in autopilot.unsafe)
+    count = len(autopilot.unsafe) - unread
+    known = f"{count} unsafe parameter{'' if count == 1 else 's'}" if count else ""
+    return ", ".join(filter(None, (known, f"{unread} NOT READ" if unread else "")))
 
 
 def unsafe_lines(robot: RobotState) -> Iterator[tuple[str, str]]:
-    """Each unsafe parameter with its value and the value wanted, and why."""
+    """Each parameter that is unsafe or was not read, the value wanted, and why."""
     autopilot = autopilot_of(robot)
     for each in autopilot.unsafe if autopilot is not None else ():
         yield _change(each), each.why
 
 
 def _change(parameter: UnsafeParameter) -> str:
-    value = "?" if math.isnan(parameter.value) else f"{parameter.value:.6g}"
+    if math.isnan(parameter.value):
+        return f"{parameter.name} was not read, has to be {parameter.wanted:.6g}"
     wanted = "" if math.isnan(parameter.wanted) else f", not {parameter.wanted:.6g}"
-    return f"{parameter.name} {value}{wanted}"
+    return f"{parameter.name} {parameter.value:.6g}{wanted}"
 
 
 def _stops(autopilot: AutopilotState) -> Iterator[Part]:
@@ -143,6 +148,8 @@ def _stops(autopilot: AutopilotState) -> Iterator[Part]:
         (autopilot.stops_after_cut_s, "the link is cut", "cut"),
     )
     known = [each for each in times if math.isfinite(each[0])]
+    if all(math.isnan(seconds) for seconds, _, _ in times) and autopilot.phase in _ASKED:
+        yield Part("TIMES TO STOP NOT KNOWN", 7, Severity.WARNING)
     if known:
         stops = "will stop" if autopilot.phase is AutopilotPhase.DISARMED else "stops"
         after = ", ".join(f"{seconds:.1f} s after {what}" for seconds, what, _ in known)

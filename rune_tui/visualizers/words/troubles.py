@@ -131,7 +131,10 @@ def _of_autopilot(robot: RobotState, now: float) -> Iterator[Part]:
         yield Part(never, 8, severity, cause="never stops")
     if autopilot.unsafe:
         text = f"{unsafe_words(autopilot)}: see the help"
-        yield Part(text, 3, Severity.WARNING, cause="unsafe parameters")
+        unknown = any(math.isnan(each.value) for each in autopilot.unsafe)
+        alarm = unknown and autopilot.phase in ARMED
+        severity = Severity.ALARM if alarm else Severity.WARNING
+        yield Part(text, 8 if alarm else 3, severity, cause="unsafe parameters")
 
 
 def is_in_banner(part: Part, robot: RobotState, state: ConsoleState) -> bool:

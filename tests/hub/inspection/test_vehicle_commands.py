@@ -88,6 +88,7 @@ def test_a_vehicle_that_signs_from_then_on_has_the_key(tmp_path: Path) -> None:
 def test_the_doctor_names_unsafe_parameters_of_the_vehicle(tmp_path: Path) -> None:
     path, vehicle = tmp_path / "blimp.toml", FakeVehicle(kind=7)
     vehicle.parameters = {"RC_OVERRIDE_TIME": (3.0, 9), "FS_THR_ENABLE": (1.0, 2)}
+    vehicle.parameters["MAV_GCS_SYSID"] = (255.0, 2)
     with served(vehicle) as address:
         path.write_text(f'name = "b"\nkind = "mavlink"\n[mavlink]\naddress = "{address}"\n')
         done = rune_hub("doctor", str(path), "--json")

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from hub.command_line import ExitCode
+from hub.robots.mavlink.wire.signing import Signer, SigningClock
 from tests.support.command_line import rune_hub
 from tests.support.fake_vehicle import FakeVehicle, served
 
@@ -77,7 +78,70 @@ def test_what_cannot_be_set_is_said(blimp: FakeVehicle) -> None:
         assert "MAX_VEL_XY was not set: it keeps 0.2" in refused
         assert "RC_OVERRIDE_TIME: 3 -> 0.3" in said
         _, refused = parameters(address, "--write", "NOPE=1", code=ExitCode.FAULT)
-        assert "the vehicle has no parameter NOPE; nothing was changed" in refused
+        assert "it has no parameter NOPE, or did not answer; nothing was changed" in refused
+
+
+def test_what_was_not_read_is_not_known_and_no_success(blimp: FakeVehicle, state: Path) -> None:
+    del blimp.parameters["FS_THR_ENABLE"]
+    with served(blimp) as address:
+        blimp.parameters["RC_OVERRIDE_TIME"] = (0.5, 9)
+        said, unknown = parameters(address, "--unsafe", code=ExitCode.FAULT)
+        assert said == ""
+        assert "not known whether safe: FS_THR_ENABLE was not read" in unknown
+        said, unknown = parameters(address, "--write-safe", code=ExitCode.FAULT)
+        assert "already" not in said
+        assert "FS_THR_ENABLE was not read, so it was not set" in unknown
+        _, unknown = parameters(address, code=ExitCode.FAULT)
+        assert "FS_THR_ENABLE" in unknown
+    assert not state.exists()
+
+
+def test_the_older_name_of_a_parameter_counts(blimp: FakeVehicle) -> None:
+    blimp.parameters["RC_OVERRIDE_TIME"] = (0.5, 9)
+    blimp.parameters["SYSID_MYGCS"] = blimp.parameters.pop("MAV_GCS_SYSID")
+    with served(blimp) as address:
+        said, unknown = parameters(address, "--unsafe")
+        assert said == "no parameter that Rune knows is unsafe\n"
+        assert "SYSID" not in unknown
+        blimp.parameters["SYSID_MYGCS"] = (1.0, 4)
+        said, _ = parameters(address, "--write-safe")
+    assert "SYSID_MYGCS: 1 -> 255" in said
+
+
+def test_a_vehicle_that_wants_a_key_is_named_with_the_command_that_gives_it(
+    blimp: FakeVehicle, tmp_path: Path
+) -> None:
+    blimp.deaf = True
+    signer = Signer(bytes(range(32)), SigningClock())
+    with served(blimp, signer=signer) as address:
+        for task in (("parameters", "--unsafe"), ("mission",), ("parameters", "--write-safe")):
+            done = rune_hub("vehicle", task[0], address, *task[1:])
+            assert done.returncode == ExitCode.NO_HUB
+            for words in ("it signs its frames", "--key", "rune-hub vehicle key FILE --setup"):
+                assert words in done.stderr
+            assert done.stdout == ""
+        path = tmp_path / "blimp.toml"
+        adopted = rune_hub("adopt", "mavlink", address, "-o", str(path))
+        assert adopted.returncode == ExitCode.FAULT
+        assert "not known: FS_THR_ENABLE was not read" in adopted.stdout + adopted.stderr
+        found = rune_hub("doctor", str(path), "--json").stdout.splitlines()
+    said = [each for each in map(json.loads, found) if each["check"] == "autopilot"]
+    assert [each["level"] for each in said] == ["problem"]
+    assert "it signs its frames" in said[0]["text"]
+
+
+def test_the_doctor_calls_what_was_not_read_no_success(blimp: FakeVehicle, tmp_path: Path) -> None:
+    path = tmp_path / "blimp.toml"
+    with served(blimp) as address:
+        assert rune_hub("adopt", "mavlink", address, "-o", str(path)).returncode == ExitCode.OK
+        del blimp.parameters["FS_THR_ENABLE"]
+        found = rune_hub("doctor", str(path), "--json").stdout.splitlines()
+    said = [each for each in map(json.loads, found) if each["check"] == "autopilot"]
+    (unknown,) = (each for each in said if "FS_THR_ENABLE was not read" in each["text"])
+    assert unknown["level"] == "problem"
+    (times,) = (each for each in said if "times to stop are not known" in each["text"])
+    assert times["level"] == "warning"
+    assert not any("s after zero" in each["text"] for each in said)
 
 
 def test_all_and_some_by_a_robot_file(blimp: FakeVehicle, tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from hub.robots.mavlink.profiles.profile import OLDER_NAMES, VehicleProfile
 from hub.robots.mavlink.profiles.table import profile_of
 from hub.robots.mavlink.vehicle.parameter_reads import ParameterReads, parameter_value
 from hub.robots.mavlink.wire.definitions import BY_NAME
-from hub.robots.mavlink.wire.frames import VERSION_2, MavlinkFrame
+from hub.robots.mavlink.wire.frames import MavlinkFrame
 from hub.values import dataclass
 
 AUTOPILOT: Final = 1
@@ -204,7 +204,7 @@ class VehicleFinder:
             kind=frame["type"],
             autopilot=frame["autopilot"],
             armed=bool(frame["base_mode"] & ARMED),
-            signed=frame.raw[0] == VERSION_2 and bool(frame.raw[2] & 1),
+            signed=frame.claims_signature,
         )
         known = self.components.get(sender)
         if known is not None and known.is_vehicle and not found.same_kind(known):
@@ -218,6 +218,8 @@ class VehicleFinder:
 
     def _answer(self, frame: MavlinkFrame) -> None:
         match frame.name:
+            case "COMMAND_ACK" if frame["command"] == _REQUEST:
+                self.answers = True
             case "AUTOPILOT_VERSION" if frame.component == AUTOPILOT:
                 self.firmware, self.answers = frame["flight_sw_version"], True
             case "RC_CHANNELS" if frame.component == AUTOPILOT:

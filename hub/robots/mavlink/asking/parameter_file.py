@@ -1,7 +1,18 @@
-"""Files of parameters, a "NAME,VALUE" a line, as ground stations write and read them."""
+"""Files of parameters, as ground stations write them.
+
+| ground station | line | comment |
+| --- | --- | --- |
+| Mission Planner, Rune | NAME,VALUE | # to the end |
+| MAVProxy | NAME VALUE, columns of spaces; whole numbers also as 0x1F | # to the end |
+| QGroundControl | system, component, NAME, VALUE, type; tabs between | # to the end |
+
+Lines of QGroundControl for other components than the autopilot are left out. A mark of the byte
+order at the start is skipped; UTF-16 is read too.
+"""
 
 from __future__ import annotations
 
+import codecs
 import math
 import re
 import time
@@ -14,7 +25,13 @@ from hub.errors import ParameterFileError
 from hub.robots.mavlink.asking.parameters import MOST_PARAMETERS, Parameter, shown
 
 _MOST_BYTES: Final = 1 << 20
-_LINE: Final = re.compile(r"([A-Z0-9_]{1,16})(?:\s*,\s*|\s+)(\S+)")
+_NAME: Final = re.compile(r"[A-Z0-9_]{1,16}")
+_BETWEEN: Final = re.compile(r"\s*,\s*|\s+")
+_HEXADECIMAL: Final = re.compile(r"-?0[xX][0-9a-fA-F]{1,8}")
+_COLUMNS: Final = 5
+"""Columns of a line of QGroundControl."""
+_AUTOPILOT: Final = "1"
+"""Number of the component that is the autopilot."""
 
 
 def keep_parameters(robot: str, vehicle: str, parameters: Iterable[Parameter]) -> Path:
@@ -55,7 +72,7 @@ def read_parameters(path: Path) -> dict[str, float]:
         ParameterFileError: It cannot be read, or a line is no parameter.
     """
     try:
-        text = files.read_regular(path, _MOST_BYTES).decode()
+        text = _decoded(files.read_regular(path, _MOST_BYTES))
     except (OSError, ValueError) as fault:
         reason = getattr(fault, "strerror", None) or str(fault)
         message = f"{path} cannot be read: {reason}"
@@ -63,7 +80,7 @@ def read_parameters(path: Path) -> dict[str, float]:
     values: dict[str, float] = {}
     for number, line in enumerate(text.splitlines(), 1):
         content = line.partition("#")[0].strip()
-        if content:
+        if content and not _is_of_another_component(content):
             try:
                 name, value = parameter_in(content)
             except ValueError as fault:
@@ -77,17 +94,40 @@ def read_parameters(path: Path) -> dict[str, float]:
 
 
 def parameter_in(text: str) -> tuple[str, float]:
-    """Name and value in a line such as "FS_TIMEOUT,0.1" or "FS_TIMEOUT 0.1".
+    """Name and value in a line such as "FS_TIMEOUT,0.1", or one of another ground station.
 
     Raises:
         ValueError: It is none.
     """
-    found = _LINE.fullmatch(text)
-    try:
-        value = float(found[2]) if found is not None else math.nan
-    except ValueError:
-        value = math.nan
-    if found is None or not abs(value) < 3e38:
+    columns = _BETWEEN.split(text.strip())
+    name, *rest = columns[2:4] if _is_of_qgroundcontrol(columns) else columns
+    value = _number(rest[0]) if len(rest) == 1 else math.nan
+    if _NAME.fullmatch(name) is None or not abs(value) < 3e38:
         message = f"{text[:40]!r} is no name with a value"
         raise ValueError(message)
-    return found[1], value
+    return name, value
+
+
+def _decoded(data: bytes) -> str:
+    """The text of a file; letters of comments in another coding do no harm."""
+    is_wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return data.decode("utf-16" if is_wide else "utf-8-sig", "replace")
+
+
+def _is_of_qgroundcontrol(columns: list[str]) -> bool:
+    return len(columns) == _COLUMNS and columns[0].isdecimal() and columns[1].isdecimal()
+
+
+def _is_of_another_component(text: str) -> bool:
+    columns = _BETWEEN.split(text)
+    return _is_of_qgroundcontrol(columns) and columns[1] != _AUTOPILOT
+
+
+def _number(text: str) -> float:
+    """A number as ground stations write it; NaN: it is none."""
+    if _HEXADECIMAL.fullmatch(text):
+        return float(int(text, 16))
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

@@ -7,6 +7,7 @@ from typing import Final
 from hub.errors import VehicleSilentError
 from hub.robots.mavlink.asking.findings import VehicleFinder
 from hub.robots.mavlink.asking.session import VehicleSession
+from hub.robots.mavlink.asking.silence import unanswered
 from hub.robots.mavlink.kinds import kind_name
 
 _ANSWERING_S: Final = 6.0
@@ -21,7 +22,7 @@ def find_vehicle(
     reads: bool = True,
     extra: tuple[str, ...] = (),
 ) -> VehicleFinder:
-    """Find a vehicle, and what it is.
+    """Find a vehicle, and what it is; one that is not asked for more has to answer.
 
     Args:
         session: A link.
@@ -31,12 +32,16 @@ def find_vehicle(
         extra: Parameters to read besides those of its kind.
 
     Raises:
-        VehicleSilentError: There is none, or there are several.
+        VehicleSilentError: There is none, there are several, or it does not answer.
     """
     finder = VehicleFinder(system, reads=reads, extra=extra)
     if not session.ask(finder, seconds) and finder.begun:
         session.ask(finder, _ANSWERING_S)
     if finder.vehicle is not None:
+        if not finder.answers and not reads:
+            words = unanswered(signed=finder.vehicle.signed, signs=session.signs)
+            text = f"vehicle {finder.vehicle.system} at {session.address.text}: {words}"
+            raise VehicleSilentError(text)
         return finder
     known = [f"{each.system} ({kind_name(each.kind)})" for each in finder.vehicles]
     if not known:

@@ -47,6 +47,7 @@ class VehicleSession:
     Attributes:
         address: The vehicle's.
         frames: Frames that came.
+        signs: Whether it signs what it sends.
     """
 
     def __init__(
@@ -69,7 +70,7 @@ class VehicleSession:
         self._link: ByteLink = link_to(self.address)
         self._parser = FrameParser(signer)
         self._packer = FramePacker(station, STATION_COMPONENT, signer)
-        self.frames = 0
+        self.frames, self.signs = 0, signer is not None
 
     def ask(self, question: VehicleQuestion, seconds: float) -> bool:
         """Carry out a question; returns whether it has ended.

@@ -6,6 +6,22 @@ from hub.robots.mavlink.link.address import VehicleAddress, VehicleLinkKind
 from hub.robots.mavlink.link.byte_link import ByteLinkState
 
 
+def unanswered(*, signed: bool, signs: bool) -> str:
+    """A sentence for a vehicle that sends and does not answer.
+
+    Args:
+        signed: Whether its frames have signatures.
+        signs: Whether a key was given.
+    """
+    if signed and not signs:
+        return (
+            "it signs its frames and ignores those without its key: give the key's file by --key, "
+            "or as [mavlink] key_file; by cable, `rune-hub vehicle key FILE --setup ADDRESS` gives "
+            "it a new one"
+        )
+    return "it sends and does not answer: it may not receive, or needs another signing key"
+
+
 def silence(address: VehicleAddress, link: ByteLinkState, frames: int, refused: int) -> str:
     """A sentence for a link where no vehicle was found.
 
@@ -23,7 +39,8 @@ def silence(address: VehicleAddress, link: ByteLinkState, frames: int, refused: 
         )
     if refused:
         return (
-            f"{refused} frames came {place} without a signature of this key; give the vehicle's key"
+            f"{refused} frames came {place} without a signature of this key; give the vehicle's "
+            "key, or none if it does not sign"
         )
     if link.received:
         advice = "see that it sends MAVLink there"

@@ -80,6 +80,11 @@ def _steers(parameters: Parameters) -> bool:
     return parameters.get("SERVO1_FUNCTION") == STEERS
 
 
+def _coasts(parameters: Parameters) -> bool:
+    """Whether it may coast: it does where it steers, or where that was not read."""
+    return parameters.get("SERVO1_FUNCTION", STEERS) == STEERS
+
+
 def _stops(parameters: Parameters, speed: float, *, receiver: bool) -> tuple[float, float]:
     """After the link is cut, its firmware brakes, or a failsafe holds earlier."""
     later = parameters.get("FS_TIMEOUT", math.nan)
@@ -144,6 +149,7 @@ ROVER: Final = VehicleProfile(
     frees=("ahead", "turn"),
     setpoint=_setpoint,
     stops=_stops,
-    coasts=_steers,
+    stops_by=("SERVO1_FUNCTION",),
+    coasts=_coasts,
 )
 BOAT: Final = replace(ROVER, name="boat", types=frozenset({11}), verified=False)

@@ -139,6 +139,7 @@ class VehicleProfile:
         open_loop: The modes in which speeds ahead and sideways are not controlled, and the
             messages of a velocity there; None: there are none.
         stops: Its times to stand.
+        stops_by: The parameters that decide them, besides those that make it safe.
         coasts: Whether it moves on for long in the mode in which it stays: it brakes before.
     """
 
@@ -164,12 +165,18 @@ class VehicleProfile:
     setpoint: SetpointModel
     open_loop: tuple[frozenset[int], SetpointModel] | None = None
     stops: StopModel
+    stops_by: tuple[str, ...] = ()
     coasts: Callable[[Parameters], bool] = lambda _: False
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """The names of all parameters that are read."""
         return (*(each.name for each in self.wanted), *self.scales, *self.reads)
+
+    def unread(self, parameters: Parameters) -> tuple[str, ...]:
+        """The names that decide how it stops, and were not read."""
+        decisive = (*(each.name for each in self.wanted), *self.stops_by)
+        return tuple(name for name in decisive if name not in parameters)
 
     def velocity(
         self, mode: int, wanted: Setpoint, parameters: Parameters, gain: float

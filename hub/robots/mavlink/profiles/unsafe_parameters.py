@@ -1,8 +1,9 @@
-"""Which parameters of a vehicle are unsafe; pure."""
+"""Which parameters of a vehicle are unsafe, or not known to be safe; pure."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator
 
 from hub.gcm.autopilot import UnsafeParameter
@@ -25,7 +26,7 @@ def wanted_parameters(profile: VehicleProfile, station: int) -> tuple[WantedPara
 def unsafe_parameters(
     profile: VehicleProfile, values: Parameters, station: int
 ) -> Iterator[UnsafeParameter]:
-    """Those of the parameters that were read.
+    """Those that are unsafe, and those that were not read: their value is NaN.
 
     Args:
         profile: The vehicle's kind.
@@ -33,6 +34,6 @@ def unsafe_parameters(
         station: Number of the ground station.
     """
     for each in wanted_parameters(profile, station):
-        value = values.get(each.name)
-        if value is not None and not each.safe(value):
+        value = values.get(each.name, math.nan)
+        if not each.safe(value):
             yield UnsafeParameter(name=each.name, value=value, wanted=each.allowed[0], why=each.why)

@@ -21,6 +21,7 @@ class VehicleIdentity:
         system: Its number; 0: not known yet.
         profile: The rules of its kind; None: it is not known.
         others: Numbers of other vehicles on the link.
+        signed: Whether its frames have signatures.
     """
 
     def __init__(self, wanted: int = 0) -> None:
@@ -30,6 +31,7 @@ class VehicleIdentity:
         self.system = 0
         self.profile: VehicleProfile | None = None
         self.others: set[int] = set()
+        self.signed = False
 
     def heartbeat(self, frame: MavlinkFrame, *, silent: bool) -> bool:
         """Take a heartbeat; whether it is the vehicle's.
@@ -50,6 +52,7 @@ class VehicleIdentity:
         if self.system and kind != self._kind and not silent:
             return False
         self.system, self._kind = frame.system, kind
+        self.signed = frame.claims_signature
         self.profile = profile_of(*kind)
         return True
 

@@ -15,6 +15,11 @@ _LONGEST: Final = 900
 """Most letters of a reason."""
 _LOSES: Final = 0.2
 """Share of lost echoes from which the operator is warned."""
+_KEYLESS: Final = (
+    "it signs its frames and ignores those without its key: name the key's file in the robot file "
+    "([mavlink] key_file); by cable, `rune-hub vehicle key FILE --setup ROBOT.toml` gives it a new "
+    "one"
+)
 _WATCHED: Final = "Rune does not drive vehicles of this type: it only watches"
 _GROUND: Final = "it is on the ground, and Rune does not take off: a pilot brings it into the air"
 
@@ -73,9 +78,12 @@ def _link(vehicle: MavlinkVehicle, now: float) -> Iterator[str]:
 def _reason(vehicle: MavlinkVehicle, now: float) -> str:
     match vehicle.phase:
         case AutopilotPhase.LINKING:
-            return f"no heartbeat came yet{_others(vehicle)}"
+            return f"no heartbeat came yet{_others(vehicle)}{_refused(vehicle)}"
         case AutopilotPhase.GONE:
-            return vehicle.liveness.gone(now, was=True) or "it is asked again"
+            if vehicle.identity.signed and not vehicle.signs:
+                return _KEYLESS
+            gone = vehicle.liveness.gone(now, was=True) or "it is asked again"
+            return f"{gone}{_refused(vehicle)}"
         case AutopilotPhase.LEARNING:
             return vehicle.learns_because or "its streams and parameters are asked for"
         case AutopilotPhase.ARMING:
@@ -86,6 +94,12 @@ def _reason(vehicle: MavlinkVehicle, now: float) -> str:
             return _elsewhere(vehicle, now)
         case _:
             return _driving(vehicle)
+
+
+def _refused(vehicle: MavlinkVehicle) -> str:
+    """That frames come which are not signed with the key; empty: none do."""
+    count = vehicle.heard.refused
+    return f"; {count} frames had no signature of the key in [mavlink] key_file" if count else ""
 
 
 def _others(vehicle: MavlinkVehicle) -> str:

@@ -47,6 +47,7 @@ class VehicleReception:
         stations: Other ground stations on its link.
         twins: Whether two vehicles answer with its number.
         firmware: Its version, a byte each: major, minor, patch, kind; 0: not known.
+        refused: Frames without a genuine signature, where this station has a key.
     """
 
     def __init__(self, station: int, system: int) -> None:
@@ -63,7 +64,7 @@ class VehicleReception:
         self.liveness = Liveness()
         self.stations = OtherStations(station)
         self.twins = TwinWatch()
-        self.firmware = 0
+        self.firmware = self.refused = 0
 
     def take(self, frame: MavlinkFrame, now: float, *, silent: bool) -> Heard:
         """Take a frame of the link.

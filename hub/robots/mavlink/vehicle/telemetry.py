@@ -87,7 +87,7 @@ class Telemetry:
         voltage: Of the battery [V].
         charge: Charge left, 0 to 1.
         armable: Whether its checks before arming succeed.
-        receiver: Whether it has a radio receiver.
+        receiver: Whether it has a radio receiver; None: not known.
         position: Whether it knows its place.
         satellites: That it sees; 255: not known.
         gain: Share of the sticks' effect that a Sub uses; NaN: not known.
@@ -114,7 +114,7 @@ class Telemetry:
         self.east = self.north = self.climb = math.nan
         self.voltage = self.charge = math.nan
         self.armable = self.position = False
-        self.receiver = False
+        self.receiver: bool | None = None
         self.satellites = 255
         self.gain = math.nan
         self.depth = self.pressure = math.nan

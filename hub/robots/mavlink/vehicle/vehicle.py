@@ -81,6 +81,7 @@ class MavlinkVehicle:
         lights: Its lights.
         tilt: Its camera.
         better: The change to a better driving mode.
+        signs: Whether this station has a signing key.
         learns_because: Why it is asked for everything again; empty: it is heard for the first time.
     """
 
@@ -99,7 +100,7 @@ class MavlinkVehicle:
         self.identity, self.parameters = self.heard.identity, self.heard.parameters
         self.texts, self.liveness = self.heard.texts, self.heard.liveness
         self.stations, self._twins = self.heard.stations, self.heard.twins
-        self._sender = VehicleSender(send, packer, self.stations)
+        self._sender, self.signs = VehicleSender(send, packer, self.stations), packer.signs
         self._sticks, self.tilt = StickStream(self._sender), CameraTilt(self._sender)
         self._gate, self.lights = VelocityGate(limits), self._sticks.lights
         self.phase, self.mode, self.learns_because = AutopilotPhase.LINKING, -1, ""

@@ -54,6 +54,11 @@ class MavlinkFrame:
     fields: dict[str, Any]
     raw: bytes
 
+    @property
+    def claims_signature(self) -> bool:
+        """Whether it has a signature, genuine or not."""
+        return self.raw[0] == VERSION_2 and bool(self.raw[2] & _SIGNED)
+
     def __getitem__(self, field: str) -> Any:  # noqa: ANN401 - a number, a text or a tuple
         """A field by name."""
         return self.fields[field]
@@ -64,6 +69,7 @@ class FramePacker:
 
     Attributes:
         system: Its number.
+        signs: Whether its frames have signatures.
     """
 
     def __init__(self, system: int, component: int, signer: Signer | None = None) -> None:
@@ -75,7 +81,7 @@ class FramePacker:
             signer: Signs the frames; None: they have no signatures.
         """
         self.system, self._component = system, component
-        self._signer = signer
+        self._signer, self.signs = signer, signer is not None
         self._sequence = 0
 
     def pack(self, name: str, /, **fields: object) -> bytes:

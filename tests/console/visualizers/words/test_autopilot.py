@@ -6,12 +6,13 @@ import math
 
 import pytest
 
-from hub.gcm.autopilot import AutopilotPhase, AutopilotState
+from hub.gcm.autopilot import AutopilotPhase, AutopilotState, UnsafeParameter
 from hub.gcm.diagnostics import Severity as Level
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import THEMES
+from rune_tui.visualizers.parts.autopilot_words import unsafe_lines
 from rune_tui.visualizers.parts.severity import Severity
 from rune_tui.visualizers.words.troubles import FAULT_S, troubles
 from tests.console.visualizers.conftest import NOW, Draw, words
@@ -48,6 +49,22 @@ def test_the_loss_and_the_delay_of_its_link_are_shown(
     draw: Draw, changes: dict[str, float], row: str
 ) -> None:
     assert row in rows(draw, piloted(rover(**changes)))
+
+
+def test_what_was_not_read_is_said_and_no_time_to_stop(draw: Draw) -> None:
+    unread = UnsafeParameter(name="FS_TIMEOUT", wanted=0.1, why="it waits")
+    nothing = {"stops_after_zero_s": math.nan, "stops_after_cut_s": math.nan}
+    robot = piloted(rover(unsafe=(UNSAFE, unread), **nothing))
+    said = rows(draw, robot, width=60)
+    assert "1 unsafe parameter, 1 NOT READ: see help" in said
+    assert "TIMES TO STOP NOT KNOWN" in said
+    assert [each for each, _ in unsafe_lines(robot)] == [
+        "FS_GCS_ENABLE 0, not 1",
+        "FS_TIMEOUT was not read, has to be 0.1",
+    ]
+    state = ConsoleState(now=NOW, robots={robot.name: robot})
+    alarms = [each.text for each in troubles(robot, state) if each.severity is Severity.ALARM]
+    assert "1 unsafe parameter, 1 NOT READ: see the help" in alarms
 
 
 @pytest.mark.parametrize("phase", AutopilotPhase)

@@ -163,6 +163,43 @@ def test_files_of_ground_stations_are_read(tmp_path: Path) -> None:
     assert read_parameters(path) == {"FS_ACTION": 2.0, "FS_TIMEOUT": 0.1}
 
 
+QGROUNDCONTROL = """# Onboard parameters for Vehicle 1
+#
+# Vehicle-Id Component-Id Name Value Type
+1\t1\tFS_ACTION\t2\t2
+1\t1\tFS_TIMEOUT\t0.100000001490116119\t9
+1\t154\tFS_ACTION\t7\t6
+"""
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        QGROUNDCONTROL.encode(),
+        QGROUNDCONTROL.encode("utf-8-sig"),
+        QGROUNDCONTROL.replace("\n", "\r\n").encode("utf-16"),
+        b"#NOTE: 2026\r\nFS_ACTION,2\r\nFS_TIMEOUT,0.1\r\n",
+        b"FS_ACTION,0x2 # hold \xe9\nFS_TIMEOUT , 0.1 # Mission Planner\n\n",
+        b"# MAVProxy\nFS_ACTION        0X02\nFS_TIMEOUT       0.100000\n",
+        b"\xef\xbb\xbfFS_ACTION\t2\nFS_TIMEOUT\t1e-1\n",
+    ],
+)
+def test_files_of_all_ground_stations_are_read(tmp_path, data):
+    path = tmp_path / "all.params"
+    path.write_bytes(data)
+    assert read_parameters(path) == pytest.approx({"FS_ACTION": 2.0, "FS_TIMEOUT": 0.1})
+
+
+@pytest.mark.parametrize(
+    "line", ["1 1 FS_ACTION 2", "1 1 FS_ACTION 2 9 9", "FS_ACTION,0,1", "A 0x", "A 0x1.8", "a,1"]
+)
+def test_a_line_of_no_ground_station_is_refused_with_its_number(tmp_path, line):
+    path = tmp_path / "odd.params"
+    path.write_text(f"FS_TIMEOUT,0.1\n{line}\n")
+    with pytest.raises(ParameterFileError, match="line 2"):
+        read_parameters(path)
+
+
 @pytest.mark.parametrize("line", ["FS_ACTION", "fs,1", "FS_ACTION nan", "FS_ACTION,1e99", "A,1,2"])
 def test_a_line_that_is_no_parameter_is_named(tmp_path: Path, line: str) -> None:
     path = tmp_path / "a.param"

@@ -9,6 +9,8 @@ from hub.robots.mavlink.profiles.arducopter import COPTER
 from hub.robots.mavlink.profiles.ardurover import BOAT, ROVER
 from hub.robots.mavlink.profiles.ardusub import SUB
 from hub.robots.mavlink.profiles.px4 import PX4_COPTER, PX4_ROVER
+from hub.robots.mavlink.profiles.stop_times import stop_times
+from hub.robots.robot_file import find_robot_file, read_description
 
 NEVER = math.inf
 STEERS = {"SERVO1_FUNCTION": 26.0}
@@ -76,6 +78,25 @@ def test_what_is_not_known_is_not_said():
     assert math.isnan(cut)
     for profile in (COPTER, PX4_ROVER, PX4_COPTER):
         assert all(map(math.isnan, profile.stops({}, 0.3, receiver=False)))
+
+
+ALL_SAFE = {
+    each.name: each.allowed[0] for profile in (ROVER, SUB, BLIMP) for each in profile.wanted
+}
+
+
+@pytest.mark.parametrize("profile", [ROVER, SUB, BLIMP])
+def test_times_are_known_only_where_all_was_read_that_decides(profile):
+    robot, _ = read_description(find_robot_file("magellan"))
+    read = {**ALL_SAFE, "SERVO1_FUNCTION": 73.0}
+    zero, cut = stop_times(profile, read, robot, receiver=False)
+    assert 0.0 < zero < cut
+    for name in profile.unread({}):
+        fewer = {each: value for each, value in read.items() if each != name}
+        assert all(map(math.isnan, stop_times(profile, fewer, robot, receiver=False))), name
+    both = [stop_times(profile, read, robot, receiver=each) for each in (False, True)]
+    longest = tuple(map(max, zip(*both, strict=True)))
+    assert stop_times(profile, read, robot, receiver=None) == longest
 
 
 def test_only_what_was_recorded_is_verified():
