@@ -68,7 +68,7 @@ def _lines(finder: VehicleFinder, options: argparse.Namespace, remarks: list[str
     for each in finder.streams.values():
         yield f"video {each.name!r} of component {each.component} at {each.address}"
     yield from remarks
-    if adopting.unsafe(finder, options.station):
+    if any(not math.isnan(each.value) for each in adopting.unsafe(finder, options.station)):
         where = options.output or options.address
         yield f"`rune-hub vehicle parameters {where} --write-safe` sets the safe values"
 
