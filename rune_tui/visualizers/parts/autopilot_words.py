@@ -165,7 +165,8 @@ def _link(autopilot: AutopilotState) -> Part:
     if autopilot.lost >= _SOME:
         words.append(f"{autopilot.lost:.0%} lost")
     bad = autopilot.round_trip_s > _SLOW_S or autopilot.lost > _MUCH or not heard <= _SILENT_S
-    return Part(", ".join(words), 5 if bad else 4, Severity.WARNING if bad else Severity.PLAIN)
+    severity = Severity.WARNING if bad else Severity.PLAIN
+    return Part(", ".join(words), 5 if bad else 4, severity, short=", ".join(words[1:]))
 
 
 def _place(autopilot: AutopilotState) -> Part:
