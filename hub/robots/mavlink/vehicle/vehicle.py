@@ -364,7 +364,8 @@ class MavlinkVehicle:
     def _do_better(self, now: float) -> None:
         """Ask for the best driving mode once it can be had; the operator has asked to drive."""
         profile, place, rests = self.profile, self.telemetry.position, self._gate.velocity.neutral
-        drives = self.phase is AutopilotPhase.DRIVING and not self.orders.changing(now)
+        drives = self.phase is AutopilotPhase.DRIVING and self._alone.action is None
+        drives = drives and not self.orders.changing(now)
         self.better.waits = False
         if profile is None or not drives or self.orders.named:
             return

@@ -164,6 +164,19 @@ def test_left_alone_it_brakes_to_rest_before_its_mode_changes():
     bench.until(lambda: bench.mode == DEPTH_HOLD, 0.2)
 
 
+def test_left_alone_a_sub_that_learns_its_place_gets_the_mode_of_the_action_and_no_better_one():
+    bench = ScriptedAutopilot(SUB)
+    bench.position = False
+    bench.driving()
+    bench.moves = 0.3
+    bench.run(1.0)
+    bench.vehicle.left_alone(LeftAlone.SURFACE, bench.now)
+    bench.position = True
+    since = bench.now
+    bench.run(6.0)
+    assert bench.commands(SET_MODE, since) == [(1.0, float(SURFACE), 0.0)]
+
+
 @pytest.mark.parametrize("knows", [True, False])
 def test_left_alone_its_mode_changes_also_where_it_drifts_or_its_speed_is_not_known(knows):
     bench = ScriptedAutopilot(SUB).driving()
