@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +20,7 @@ _FOXGLOVE_PORT = 8765
 _port = number_type(int, 0, LARGEST_PORT, f"port from 0 to {LARGEST_PORT}")
 _side = number_type(int, 16, 8192, "number of pixels from 16 to 8192")
 _domain = number_type(int, 0, 232, "domain from 0 to 232")
+_HOST_NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9.-]{0,251}[A-Za-z0-9])?", re.ASCII)
 _rate = number_type(float, 0.1, 60.0, "rate from 0.1 to 60")
 
 
@@ -61,8 +63,8 @@ def _add_foxglove(doors: Commands, look: CommandParser) -> None:
         parents=[look],
         help="the hub's messages in Foxglove or Lichtblick, and driving from its panels",
         description="Serve a hub's messages to Foxglove and Lichtblick, which open the printed "
-        "address. What no panel shows costs the robot nothing. With --drive, the panel Teleop "
-        "drives the robot: every program of this machine can do that then, and no other machine.",
+        "address, which has a key. What no panel shows costs the robot nothing. With --drive, the "
+        "panel Teleop drives the robot: every program with the address can do that then.",
     )
     foxglove.add_argument("--host", default="127.0.0.1", help="where it listens (%(default)s)")
     foxglove.add_argument(
@@ -71,6 +73,11 @@ def _add_foxglove(doors: Commands, look: CommandParser) -> None:
     foxglove.add_argument(
         "--drive", action="store_true", help="let panels drive the robot by the topic /cmd_vel"
     )
+    foxglove.add_argument(
+        "--allow", type=_host_name, action="append", default=[], metavar="HOST",
+        help="another name of this machine, or of a machine whose pages may connect with the key; "
+        "may be repeated",
+    )  # fmt: skip
     foxglove.add_argument("--tls-cert", type=Path, metavar="FILE.pem", help="certificate, for wss")
     foxglove.add_argument("--tls-key", type=Path, metavar="FILE.pem", help="its key, as PKCS#8")
     _add_pictures(foxglove)
@@ -122,8 +129,15 @@ def _add_pictures(door: CommandParser) -> None:
     door.add_argument("--stop-with-stdin", action="store_true", help="end when stdin ends")
 
 
+def _host_name(text: str) -> str:
+    if _HOST_NAME.fullmatch(text) is None:
+        refusal = f"{text!r} is no name of a host; write it without http:// and port"
+        raise argparse.ArgumentTypeError(refusal)
+    return text
+
+
 def _check_host(options: argparse.Namespace) -> None:
-    """Refuse driving from other machines, with TLS too: the door has no login.
+    """Refuse driving from other machines, with TLS too: a key in an address is no login.
 
     Raises:
         DoorError: Other machines could drive, or a part of TLS is missing.

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 _OWNER = "Rune"
+PANEL_DOOR_SERVER = "Rune-door-for-panels"
+"""What such a door calls itself in answers of HTTP, also to programs without its key."""
 
 
 def panel_door_name(robot: str) -> str:

@@ -28,7 +28,7 @@ _SENDER: Final = SenderKind(
     release="release it",
     rate="set its publish rate to 10 Hz",
 )
-_INSTALL: Final = "foxglove-sdk is missing; install it with pip install 'robot-user-nexus[tools]'"
+_INSTALL: Final = "websockets is missing; install it with pip install 'robot-user-nexus[tools]'"
 
 
 def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
         connect: Makes a connection to the hub.
 
     Raises:
-        DoorError: foxglove-sdk is missing, the port is busy, or a file cannot be used.
+        DoorError: websockets is missing, the port is busy, or a file cannot be used.
         HubError: No hub answers.
     """
     try:
@@ -53,8 +53,9 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
             host=options.host,
             port=options.port,
             drive=options.drive,
-            certificate=_content(options.tls_cert),
-            key=_content(options.tls_key),
+            names=tuple(options.allow),
+            certificate=options.tls_cert,
+            key=options.tls_key,
         )
         if options.layout is not None:
             _write_layout(options.layout, body)
@@ -69,16 +70,6 @@ def run(options: argparse.Namespace, connect: Callable[[], Client]) -> int:
 
         serve(client, options, open_server, sender=_SENDER, announce=announce)
     return 0
-
-
-def _content(path: Path | None) -> bytes | None:
-    if path is None:
-        return None
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        text = f"{path} cannot be read: {error.strerror}"
-        raise DoorError(text) from error
 
 
 def _write_layout(path: Path, body: RobotBody | None) -> None:
@@ -99,8 +90,10 @@ def _announce(address: str, settings: ServerSettings, options: argparse.Namespac
         facts = {"event": "ready", "address": address, "layout": str(layout)}
         put_json(facts | {"drive": settings.drive, "pid": os.getpid()})
         return
-    put(f"{settings.name} at {address}: in Foxglove or Lichtblick, open this connection")
+    put(f"{settings.name} at {address}")
+    put("In Foxglove or Lichtblick, open this address as a Foxglove WebSocket. It has the key of")
+    put("this door, which is another one after each start. Keep it as a password.")
     put(f"Layout: {layout} (import it there)")
     if settings.drive:
-        put("Panels drive the robot by /cmd_vel; every program that connects can do that.")
+        put("Panels drive the robot by /cmd_vel: every program with this address can do that.")
     put("Ctrl-C ends it.")

@@ -31,6 +31,7 @@ from hub.robots.refusals import Refusals
 from hub.robots.ros.address import RosAddress
 from hub.robots.ros.foxglove.byte_stream import ByteStream
 from hub.robots.ros.foxglove.wire import SUBPROTOCOLS
+from hub.ros.panel_door_name import PANEL_DOOR_SERVER
 
 if TYPE_CHECKING:
     from websockets.client import ClientProtocol
@@ -58,6 +59,10 @@ _CONTINUATION, _TEXT, _BINARY, _PONG = 0, 1, 2, 10
 """Kinds of frames of a WebSocket."""
 _MOST_WORDS: Final = 300
 """Longest reason of a lost connection [characters]; part of it may come from the other end."""
+HUBS_DOOR: Final = (
+    "the door of a hub for panels answers there (`rune-hub serve foxglove`), and no bridge of a "
+    "robot: start the bridge, or give its port; --port moves the door"
+)
 
 
 class FoxgloveConnection:
@@ -251,6 +256,9 @@ class FoxgloveConnection:
     def _check(self, protocol: ClientProtocol) -> None:
         """Raise a fault of the protocol as one of the connection."""
         if protocol.handshake_exc is not None:
+            answer = getattr(protocol.handshake_exc, "response", None)
+            if answer is not None and answer.headers.get("Server") == PANEL_DOOR_SERVER:
+                raise ConnectionError(errno.EPROTO, HUBS_DOOR)
             text = f"no bridge for Foxglove answers: {protocol.handshake_exc}"
             raise ConnectionError(errno.EPROTO, text)
         if self._opened and protocol.state.name != "OPEN":

@@ -16,7 +16,7 @@ from hub.robots.ros.foxglove import bridge_events as events
 from hub.robots.ros.foxglove import wire
 from hub.robots.ros.foxglove.ages import LineAges
 from hub.robots.ros.foxglove.bridge_graph import BridgeTopics
-from hub.robots.ros.foxglove.connection import FoxgloveConnection
+from hub.robots.ros.foxglove.connection import HUBS_DOOR, FoxgloveConnection
 from hub.robots.ros.foxglove.questions import OpenQuestions
 from hub.robots.ros.foxglove.refusals import BridgeRefusals
 from hub.robots.ros.foxglove.subscriptions import TopicSubscriptions
@@ -35,11 +35,6 @@ _MOST_HANDLED: Final = 1 << 18
 """About the most bytes of messages of one `advance`; the rest waits for the next one."""
 _NO_COMMANDS: Final = (
     "the bridge takes no commands: it lacks the capability clientPublish or the encodings cdr, ros1"
-)
-
-_HUBS_DOOR: Final = (
-    "the door of a hub for panels answers there (`rune-hub serve foxglove`), and no bridge of a "
-    "robot: start the bridge, or give its port; --port moves the door"
 )
 
 
@@ -253,7 +248,7 @@ class FoxgloveLine:
     def _greet(self, info: events.BridgeInfo) -> None:
         """Begin the session of a bridge, or end it if the bridge has another one."""
         if info.of_hub:
-            self._connection.lose(_HUBS_DOOR)
+            self._connection.lose(HUBS_DOOR)
             return
         if self._info is not None and self._connection.up and info.session != self._info.session:
             # It does not list its channels again on this connection.
