@@ -68,7 +68,8 @@ class Imu:
 
     Attributes:
         header: When it was measured, and the frame.
-        orientation: The rotation from `map` to `base_link`.
+        orientation: The rotation from `map` to `base_link`; of a robot with ROS, from the world of
+            its own IMU.
         orientation_covariance: About x, y and z [rad^2], shape (9,).
         angular_velocity: Turn rates about x, y and z [rad/s].
         angular_velocity_covariance: [rad^2/s^2], shape (9,).

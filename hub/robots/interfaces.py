@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.autopilot import AutopilotState, AutopilotText, MavlinkFrames
+from hub.gcm.battery import BatteryState
 from hub.gcm.body import HoldKind
 from hub.gcm.diagnostics import DiagnosticStatus
 from hub.gcm.geometry import Twist, Vector3
-from hub.gcm.imu import Acceleration
+from hub.gcm.imu import Acceleration, Imu
 from hub.gcm.joints import JointState
 from hub.gcm.navigation import GroundTruth
 from hub.gcm.occupancy_map import OccupancyMap
@@ -45,6 +46,9 @@ class Sensors:
         bumpers: Bit i is set while bumper i of the description is pressed.
         battery_voltage: [V]; NaN: not measured.
         battery_fraction: Charge left, 0 to 1; NaN: not known.
+        battery: All that a battery says, in place of these two; None: only they are known.
+        imu: All that an IMU says, in `base_link`, in place of `roll`, `pitch`, `heading`,
+            `turning` and `acceleration` in its message; None: only they are known.
         roll: About x [rad], positive right side down; NaN: not measured.
         pitch: About y [rad], positive nose down; NaN: not measured.
         heading: Of a compass, counter-clockwise from x of `map` [rad]; NaN: not measured.
@@ -81,6 +85,8 @@ class Sensors:
     bumpers: int = 0
     battery_voltage: float = math.nan
     battery_fraction: float = math.nan
+    battery: BatteryState | None = None
+    imu: Imu | None = None
     roll: float = math.nan
     pitch: float = math.nan
     heading: float = math.nan

@@ -19,7 +19,11 @@ import dataclasses
 import math
 from typing import Final
 
-from hub.gcm.battery import BatteryState, PowerSupplyStatus
+import numpy as np
+import numpy.typing as npt
+
+from hub.gcm.battery import MOST_CELLS, BatteryState, PowerSupplyStatus
+from hub.plain_text import plain
 from hub.ros import messages
 from hub.ros.messages import known_number
 from hub.ros.values import RosValue
@@ -33,6 +37,8 @@ _RISE: Final = 1.02
 """Smallest rise of the voltage that is a reason: another battery, or the end of a load."""
 _SURE: Final = 2
 """Number of messages after which a share counts as known before a jump."""
+_LONGEST: Final = 64
+"""Longest text [characters]."""
 _CHARGES: Final = (PowerSupplyStatus.CHARGING, PowerSupplyStatus.FULL)
 
 
@@ -64,15 +70,23 @@ class BatteryReader:
         said = BatteryState(
             header=messages.header(value.get("header")),
             voltage=voltage,
-            temperature=known_number(value, "temperature", -300.0, 1000.0),
+            # Before Noetic the message had no temperatures.
+            temperature=_number(value, "temperature", -300.0, 1000.0),
             current=known_number(value, "current", -1e5, 1e5),
             charge=known_number(value, "charge", -1e6, 1e6),
             capacity=known_number(value, "capacity", -1e6, 1e6),
+            design_capacity=_number(value, "design_capacity", -1e6, 1e6),
             percentage=self._scaled(value, voltage),
             power_supply_status=PowerSupplyStatus(
                 status if 0 <= status <= PowerSupplyStatus.FULL else 0
             ),
+            power_supply_health=int(value.field("power_supply_health") or 0) & 0xFF,
+            power_supply_technology=int(value.field("power_supply_technology") or 0) & 0xFF,
             present=bool(value.get("present")) or voltage > 0.0,
+            cell_voltage=_numbers(value, "cell_voltage", -1000.0, 1000.0),
+            cell_temperature=_numbers(value, "cell_temperature", -300.0, 1000.0),
+            location=_word(value, "location"),
+            serial_number=_word(value, "serial_number"),
         )
         return dataclasses.replace(said, percentage=self._believed(said))
 
@@ -106,6 +120,23 @@ class BatteryReader:
 def counts_to_100(value: RosValue) -> bool:
     """Whether a sensor_msgs/BatteryState shows that its topic counts to 100."""
     return _SURELY_PERCENT < float(value.get("percentage")) <= _WHOLE
+
+
+def _number(value: RosValue, name: str, least: float, most: float) -> float:
+    """A number that the message may lack; NaN: not known."""
+    return math.nan if value.field(name) is None else known_number(value, name, least, most)
+
+
+def _numbers(value: RosValue, name: str, least: float, most: float) -> npt.NDArray[np.float32]:
+    """The numbers of the cells, shape (n,); NaN: not known."""
+    said = value.field(name)
+    with np.errstate(over="ignore"):
+        found = np.array(() if said is None else said, np.float32)[:MOST_CELLS]
+    return np.where((found >= least) & (found <= most), found, np.float32(np.nan))
+
+
+def _word(value: RosValue, name: str) -> str:
+    return plain(str(value.field(name) or ""))[:_LONGEST]
 
 
 def _voltage(value: RosValue) -> float:

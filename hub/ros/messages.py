@@ -48,7 +48,7 @@ def imu(value: RosValue, mount: FramePlace = HERE) -> Imu:
     if turn is not None and known:
         orientation = Quaternion.of(*angles(turn @ mount.turn.T))
     covariances = {
-        name: _covariance(value, name)
+        name: _turned(_covariance(value, name), mount)
         for name in ("angular_velocity_covariance", "linear_acceleration_covariance")
     }
     if not known:
@@ -250,6 +250,14 @@ def _covariance(value: RosValue, name: str) -> npt.NDArray[np.float64]:
         text = f"{name} has {made.size} numbers, not 9"
         raise RosMessageError(text)
     return made
+
+
+def _turned(covariance: npt.NDArray[np.float64], mount: FramePlace) -> npt.NDArray[np.float64]:
+    """A covariance in the frame of the body (9); one that begins with -1 stays so."""
+    if not covariance[0] >= 0.0:
+        return covariance
+    turned: npt.NDArray[np.float64] = mount.turn @ covariance.reshape(3, 3) @ mount.turn.T
+    return turned.reshape(9)
 
 
 def known_number(value: RosValue, name: str, least: float, most: float) -> float:

@@ -60,6 +60,8 @@ def drive_state(sensors: Sensors, stamp: float, reckoning: int = 0) -> DriveStat
 
 def battery(sensors: Sensors, stamp: float) -> BatteryState | None:
     """The battery; None: the body does not measure it."""
+    if sensors.battery is not None:
+        return dataclasses.replace(sensors.battery, header=Header(stamp=Time.of(stamp)))
     if math.isnan(sensors.battery_voltage) and math.isnan(sensors.battery_fraction):
         return None
     return BatteryState(
@@ -71,11 +73,14 @@ def battery(sensors: Sensors, stamp: float) -> BatteryState | None:
 
 def imu(sensors: Sensors, stamp: float) -> Imu | None:
     """Tilt, heading, turn rates and acceleration; None: the body measures none of them."""
+    header = Header(stamp=Time.of(stamp), frame_id=BASE_LINK)
+    if sensors.imu is not None:
+        return dataclasses.replace(sensors.imu, header=header)
     tilts = not (math.isnan(sensors.roll) or math.isnan(sensors.pitch))
     if not tilts and sensors.turning is None and sensors.acceleration is None:
         return None
     return Imu.of(
-        Header(stamp=Time.of(stamp), frame_id=BASE_LINK),
+        header,
         roll=sensors.roll,
         pitch=sensors.pitch,
         heading=sensors.heading,

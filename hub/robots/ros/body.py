@@ -175,6 +175,8 @@ class RosBody:
             ),
             battery_voltage=battery.voltage if battery is not None else math.nan,
             battery_fraction=battery.percentage if battery is not None else math.nan,
+            battery=battery,
+            imu=imu,
             roll=roll,
             pitch=pitch,
             height=place.z if place is not None and floats else math.nan,
