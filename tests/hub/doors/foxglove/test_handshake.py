@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
-import os
+import random
 import socket
 import threading
 from collections.abc import Iterator
@@ -26,6 +26,7 @@ from tests.support.waiting import until
 
 RULES = DoorRules(key="Key-1", names=frozenset({"robot", "lichtblick.example"}))
 HERE = "127.0.0.1:8765"
+CHANCE = random.Random(7)
 
 
 @pytest.mark.parametrize(
@@ -137,10 +138,10 @@ def test_raw_requests_without_the_key_or_of_other_pages_get_nothing(
         f"GET {path} HTTP/1.1\r\n{here}\r\n\r\n".encode(),
         request(server, "/", method="POST") + b"x" * 2000,
         request(server, path, method="POST"),
-        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + os.urandom(300),
+        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + CHANCE.randbytes(300),
         b"\xff\0\0\0\0\0\0\0\x01\x7f\x03\0NULL" + bytes(49),
         b"GET /" + b"x" * 100_000,
-        os.urandom(5000) + b"\r\n\r\n",
+        CHANCE.randbytes(5000) + b"\r\n\r\n",
         b"\r\n\r\n",
     ):
         got = answer(server, sent)
