@@ -53,7 +53,7 @@ soak: $(READY) tools  ## the tests that run for minutes
 	RUNE_EXTREMES=20000 HYPOTHESIS_PROFILE=thorough $(TEST) tests/hub tests/console --timeout 600
 	$(BIN)/pytest -m soak --timeout 1800
 
-tools:  ## virtual joysticks and what else the tests use of the system, where that can be installed
+tools:  ## virtual joysticks, real ROS 2 and what else the tests use, where that can be installed
 	@tests/install_tools.sh
 
 setup: $(READY)
@@ -76,6 +76,8 @@ $(READY): $(DEMO_READY) requirements.lock
 lock:  ## choose versions anew within the bounds of pyproject.toml; needs uv
 	$(COMPILE) --extra console --extra camera --extra record --extra evdev --extra mavlink --extra ros --extra fleet --extra tools --group dev -o requirements.lock
 	$(COMPILE) --extra console --extra evdev --group build -c requirements.lock -o requirements-demo.lock
+	uv pip compile --group ros2 --python-version 3.11 --python-platform x86_64-manylinux_2_28 --generate-hashes \
+		--no-emit-index-url --custom-compile-command "make lock" --quiet --upgrade -o requirements-ros2.lock
 
 clean:
 	rm -rf .venv .venv-bench

@@ -70,8 +70,9 @@ def _describe(name: str, found: dict[str, Any], text: str | None = None) -> None
 
 def _field(field: FieldText, package: str, found: dict[str, Any]) -> dict[str, Any]:
     inner, kind = "", 1
-    if field.kind in _NUMBERS:
-        kind = _FIRST + _NUMBERS.index(field.kind)
+    number = "uint8" if field.kind == "char" else field.kind  # the generators of ROS 2 do so
+    if number in _NUMBERS:
+        kind = _FIRST + _NUMBERS.index(number)
     else:
         spelt = "std_msgs/Header" if field.kind == "Header" else field.kind
         inner = full_name(spelt) if "/" in spelt else f"{package}/{spelt}"

@@ -25,7 +25,8 @@ HOSTILE = 100_000
 
 def test_hashes_are_those_of_ros_2() -> None:
     store = get_typestore(Stores.ROS2_HUMBLE)
-    known = [each for each in known_texts() if each in store.fielddefs and type_hash(each)]
+    others = {*store.fielddefs} - {"std_msgs/msg/Char"}  # rosbags takes char for a type of its own
+    known = [each for each in known_texts() if each in others and type_hash(each)]
     assert {each: type_hash(each) for each in known} == {
         each: store.hash_rihs01(each) for each in known
     }

@@ -128,7 +128,8 @@ class RosSurvey:
         explained = self._reader.faults.keys() | self._line.state.refusals.keys()
         waits = any(name not in explained for name in quiet)
         least = _LEAST_S if self._line.graph.whole else _NODES_S
-        return now - self.begun >= least and self._parameters is not None and not waits
+        seen = bool(self._line.graph.topics) and self._parameters is not None
+        return now - self.begun >= least and seen and not waits
 
     def _learn(self, parameters: Mapping[str, object]) -> None:
         self._parameters = parameters
