@@ -253,10 +253,11 @@ def _covariance(value: RosValue, name: str) -> npt.NDArray[np.float64]:
 
 
 def _turned(covariance: npt.NDArray[np.float64], mount: FramePlace) -> npt.NDArray[np.float64]:
-    """A covariance in the frame of the body (9); one that begins with -1 stays so."""
-    if not covariance[0] >= 0.0:
+    """A covariance in the frame of the body (9); one that is not known stays as it is."""
+    if not (covariance[0] >= 0.0 and np.isfinite(covariance).all()):
         return covariance
-    turned: npt.NDArray[np.float64] = mount.turn @ covariance.reshape(3, 3) @ mount.turn.T
+    with np.errstate(over="ignore", invalid="ignore"):  # numbers near the largest one
+        turned: npt.NDArray[np.float64] = mount.turn @ covariance.reshape(3, 3) @ mount.turn.T
     return turned.reshape(9)
 
 
