@@ -20,7 +20,7 @@ from tests.support.cases import for_each
 SNAPSHOTS = ROOT / "tests" / "golden" / "situations"
 SEARCH = shipped("search")
 ALARMS = {
-    "near-wall": "CLOSE 0.08 m ahead",
+    "near-wall": "CLOSE 0.00 m ahead",
     "stale-picture": "PICTURE 4.2 s OLD",
     "lost-link": "LINK LOST 30 s",
     "asked-for-control": "bob ASKS FOR CONTROL, 8 s: P hands it over, B keeps it",
