@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from dataclasses import replace
 from typing import ClassVar, Final
 
 from hub.gcm.autopilot import AUTOPILOT_STATE, AUTOPILOT_TEXT
@@ -48,7 +49,8 @@ class VisualizeAutopilot(PlainVisualizer):
         """Write the rows that fit, the most important ones where room is short."""
         canvas.fill(state.theme.panel)
         head, *parts = _parts(robot, state)
-        write_fitted(canvas, parts, state.theme, top=1)
+        short = [_in_one_row(part, canvas.width) for part in parts]
+        write_fitted(canvas, short, state.theme, top=1)
         autopilot = autopilot_of(robot)
         forms = shorter_heads(head, autopilot) if autopilot is not None else (head.text, head.short)
         _write_head(canvas, head, forms, state.theme)
@@ -72,6 +74,11 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     said = [Part(each.text, place / 10.0, _LEVELS[each.level]) for place, each in enumerate(texts)]
     follow = state.input_of(Purpose.FOLLOW, robot.name)
     return (head_of(robot, autopilot), *autopilot_parts(robot, autopilot, follow), *said)
+
+
+def _in_one_row(part: Part, columns: int) -> Part:
+    """The part in its short form, if it has one and the long form needs several rows."""
+    return replace(part, text=part.short) if part.short and len(part.text) > columns else part
 
 
 def _write_head(canvas: Canvas, head: Part, forms: tuple[str, ...], theme: Theme) -> None:

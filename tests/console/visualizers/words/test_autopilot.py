@@ -27,8 +27,7 @@ def rows(draw: Draw, robot: RobotState, height: int = 60, width: int = 44) -> li
 def test_it_says_what_an_operator_asks_first(draw: Draw) -> None:
     assert rows(draw, piloted(rover(), ("EKF3 active", Level.OK))) == [
         "ARMED · guided · follows you",
-        "stops 0.9 s after zero, 1.4 s after the link",
-        "is cut",
+        "stops: zero 0.9 s, cut 1.4 s",
         "heard 0.4 s ago, echo 27 ms",
         "knows its place, 10 satellites",
         *[row for row in rows(draw, piloted(rover())) if row.startswith("battery")],
