@@ -99,8 +99,8 @@ def autopilot_parts(
     if autopilot.verified or not autopilot.vehicle:
         yield Part(named, 1, Severity.FAINT)
     else:
-        text = f"{named}: NOT VERIFIED, its rules follow documents only"
-        yield Part(text, 5, Severity.WARNING, short="NOT VERIFIED")
+        said = "NOT VERIFIED, its rules follow documents only"
+        yield Part(f"{named}: {said}", 5, Severity.WARNING, short=said)
 
 
 def never_words(autopilot: AutopilotState) -> str:
