@@ -19,7 +19,8 @@ from rune_tui.errors import OwnHubError
 _SAID = "rune-hub: "
 """Begins the line in which the program says why it ends."""
 _LONGEST_LOG = 100_000
-_START_S = 10.0
+_START_S, _LONGEST_START_S = 10.0, 60.0
+"""Time to start; longest time for a program that uses the processor meanwhile [s]."""
 _STOP_S = 8.0
 
 
@@ -75,13 +76,29 @@ class OwnProgram:
         Raises:
             OwnHubError: It ended, or takes too long.
         """
-        said = self.said(lambda said: said.get("event") == "listening", _START_S)
-        if said is None:
-            reason = self.reason
-            why = f": {reason}" if reason else f"; {self._log} says why"
-            text = f"{self._what} did not start{why}"
-            raise OwnHubError(text)
-        return said
+        began, used = time.monotonic(), -1
+        while time.monotonic() - began < _LONGEST_START_S and self._used() > used:
+            used = self._used()
+            said = self.said(lambda said: said.get("event") == "listening", _START_S)
+            if said is not None:
+                return said
+        late = time.monotonic() - began
+        if self.reason:
+            text = f"{self._what} did not start: {self.reason}"
+        elif self.code(0.0) is None:
+            text = (
+                f"{self._what} did not start within {late:.0f} s{_load()}; its log is {self._log}"
+            )
+        else:
+            text = f"{self._what} ended at its start; {self._log} says why"
+        raise OwnHubError(text)
+
+    def _used(self) -> int:
+        """The processor time that it has used [ticks]; 0 where the system does not say it."""
+        with contextlib.suppress(OSError, ValueError, IndexError):
+            fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()
+            return int(fields[11]) + int(fields[12])  # utime and stime of proc_pid_stat(5)
+        return 0
 
     def said(
         self, wanted: Callable[[dict[str, Any]], bool], within: float
@@ -139,3 +156,10 @@ class OwnProgram:
             self._process.wait()
         if self._process.stdout is not None:
             self._process.stdout.close()
+
+
+def _load() -> str:
+    """The load of the machine, for an error; empty: the system does not say it."""
+    if not hasattr(os, "getloadavg"):
+        return ""
+    return f" (load {os.getloadavg()[0]:.0f} on {os.cpu_count()} processors)"

@@ -52,6 +52,8 @@ _SOCKET_LIFE_S, _FIRST_LIFE_S = 2.0, 5.0
 
 A connection takes five round trips. So the first life is long, as the round trip is not known.
 """
+_STARVED_S = 6.0
+"""Longest wait for WELCOME once connected: a hub without processor time answers late [s]."""
 _ROUND_TRIPS = 6
 _SHORTEST_S, _LONGEST_S = 0.25, 1.5
 """Shortest and longest time for one attempt [s].
@@ -125,6 +127,7 @@ class Connection:
         self._last_answer = -math.inf
         self._next_ping = 0.0
         self._attempt = 0
+        self._shook_hands = -math.inf
         self._actions: dict[type, Callable[[Any], bool]] = {
             control.Welcome: self._on_welcome,
             control.Pong: self._on_pong,
@@ -208,7 +211,15 @@ class Connection:
             address=self._address,
         )
         self._reopen = self._clock() + self._life
+        self._shook_hands = -math.inf
         self._next_ping = 0.0
+
+    def _is_over(self, now: float) -> bool:
+        """Whether a new socket shall replace one without WELCOME."""
+        if self._way() != (self._address, self.keys):
+            return True
+        # A new socket would make a starved hub begin again, and answer the old one in vain.
+        return now >= self._reopen and not now - self._shook_hands < _STARVED_S
 
     def _way(self) -> tuple[str, ClientKeys | Token | None]:
         """The address of the hub, and what it takes there: both may come after this client."""
@@ -238,7 +249,7 @@ class Connection:
             self.start_over("it does not answer")
         elif self.publisher:
             self.send(control.Ping(epoch=self.joined[0], sent=now))
-        elif now >= self._reopen or self._way() != (self._address, self.keys):
+        elif self._is_over(now):
             self.channel.close()
             self._open()
         else:
@@ -261,6 +272,7 @@ class Connection:
     def _on_event(self, event: int) -> None:
         """Handle a connect, disconnect or refusal of the socket; HELLO follows at once."""
         if event == zmq.EVENT_DISCONNECTED:
+            self._shook_hands = -math.inf
             self._lose("the connection ended")
         elif event == zmq.EVENT_HANDSHAKE_FAILED_AUTH and self.keys is not None:
             text = (
@@ -274,6 +286,7 @@ class Connection:
                 )
             self.refusal = NotAllowedError(text)
         elif self.publisher == 0 and not self.closed:
+            self._shook_hands = self._clock()
             self.hello()
 
     def _lose(self, why: str) -> None:
