@@ -23,7 +23,7 @@ ASK_S = 5.0
 """Longest time for an answer of the robot's modules [s]."""
 LONGEST_COMMAND = 1 << 20
 """Longest payload of a command or a query [bytes]."""
-FROM_THE_FUTURE_S = 1.0
+FROM_THE_FUTURE_S = 0.05
 """Furthest that a stamp may lie ahead of the robot's clock [s]."""
 _COMMANDS_PER_S, _QUERIES_PER_S = 400.0, 100.0
 

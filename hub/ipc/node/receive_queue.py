@@ -4,11 +4,12 @@
 | --- | --- |
 | all are kept, no priority, empty queue | as it is read |
 | any other | after all sockets are read; higher priority first |
-| older than its lifespan, or repeated | never, and is counted |
+| older than its lifespan, ahead of the clock with a lifespan, or repeated | never, and is counted |
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from typing import Any
@@ -26,6 +27,8 @@ from hub.ipc.wire import frames
 _BATCH = 256
 _MOST_EVENTS = 2 * max(sockets.QUEUE.values())
 """Most frames that wait between two clients of this machine, at both ends."""
+_AHEAD_S = 0.05
+"""Farthest that the stamp of a command may lie ahead: honest ones never do, on any line [s]."""
 SLICE_S = 0.005
 """Longest time in handlers before the sockets are read again [s]."""
 
@@ -304,6 +307,11 @@ class ReceiveQueue:
         measured = stamp_ns * 1e-9 - self._hub_time.most
         age = now - measured
         if age < 0.0:
+            if age < -_AHEAD_S and subscription.lifespan_s < math.inf:
+                subscription.expired += 1
+                text = f"{subscription.definition.name} is {-age:.2f} s ahead of the hub's clock"
+                self._faults.count("stamp ahead of the clock", text)
+                return
             age, measured = 0.0, now
         if age > subscription.oldest:
             subscription.oldest = age

@@ -201,6 +201,21 @@ def test_old_message_is_dropped_and_counted(connect: Connect) -> None:
     assert received[-1][1].missed == 1
 
 
+def test_a_command_from_the_future_is_dropped_and_counted(connect: Connect) -> None:
+    one, other = connect("one"), connect("other")
+    received = other.collect(v.COMMAND)
+    states = other.collect(v.LOG)
+    one.publish_until(v.COMMAND, received)
+    one.publish_until(v.LOG, states)
+    one.publish(v.COMMAND, Number(value=1), age=-10.0)
+    until(lambda: other.client.faults.counts["stamp ahead of the clock"] == 1, 5.0)
+    one.publish(v.COMMAND, Number(value=2))
+    until(lambda: _values(received) == [2], 5.0)
+    one.publish(v.LOG, Number(value=3), age=-10.0)  # what does not command is still shown
+    until(lambda: _values(states) == [3], 5.0)
+    assert states[-1][1].age == 0.0
+
+
 def test_age_is_told_for_what_was_measured_earlier(connect: Connect) -> None:
     one, other = connect("one"), connect("other")
     received = other.collect(v.LOG)
