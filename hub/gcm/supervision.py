@@ -69,6 +69,11 @@ def announce_every_s(capabilities: Container[str]) -> float:
     return min(1.0 / MODULE_INFO.rate_hz, keep_alive_s(capabilities) / _ANNOUNCEMENTS)
 
 
+def is_console(capabilities: Container[str]) -> bool:
+    """Whether a client with these capabilities is a console: a visitor, no module of the robot."""
+    return Capability.CON_REAL in capabilities
+
+
 class ModulePhase(enum.IntEnum):
     """The phase of a module at the daemon.
 

@@ -46,7 +46,7 @@ def modules(client: Client, *, as_json: bool) -> int:
         (
             module.name,
             module.phase.name.lower(),
-            "always" if module.always else "on demand",
+            _runs(module),
             module.capabilities + ("" if module.asked else " (says the file)"),
             str(module.pid or ""),
             span(module.age_s) if module.age_s else "",
@@ -62,6 +62,13 @@ def modules(client: Client, *, as_json: bool) -> int:
         if module.why:
             put(f"{module.name} {module.why}")
     return 0
+
+
+def _runs(module: supervision.ModuleReport) -> str:
+    """When a module runs, in words."""
+    if supervision.is_console(module.capabilities.split()):
+        return "visitor"
+    return "always" if module.always else "on demand"
 
 
 def capabilities(client: Client, *, as_json: bool) -> int:

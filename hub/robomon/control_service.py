@@ -13,7 +13,7 @@ from hub.gcm.autonomy import DrivingMode
 from hub.gcm.common import COMMON_RESULT, CommonResult
 from hub.gcm.control import ControlAction, ControlRequest
 from hub.gcm.navigation import NAVIGATION_STATUS, NavigationStatus, Task
-from hub.gcm.supervision import MODULE_INFO, ModuleInfo
+from hub.gcm.supervision import MODULE_INFO, ModuleInfo, is_console
 from hub.ipc.broker.peers import Peer
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
@@ -101,11 +101,13 @@ class ControlService:
         holds = bool(heartbeat.holds)
         self._arbiter.heartbeat(reception.publisher, self._clock(), holds=holds)
 
-    def announced(self, _info: ModuleInfo, reception: MessageInfo) -> None:
+    def announced(self, info: ModuleInfo, reception: MessageInfo) -> None:
         """Note a sender of MODULE_INFO as a module, if it is one of this robot."""
         peer = self._peer_of(reception.publisher)
         if peer is None or peer.principal.role is not Role.MODULE:
             return  # an operator is no module, even with a module's INFO
+        if is_console(info.capabilities.split()):
+            return  # a module passes the control gate; a console must not
         if reception.publisher not in self._modules:
             self._modules.add(reception.publisher)
             self._check()

@@ -125,7 +125,9 @@ class Reporting:
                 processor=float("nan"),
                 memory_mb=float("nan"),
                 age_s=0.0,
-                why="was started by another program",
+                why="is a console, a visitor"
+                if supervision.is_console(external.provides)
+                else "was started by another program",
             )
             for name, external in self._policy.externals.items()
             if name not in lifecycles

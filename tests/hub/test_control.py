@@ -202,6 +202,17 @@ def test_an_operator_is_no_module_whoever_says_so(robot: Robot) -> None:
         assert (number in modules) == counts  # alice is on the robot, and may be one
 
 
+def test_a_console_that_announces_itself_does_not_pass_the_gate(robot: Robot) -> None:
+    alice, bob = robot.client("alice"), robot.client("bob")
+    want(alice, ControlAction.TAKE)
+    robot.until_owned_by(alice)
+    reception = MessageInfo(publisher=bob.number, sequence=1, missed=0, age=0.0, measured=0.0)
+    for capabilities in ("CON_REAL", "AUT_PILOT CON_REAL"):
+        info = ModuleInfo(name="bob", pid=1, state="running", capabilities=capabilities)
+        robot.desk.announced(info, reception)
+        assert robot.desk.state().modules.tolist() == []
+
+
 def test_control_is_handed_over_on_request(robot: Robot) -> None:
     alice, bob = robot.client("alice"), robot.client("bob")
     want(alice, ControlAction.TAKE)

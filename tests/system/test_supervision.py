@@ -368,6 +368,21 @@ def test_commands_for_people(start: Start) -> None:
     robot.until(lambda: robot.phase("one") is ModulePhase.STOPPED)
 
 
+def test_a_console_is_listed_as_a_visitor(start: Start) -> None:
+    robot = start(module("one", "well"))
+    info = supervision.ModuleInfo(
+        name="rune-1-robot", pid=1, state="running", capabilities="CON_REAL"
+    )
+    robot.client.define(supervision.MODULE_INFO)
+    robot.client.publish(supervision.MODULE_INFO, info)
+    robot.until(lambda: "rune-1-robot" in robot.modules)
+    robot.client.publish(supervision.MODULE_INFO, info)
+    shown = run(robot, "modules").stdout
+    assert "rune-1-robot is a console, a visitor" in shown
+    (row,) = (line for line in shown.splitlines() if line.startswith("rune-1-robot  "))
+    assert row.split()[1:4] == ["running", "visitor", "CON_REAL"]
+
+
 def test_logs_are_followed(start: Start) -> None:
     robot = start(module("one", "well"))
     robot.until(lambda: robot.phase("one") is ModulePhase.RUNNING)

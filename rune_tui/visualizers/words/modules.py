@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from hub.gcm.supervision import MODULE_REPORTS, ModulePhase, ModuleReport, ModuleReports
+from hub.gcm.supervision import MODULE_REPORTS, ModulePhase, ModuleReport, ModuleReports, is_console
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.theme import Theme
@@ -34,8 +34,9 @@ class Modules(MessageGauge[ModuleReports, tuple[Entry, ...]]):
     subject = "module list"
 
     def reading(self, value: ModuleReports, _robot: RobotState) -> tuple[Entry, ...]:
-        """The modules, with whole percents and megabytes."""
-        return tuple(map(_line, value.modules))
+        """The modules, with whole percents and megabytes; no consoles."""
+        own = [each for each in value.modules if not is_console(each.capabilities.split())]
+        return tuple(map(_line, own))
 
     def show(self, canvas: Canvas, reading: tuple[Entry, ...], theme: Theme) -> None:
         """A head line, if there are two rows, and the modules."""
