@@ -23,17 +23,18 @@ from hub.gcm.common import CommonCommandKind as Kind
 from hub.gcm.supervision import MODULE_INFO, ModuleInfo
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
-from hub.ipc.roles import Role
+from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.security.publish_rights import may_publish
 from hub.nonblocking_logging import LEVELS
 
 _MOST_PER_S = 5.0
-"""Most announcements, whatever a hub asks for [1/s]."""
+"""Most announcements, however often a hub asks for them [1/s]."""
 
 
-def may_announce(role: Role) -> bool:
-    """Whether a client with this role may announce itself as a module."""
-    return may_publish(role, MODULE_INFO.name, MODULE_INFO.plane.value)
+def begin_as_module(client: Client, keys: ClientKeys | None, say: Callable[[str], None]) -> None:
+    """Have a console announce itself, if its key allows that; None: it needs no key."""
+    if keys is None or may_publish(keys.role, MODULE_INFO.name, MODULE_INFO.plane.value):
+        ModuleLine(client, say)
 
 
 class ModuleLine:

@@ -42,7 +42,7 @@ from rune_tui.link.camera_streams import CameraStreams, Needs
 from rune_tui.link.control_line import ControlLine
 from rune_tui.link.map_stream import MapStream
 from rune_tui.link.mission_line import MissionLine
-from rune_tui.link.module_line import ModuleLine, may_announce
+from rune_tui.link.module_line import begin_as_module
 from rune_tui.link.pad_line import PadLine
 from rune_tui.link.pictures import picture_of
 from rune_tui.link.record_line import RecordLine
@@ -153,8 +153,7 @@ class RobotLink:
             self._control = ControlLine(self._client, operator, lambda: self._state, self._say)
             self._mission = MissionLine(self._client, operator, self._say)
             self.recorder = RecordLine(self._client, operator, self._wants, self._say)
-        if own_keys is None or may_announce(own_keys.role):
-            self._as_module = ModuleLine(self._client, self._say)
+        begin_as_module(self._client, own_keys, self._say)
         self._client.every(_REQUEST_CHECK_S, self._pictures.step)
         self._client.every(_REQUEST_CHECK_S, self._maps.step)
         self._client.every(_REQUEST_CHECK_S, self._streams.step)
@@ -339,8 +338,7 @@ class RobotLink:
 
     def _why_not(self) -> str:
         """The reason for the missing connection, if known."""
-        trouble = self._way.trouble if self._way else ""
-        return trouble or str(self._client.refusal or "")
+        return (self._way.trouble if self._way else "") or str(self._client.refusal or "")
 
     def _set_link(self, phase: LinkPhase, detail: str) -> None:
         link, detail = self._state.link, detail[:_MOST_LETTERS]
