@@ -64,11 +64,18 @@ def play(options: argparse.Namespace) -> int:
     with RecordingSet.open(options.files, unpacked=options.unpack) as log:
         log.drop_outliers()
         robots = robots_of(log)
-        known = [*log.faults]
-        for fault in known:
-            print_error(fault)
+        known: list[str] = []
+
+        def say_faults() -> None:
+            for fault in log.faults:
+                if fault not in known:
+                    known.append(fault)
+                    print_error(fault)
+
+        say_faults()
         robot = _robot(robots, options.robot)
         empty = _why_empty(log, robot, options)
+        say_faults()
         if empty:
             print_error(empty)
             return ExitCode.FAULT
@@ -79,9 +86,7 @@ def play(options: argparse.Namespace) -> int:
         ):
             client.wait_connected(_CONNECT_S)
             code = _Playback(client, log, robot, options).run(central.endpoints[0])
-        for fault in log.faults:
-            if fault not in known:
-                print_error(fault)
+        say_faults()
         return code or (ExitCode.FAULT if log.faults else ExitCode.OK)
 
 

@@ -19,6 +19,7 @@ from hub.command_line import ending_signals
 from hub.errors import CentralUnreachableError, HubError
 from hub.gcm import pad
 from hub.ipc.client import Client
+from hub.ipc.endpoints import shown
 from hub.ipc.security.client_keys import read_client_keys
 from hub.ipc.security.publish_rights import demand_right
 from hub.values import dataclass
@@ -189,7 +190,7 @@ class Progress:
         agent, client = self.agent, self.client
         device = agent.device.shown if agent.device else f"waiting for {agent.choice.shown}"
         device += f": {agent.why}" if agent.why else ""
-        where = f"ssh {self.tunnel.destination}" if self.tunnel else client.endpoint
+        where = f"ssh {self.tunnel.destination}" if self.tunnel else shown(client.endpoint)
         if not client.connected:
             tunnel = self.tunnel.trouble if self.tunnel else ""
             why = tunnel or str(client.refusal or "the hub does not answer; trying again")
@@ -250,8 +251,10 @@ def run(
         stack.callback(client.close)
         client.define(*pad.MESSAGES)
         if sys.stderr.isatty():
-            sys.stderr.write(f"connecting to {f'ssh {ssh}' if ssh else hub}; Ctrl-C ends it\n")
-        _wait_connected(client, "" if tunnel is None else f"{hub} of ssh {tunnel.destination}")
+            sys.stderr.write(
+                f"connecting to {f'ssh {ssh}' if ssh else shown(hub)}; Ctrl-C ends it\n"
+            )
+        _wait_connected(client, "" if tunnel is None else f"ssh {tunnel.destination}")
         client.wait_defined(CONNECT_S)
         sender = PadSender(
             lambda announced: client.publish(pad.PAD_DEVICE, announced),

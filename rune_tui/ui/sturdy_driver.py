@@ -66,8 +66,8 @@ _LAST_ROW: Final = 3
 """Row of the cursor for the last question; frames ask in another one."""
 _LAST_QUESTION: Final = f"\x1b[=0u\x1b[?1004l\x1b[{_LAST_ROW};1H\x1b[6n"
 """Ends reports of keys and of the focus, and asks where the cursor is."""
-_LAST_ANSWER_S: Final = 3.0
-"""Longest wait for the last answer [s]."""
+_LAST_ANSWER_S: Final = 1.5
+"""Longest wait for the last answer; well below `LEAVE_S`, which ends by force [s]."""
 _MOST_DOWN: Final = 64
 """Most keys that are down together; one more means that the first one's release was lost."""
 _TYPES_TEXT: Final = ("enter", "tab")

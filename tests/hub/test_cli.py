@@ -29,8 +29,14 @@ def test_the_example_of_the_help_is_taken(command: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ("run x.toml --prot 1", "rune-hub run: '--prot' is no option here; did you mean --port?"),
-        ("run x.toml --prot=1", "rune-hub run: '--prot' is no option here; did you mean --port?"),
+        (
+            "run x.toml --lisen 1",
+            "rune-hub run: '--lisen' is no option here; did you mean --listen?",
+        ),
+        (
+            "run x.toml --lisen=1",
+            "rune-hub run: '--lisen' is no option here; did you mean --listen?",
+        ),
         ("mission list --jsno", "'--jsno' is no option here; did you mean --json?"),
         ("list --zzz", "'--zzz' is no option here; rune-hub list --help says more"),
         ("list one", "'one' is one argument too many; rune-hub list --help says more"),

@@ -39,7 +39,10 @@ from tests.system.ssh_server import SshServer, missing
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-HUB = {"modules": ("driver", "navigation", "vision", "mapping", "autonomy")}
+HUB = {
+    "modules": ("driver", "navigation", "vision", "mapping", "autonomy"),
+    "options": ("--listen", "0"),
+}
 MODULES = {"rune": "rune_tui", "rune-hub": "hub"}
 
 

@@ -129,7 +129,7 @@ def test_keys_arm_drive_hold_and_disarm_and_another_station_takes_the_vehicle(
     shows("ARMED · guided · follows you")
     other_station(vehicle, 4)
     shows("ARMED · hold · does not follow")
-    shows("not asked for here")
+    shows("not asked for")
     press(console, KEYS["next mode"])
     shows("MODE guided?")
     press(console, KEYS["set mode"])

@@ -174,7 +174,10 @@ def test_operator_drives_by_a_client_of_its_own_and_sees_states_of_the_robot(
     alice.wait(lambda: {kind for kind, _ in came} == {"state", "thin"})
     assert min(age for _, age in came) < 0.5
     state = _state(observer)
-    assert (state.owner, state.operator) == (alice.numbers[str(alice.session)], "alice")
+    assert (state.owner, state.operator) == (
+        alice.numbers[f"{alice.principal}/{alice.session}"],
+        "alice",
+    )
     assert state.owner_name.startswith("alice@fleet")
     alice.stop()
     assert _stands_soon(observer) < _STOPPED_S

@@ -390,7 +390,9 @@ def test_a_key_of_the_console_has_the_robot_record(
     console.wait(lambda: "ROBOT REC" in console.text, 30.0, "the robot does not record")
     console.type("\x1b[18~")  # F7
     console.wait(lambda: "Mark this moment" in console.text, 10.0, "it does not ask")
-    console.type("bump\r")
+    console.type("bump")
+    console.wait(lambda: "bump" in console.text, 10.0, "it takes no text")
+    console.type("\r")
     console.wait(lambda: "mark 1 is in the recording" in console.text, 20.0, "no mark")
     console.type("\x1b[17~")
     console.wait(lambda: "ROBOT REC" not in console.text, 20.0, "it does not end")

@@ -82,7 +82,7 @@ def begin(session: ConsoleProcess, folder: Path, attempt: int = 1) -> None:
 
 @pytest.fixture
 def robot(tmp_path: Path) -> Iterator[HubProcess]:
-    hub = HubProcess(tmp_path)
+    hub = HubProcess(tmp_path, options=("--listen", "0"))
     yield hub
     hub.close()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import os
 import signal
@@ -35,6 +36,8 @@ from tests.system.harness import family, gone
 
 ROOT = Path(__file__).parents[2]
 
+_numbers = itertools.count(1)
+
 
 class Robot:
     """A daemon with modules of `tests.misbehaving.module`, and a client that sees its reports."""
@@ -51,7 +54,10 @@ class Robot:
         self.log = folder / "hub.log"
         with self.log.open("wb") as log:
             self.process = warm_start.start(
-                [sys.executable, "-m", "hub", "run", str(path), "--json", "--stop-with-stdin"],
+                [
+                    *(sys.executable, "-m", "hub", "run", str(path), "--json"),
+                    *("--stop-with-stdin", "--as", f"supervised-{os.getpid()}-{next(_numbers)}"),
+                ],
                 environment=os.environ,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,

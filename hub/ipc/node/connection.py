@@ -218,7 +218,7 @@ class Connection:
         """Whether a new socket shall replace one without WELCOME."""
         if self._way() != (self._address, self.keys):
             return True
-        # A new socket would make a starved hub begin again, and answer the old one in vain.
+        # A new socket would make a starved hub begin again, and answer one that is gone.
         return now >= self._reopen and not now - self._shook_hands < _STARVED_S
 
     def _way(self) -> tuple[str, ClientKeys | Token | None]:

@@ -136,7 +136,7 @@ def nothing_plugged_in(monkeypatch: pytest.MonkeyPatch) -> None:
         (
             ["robot:1481"],
             ExitCode.USAGE,
-            "--ssh USER@HOST, `rune-hub` goes through ssh -L), or give --keys",
+            "--ssh USER@HOST, `rune-hub` runs there as well), or give --keys",
         ),
         (["127.0.0.1", "--device", "1"], ExitCode.USAGE, "there is no joystick 1"),
         (["ipc:///nobody/there"], ExitCode.NO_HUB, "no hub answers at ipc:///nobody/there"),
@@ -202,5 +202,5 @@ def test_a_hub_that_does_not_answer_behind_ssh_is_named_as_the_robot_knows_it(
     monkeypatch.setattr(pad, "Tunnel", Way)
     assert main(["pad", "--ssh", "alice@robot"]) == ExitCode.NO_HUB
     said = capsys.readouterr().err
-    why = "no hub answers at tcp://127.0.0.1:1381 of ssh alice@robot; is rune-hub running there?"
+    why = "no hub answers at ssh alice@robot; is rune-hub running there?"
     assert said == f"rune: {why}\n"

@@ -125,7 +125,7 @@ def test_font_files_that_cannot_be_used_are_named_with_the_reason(tmp_path: Path
     broken.write_bytes(b"no font at all")
     for path, reason in (
         (tmp_path / "missing.ttf", "No such file"),
-        (tmp_path, "directory"),
+        (tmp_path, "no regular file"),
         (broken, "TrueType"),
     ):
         with pytest.raises(FontError, match=reason) as caught:

@@ -166,15 +166,15 @@ def test_who_joins_is_told_of_the_mission_and_of_what_changes() -> None:
 
 def test_the_pane_says_name_time_marks_and_the_saved_map() -> None:
     assert [part.text for part in mission_rows(RUNS, 0)] == [
-        "cellar, 3 min", "3 marks kept", "map saved 4 s ago",
+        "3 marks kept", "cellar, 3 min", "map saved 4 s ago",
     ]  # fmt: skip
     fresh = dataclasses.replace(RUNS, running_s=3.0, marks=1, map_age_s=math.nan)
     assert [part.text for part in mission_rows(fresh, 0)] == [
-        "cellar, 3 s", "1 mark kept", "map not saved yet",
+        "1 mark kept", "cellar, 3 s", "map not saved yet",
     ]  # fmt: skip
     assert [part.text for part in mission_rows(FULL, 1)][1:] == [
-        "3 marks, 2 changes in memory only", "map saved 4 s ago",
-        "NOT CONFIRMED BY THE ROBOT: 1", "NOT KEPT: the disk is full",
+        "NOT KEPT: the disk is full", "3 marks, 2 changes in memory only",
+        "cellar, 3 min", "map saved 4 s ago",
     ]  # fmt: skip
 
 

@@ -55,7 +55,7 @@ def test_every_primitive_is_in_the_table_of_formats() -> None:
     "phrase",
     [
         f"Version {frames.VERSION}.",
-        f"The default of p is {endpoints.DEFAULT_PORT}",
+        f"p is {endpoints.DEFAULT_PORT}",
         f"{frames.MAX_FRAME:,} bytes",
         f"{formats.MAX_TEXT:,} characters, written and spelt out, {formats.MAX_DEPTH} levels",
         f"levels, {formats.MAX_ELEMENTS:,} elements",

@@ -84,7 +84,7 @@ def test_each_mistake_of_the_parts_has_its_line(tmp_path: Path) -> None:
     assert problems == [
         "line 10: [[range]] 2, key 'kind': 'sonr' is none of sonar, infrared, laser, echo sounder;"
         " did you mean 'sonar'?",
-        "line 16: [[range]] 3, key 'nearest': 3 m is not less than 'farthest', 2 m",
+        "line 16: [[range]] 3, key 'nearest': 3 m is more than 'farthest', 2 m",
         "line 27: [[bumper]] 1: unknown key 'width'; did you mean 'width_deg'?",
         "line 26: [[bumper]] 1: key 'name' is missing",
         "line 13: [[range]] 3, key 'name': 'a' is the name of another frame",
