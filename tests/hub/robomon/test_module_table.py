@@ -176,9 +176,8 @@ def test_all_mistakes_are_reported_at_once(tmp_path: Path) -> None:
 
 def test_a_number_of_thousands_of_digits_is_no_way_out(tmp_path: Path) -> None:
     text = GOOD.replace("seed = 1 ", "seed = 0x" + "f" * 5000 + " ")
-    assert problems_of(tmp_path, text) == [
-        "line 11: [simulation], key 'seed': a number of many digits is not between 0 and 9.22337e+18"
-    ]
+    (said,) = problems_of(tmp_path, text)
+    assert said.startswith("line 11: [simulation], key 'seed': a number of many digits is not")
 
 
 def test_not_toml_and_no_file(tmp_path: Path) -> None:
