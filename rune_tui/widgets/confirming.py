@@ -13,6 +13,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterator
 
 from hub.gcm.mapping import (
@@ -28,6 +29,7 @@ from hub.values import dataclass
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, MarksWaiting, Notify, SendEffect
 from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.model.world import WorldPoint
 
 ANSWER_S = 3.0
 """Time without a confirmation after which there is an alarm [s]."""
@@ -190,3 +192,18 @@ def _name(command: PointCommand) -> str:
 
 def _effect(robot: str, command: PointCommand) -> SendEffect:
     return SendEffect(robot=robot, definition=POINT_COMMAND, value=command)
+
+
+def nearest_mark(
+    place: WorldPoint,
+    robot: RobotState,
+    radius: float,
+    counts: Callable[[InterestPoint], bool] = lambda _: True,
+) -> InterestPoint | None:
+    """The nearest mark that counts; None if all are farther away than the radius [m]."""
+
+    def distance(point: InterestPoint) -> float:
+        return math.hypot(point.x - place.x, point.y - place.y)
+
+    near = [p for p in points_of(robot) if counts(p) and distance(p) <= radius]
+    return min(near, key=distance, default=None)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from abc import abstractmethod
-from collections.abc import Callable
 from typing import ClassVar, Final
 
 import numpy as np
@@ -29,13 +28,13 @@ from rune_tui.model.effects import AskEffect, Effect, ExportEffect, Notify, Send
 from rune_tui.model.pose import Pose
 from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
-from rune_tui.widgets.confirming import USES, Confirming, points_of
+from rune_tui.widgets.confirming import USES, Confirming, nearest_mark, points_of
 from rune_tui.widgets.marks import OPERATOR
-from rune_tui.widgets.pointing import PointedWidget
+from rune_tui.widgets.pointing import FRESH_S, PointedWidget
 from rune_tui.widgets.widget import EffectWidget, OrderWidget
 
-_FRESH_S = 1.0
-"""Largest age of the pose for the place of a click [s]."""
+_FIXED_M = 0.3
+"""Largest error of a victim's place by which the robot's place is corrected [m]."""
 _REMOVED_S = 3.0
 """Time for which a removed point may still be in the last report [s]."""
 _RADIUS: Final = NumberOption(
@@ -117,7 +116,7 @@ class _MarkWidget(PointedWidget):
     ) -> tuple[Effect, ...]:
         """Effects for the nearest mark, or a sentence that there is none."""
         radius = self.spec.options.number("radius")
-        nearest = _nearest(place, robot, radius, lambda _: True)
+        nearest = nearest_mark(place, robot, radius)
         if nearest is None:
             text = f"not {self.purpose}: no mark is within {radius:g} m of where you clicked"
             return (Notify.now(state, text, robot=robot.name),)
@@ -160,7 +159,7 @@ class EditMark(_MarkWidget):
 
 
 class CorrectLandmark(PointedWidget):
-    """Corrects the robot's pose: a marked landmark is seen where the operator clicks."""
+    """Corrects the robot's pose: a mark with a sure place is seen where the operator clicks."""
 
     purpose: ClassVar[str] = "corrected"
     rule: ClassVar = HandlerRule(
@@ -168,7 +167,8 @@ class CorrectLandmark(PointedWidget):
         says={"": "Correct where the robot is: a landmark's foot"},
         meaning=(
             "Corrects where the robot thinks it is: click on the foot of a marked landmark, where "
-            "you see it. The nearest marked landmark is the one that is meant."
+            "you see it. The nearest marked landmark is the one that is meant. A victim counts too "
+            "where its place is known to 0.3 m."
         ),
         options={
             "radius": NumberOption(
@@ -189,15 +189,19 @@ class CorrectLandmark(PointedWidget):
         where the camera really saw it, however wrong the pose is.
         """
         radius = self.spec.options.number("radius")
-        landmark = _nearest(place, robot, radius, lambda p: p.kind is PointKind.LANDMARK)
+        landmark = nearest_mark(place, robot, radius, _is_fixed)
         known = robot.navigation
         if landmark is None:
             text = f"not corrected: no landmark is marked within {radius:g} m of where you clicked"
-        elif known is None or known.age(state.now) > _FRESH_S:
+            victim = nearest_mark(place, robot, radius)
+            if victim is not None:
+                text += f"; the place of victim {victim.number} is not known to {_FIXED_M:g} m"
+        elif known is None or known.age(state.now) > FRESH_S:
             text = "not corrected: where the robot is now is not known"
         else:
             way = math.hypot(landmark.x - place.x, landmark.y - place.y)
-            text = f"landmark {landmark.number} is seen {way:.2f} m beside its place: corrected"
+            named = f"{landmark.kind.name.lower()} {landmark.number}"
+            text = f"{named} is seen {way:.2f} m beside its place: corrected"
             pose = Pose(x=known.value.x, y=known.value.y, theta=known.value.theta)
             seen_x, seen_y = pose.from_map((place.x, place.y)).tolist()
             value = LandmarkCorrection(x=landmark.x, y=landmark.y, seen_x=seen_x, seen_y=seen_y)
@@ -236,6 +240,11 @@ def _removal(point: InterestPoint) -> PointCommand:
     return PointCommand(action=PointAction.REMOVE, point=emptied)
 
 
+def _is_fixed(point: InterestPoint) -> bool:
+    """Whether the place of a mark may correct the robot's; an unknown error may not."""
+    return point.kind is PointKind.LANDMARK or 0.0 < point.uncertainty <= _FIXED_M
+
+
 def _removed_words(command: PointCommand, _kept: InterestPoint | None) -> str:
     """The report of a removed mark."""
     return f"{command.point.kind.name.lower()} {command.point.number} is removed"
@@ -246,15 +255,3 @@ def _outcome_words(command: PointCommand, kept: InterestPoint | None) -> str:
     if kept is None:
         return _removed_words(command, kept)
     return f"{kept.kind.name.lower()} {kept.number} is changed"
-
-
-def _nearest(
-    place: WorldPoint, robot: RobotState, radius: float, counts: Callable[[InterestPoint], bool]
-) -> InterestPoint | None:
-    """The nearest point that counts; None if all are farther away than the radius [m]."""
-
-    def distance(point: InterestPoint) -> float:
-        return math.hypot(point.x - place.x, point.y - place.y)
-
-    near = [p for p in points_of(robot) if counts(p) and distance(p) <= radius]
-    return min(near, key=distance, default=None)

@@ -13,6 +13,9 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.model.world import WorldPoint
 from rune_tui.widgets.widget import PressWidget
 
+FRESH_S = 1.0
+"""Largest age of the pose for an order that depends on it [s]."""
+
 
 class PointedWidget(PressWidget):
     """A widget that acts on the place that was clicked."""

@@ -255,6 +255,19 @@ def test_a_correction_says_where_the_nearest_landmark_is_seen_from_the_robot():
     assert seen == pytest.approx((PLACE.x, PLACE.y))
 
 
+def test_a_victim_corrects_the_pose_where_its_place_is_known():
+    fixed = dataclasses.replace(marked(3), uncertainty=0.25)
+    effects = widget_of("widgetCorrectLandmark").handle(click(), LEFT, seeing(fixed))
+    (effect,) = [effect for effect in effects if isinstance(effect, SendEffect)]
+    assert (effect.value.x, effect.value.y) == (3.0, -1.0)
+    assert "victim 3 is seen 0.00 m beside its place" in told(effects[1:])
+    for unsure in (math.nan, 0.0, 0.4):
+        state = seeing(dataclasses.replace(fixed, uncertainty=unsure))
+        text = told(widget_of("widgetCorrectLandmark").handle(click(), LEFT, state))
+        assert "no landmark" in text
+        assert "the place of victim 3 is not known to 0.3 m" in text
+
+
 def test_no_landmark_or_no_fresh_pose_no_correction():
     widget = widget_of("widgetCorrectLandmark")
     assert "no landmark" in told(widget.handle(click(), LEFT, seeing(marked(1))))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import dataclasses
 import math
 
@@ -32,11 +33,13 @@ from rune_tui.model.effects import (
 from rune_tui.model.state_changes import changed
 from tests.console.visualizers.conftest import received
 from tests.console.widgets.presses import (
+    LANDMARK,
     again,
     at,
     click,
     down,
     event_spec,
+    marked,
     seeing,
     up,
     widget_of,
@@ -71,6 +74,38 @@ def test_a_click_sends_the_robot_to_the_place(linear: float, limit: float):
     assert len(goal.points) == 1
     assert math.isnan(goal.theta)
     assert goal.linear_limit == pytest.approx(limit, nan_ok=True)
+
+
+def test_a_click_on_a_mark_sends_the_robot_before_it_and_turned_to_it():
+    marks = (marked(1, x=3.2), marked(2, LANDMARK, x=5.0))
+    effects = widget_of("widgetGoTo").handle(click(), event_spec("mouse left"), seeing(*marks))
+    (goal,) = values(effects)
+    assert isinstance(goal, GoalCommand)
+    (point,) = goal.points
+    robot, mark = complex(1.0, 1.0), complex(3.2, -1.0)
+    assert abs(mark - complex(point.x, point.y)) == pytest.approx(1.0)
+    assert abs(complex(point.x, point.y) - robot) == pytest.approx(abs(mark - robot) - 1.0)
+    assert goal.theta == pytest.approx(cmath.phase(mark - robot))
+    (told,) = [each.notice.text for each in effects if isinstance(each, Notify)]
+    assert told == "sent to victim 1, 1.0 m before it"
+    (beside,) = values(
+        widget_of("widgetGoTo", mark=0.1).handle(click(), event_spec("mouse left"), seeing(*marks))
+    )
+    assert isinstance(beside, GoalCommand)
+    assert [(point.x, point.y) for point in beside.points] == [(3.0, -1.0)]
+
+
+def test_no_way_to_a_mark_that_is_near_or_from_a_place_that_is_not_known():
+    old = received(robot_state(x=1.0, y=1.0), age=1.5)
+    for state, options, words in (
+        (seeing(marked(1)), {"before": 3.0}, "the robot is 2.8 m from it already"),
+        (seeing(marked(1), navigation=old), {}, "where the robot is now is not known"),
+        (seeing(marked(1), navigation=None), {}, "where the robot is now is not known"),
+    ):
+        widget = widget_of("widgetGoTo", **options)
+        (effect,) = widget.handle(click(), event_spec("mouse left"), state)
+        assert isinstance(effect, Notify)
+        assert words in effect.notice.text
 
 
 @for_each("order", ["explore", "return", "hold", "wander"])
