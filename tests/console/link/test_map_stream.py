@@ -10,6 +10,7 @@ import numpy as np
 
 from hub.gcm import map_coding
 from hub.gcm.mapping import MAP, MAP_REQUEST, Map, MapRequest
+from hub.gcm.supervision import MODULE_INFO, ModuleInfo
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from rune_tui.layout.spec import CapabilitySpec, RobotSpec
@@ -22,6 +23,7 @@ OFTEN = (CapabilitySpec(name="PRO_MAP", interval_s=0.02),)
 
 def test_a_layout_that_shows_the_map_asks_for_it_again_and_again(tmp_path: Path) -> None:
     asked: list[MapRequest] = []
+    infos: list[ModuleInfo] = []
 
     def answer(request: MapRequest) -> Map:
         asked.append(request)
@@ -41,12 +43,13 @@ def test_a_layout_that_shows_the_map_asks_for_it_again_and_again(tmp_path: Path)
     )
     hides = dataclasses.replace(shows, messages=frozenset())
     with closing(Central([endpoint])), closing(Client("mapping", endpoint)) as mapping:
+        mapping.subscribe(MODULE_INFO, lambda info, _: infos.append(info))
         mapping.respond(MAP_REQUEST, MAP, answer)
         mapping.wait_defined(5.0)
         with closing(RobotLink(hides)) as link:
             link.start()
-            until(lambda: mapping.listen(0.05) or link.state.link.number > 0, 10.0)
-            assert asked == []
+            until(lambda: mapping.listen(0.05) or len(infos) > 1, 10.0)
+            assert asked == [], "two seconds of a layout without a map"
             link.follow(shows)
             until(lambda: mapping.listen(0.05) or len(asked) > 2, 10.0)
             until(lambda: link.state.map is not None, 10.0)
