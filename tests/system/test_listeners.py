@@ -34,7 +34,14 @@ def listeners(pid: int) -> set[str]:
     return set().union(*(_of(each) for each in (psutil.Process(pid), *family(pid))))
 
 
-def _of(process: psutil.Process) -> Iterator[str]:
+def _of(process: psutil.Process) -> set[str]:
+    try:
+        return set(_sockets(process))
+    except (psutil.NoSuchProcess, FileNotFoundError):
+        return set()  # it has just ended
+
+
+def _sockets(process: psutil.Process) -> Iterator[str]:
     for each in process.net_connections("inet"):
         listens = each.status == psutil.CONN_LISTEN
         udp = each.type.name == "SOCK_DGRAM" and not each.raddr

@@ -86,7 +86,7 @@ class EntranceMonitors:
                 if event in _FAILURES:
                     self._bad_handshake(place)
             else:
-                if handshakes.ended_early(descriptor):
+                for _ in range(handshakes.ended(descriptor)):
                     self._bad_handshake(place)
                 if floods is not None:
                     floods.disconnected(descriptor)

@@ -5,10 +5,10 @@ the connection ended. Its reports of successes and failures do not name the conn
 
 | event | action |
 | --- | --- |
-| accepted | one more handshake is under way |
-| succeeded, failed | one less |
-| a young connection ends while handshakes are under way | one less, which ended early |
-| any other end | none |
+| accepted | one more handshake is under way, on a young connection |
+| succeeded, failed | one less is under way |
+| a connection ends, or is no longer young | it is none of the young |
+| more are under way than there are young connections | the rest ended early |
 """
 
 from __future__ import annotations
@@ -24,21 +24,23 @@ class UnfinishedHandshakes:
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._accepted: dict[int, float] = {}
+        self._young: dict[int, float] = {}
         self._under_way = 0
 
     def accepted(self, descriptor: int) -> None:
         """A connection begins."""
-        self._accepted[descriptor] = self._clock()
+        self._young[descriptor] = self._clock()
         self._under_way += 1
 
     def decided(self) -> None:
         """A handshake succeeded or failed."""
         self._under_way = max(0, self._under_way - 1)
 
-    def ended_early(self, descriptor: int) -> bool:
-        """A connection ends; whether its handshake was not over."""
-        began = self._accepted.pop(descriptor, -LONGEST_S)
-        early = self._under_way > 0 and self._clock() - began < LONGEST_S
+    def ended(self, descriptor: int) -> int:
+        """A connection ends; the number of handshakes that are known now to have ended early."""
+        self._young.pop(descriptor, None)
+        oldest = self._clock() - LONGEST_S
+        self._young = {each: at for each, at in self._young.items() if at >= oldest}
+        early = max(0, self._under_way - len(self._young))
         self._under_way -= early
         return early
