@@ -7,13 +7,13 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from hub.files import read_regular
-from hub.robots.xml_text import xml_root
+from hub.robots.xml_text import XmlElement, xml_root
 
 Points = npt.NDArray[np.float64]
 """Places in the frame of the mesh, in its own unit, shape (n, 3)."""
@@ -145,12 +145,12 @@ def _dae(raw: bytes) -> Points:
 class _Scenes:
     """The scenes of a COLLADA file; a part may occur in many places of them."""
 
-    def __init__(self, root: Any) -> None:  # noqa: ANN401 - an element of lxml
+    def __init__(self, root: XmlElement) -> None:
         parts = root.iter("{*}geometry", "{*}node")
         self._named = {each.get("id"): each for each in parts if each.get("id")}
         self._nodes = self._points = 0
 
-    def node(self, node: Any, outer: Points, depth: int) -> Iterator[Points]:  # noqa: ANN401 - of lxml
+    def node(self, node: XmlElement, outer: Points, depth: int) -> Iterator[Points]:
         """The points of a node and of those within, in the frame of the scene.
 
         Args:
@@ -182,7 +182,7 @@ class _Scenes:
                 reason = f"its <{tag}> is not read"
                 raise ValueError(reason)
 
-    def _of(self, instance: Any) -> Any:  # noqa: ANN401 - elements of lxml
+    def _of(self, instance: XmlElement) -> XmlElement:
         """The part of an instance."""
         part = self._named.get(instance.get("url", "").removeprefix("#"))
         if part is None:
@@ -191,7 +191,7 @@ class _Scenes:
         return part
 
 
-def _geometry(element: Any) -> Points:  # noqa: ANN401 - an element of lxml
+def _geometry(element: XmlElement) -> Points:
     """The points of a geometry."""
     sources = {f"#{each.get('id')}": each for each in element.iterfind("{*}mesh/{*}source")}
     found = [np.empty((0, 3))]

@@ -7,9 +7,8 @@ above; where a link has none that can be read, around its visual ones. Poses cou
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from hub.gcm.orientation import angles
 from hub.gcm.standard import BASE_LINK
 from hub.plain_text import is_plain
 from hub.robots.urdf_outline import Matrix, origin_of, outline_of
-from hub.robots.xml_text import xml_root
+from hub.robots.xml_text import XmlElement, xml_root
 from hub.values import dataclass
 
 _MOST_BYTES = 10_000_000
@@ -80,7 +79,7 @@ def _model_in(raw: bytes, name: str, beside: Path | None) -> UrdfModel:
         raise RobotFileError(name, [str(error)]) from error
 
 
-def _parsed(raw: bytes) -> Any:  # noqa: ANN401 - an element of lxml
+def _parsed(raw: bytes) -> XmlElement:
     root = xml_root(raw)
     if root.tag != "robot":
         reason = f"line {root.sourceline}: its first element is <{root.tag}>, not <robot>"
@@ -88,8 +87,8 @@ def _parsed(raw: bytes) -> Any:  # noqa: ANN401 - an element of lxml
     return root
 
 
-def _model(root: Any, beside: Path | None) -> UrdfModel:  # noqa: ANN401 - an element of lxml
-    links: dict[str, Any] = {}
+def _model(root: XmlElement, beside: Path | None) -> UrdfModel:
+    links: dict[str, XmlElement] = {}
     for link in root.iterfind("link"):
         name = _name(link)
         if name in links:
@@ -121,24 +120,24 @@ def _model(root: Any, beside: Path | None) -> UrdfModel:  # noqa: ANN401 - an el
     )
 
 
-def _name(element: Any) -> str:  # noqa: ANN401 - an element of lxml
+def _name(element: XmlElement) -> str:
     name = element.get("name")
     if not name:
         reason = f"line {element.sourceline}: <{element.tag}> has no name"
         raise ValueError(reason)
-    return str(name)
+    return name
 
 
-def _linked(joint: Any, end: str, links: Mapping[str, Any]) -> str:  # noqa: ANN401 - of lxml
+def _linked(joint: XmlElement, end: str, links: Mapping[str, XmlElement]) -> str:
     element = joint.find(end)
-    name = "" if element is None else str(element.get("link", ""))
+    name = "" if element is None else element.get("link", "")
     if name not in links:
         reason = f"line {joint.sourceline}: the {end} of joint {_name(joint)!r} is no link"
         raise ValueError(reason)
     return name
 
 
-def _only_root(links: Mapping[str, Any], joints: Mapping[str, Any]) -> str:
+def _only_root(links: Mapping[str, XmlElement], joints: Container[str]) -> str:
     roots = [name for name in links if name not in joints]
     if len(roots) != 1:
         reason = f"{len(roots)} links have no parent, so none is the base"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ from hub.gcm.orientation import rotation
 from hub.plain_text import plain
 from hub.robots.footprint import footprint_fault
 from hub.robots.meshes import mesh_file, mesh_points
+from hub.robots.xml_text import XmlElement
 from hub.values import dataclass
 
 Matrix = npt.NDArray[np.float64]
@@ -40,12 +41,12 @@ class UrdfOutline:
 
 
 def outline_of(
-    links: Mapping[str, Any], placed: Mapping[str, Matrix], beside: Path | None
+    links: Mapping[str, XmlElement], placed: Mapping[str, Matrix], beside: Path | None
 ) -> UrdfOutline:
     """The outline of links.
 
     Args:
-        links: The elements of lxml by name.
+        links: By name.
         placed: The pose of each on the robot.
         beside: The URDF file, for the names of meshes; None: it came from a robot.
 
@@ -61,7 +62,6 @@ def outline_of(
                 (shape, placed[name] @ origin_of(body))
                 for body in link.iterfind(kind)
                 for shape in body.iterfind("geometry/*")
-                if isinstance(shape.tag, str)
             ]
             unread = [fault for each in shapes if (fault := _add(*each, beside, reach))]
             faults += unread
@@ -85,7 +85,7 @@ def outline_of(
     return UrdfOutline(corners=corners, fault=fault, reach=reaches)
 
 
-def _add(shape: Any, pose: Matrix, beside: Path | None, reach: Matrix) -> str:  # noqa: ANN401 - of lxml
+def _add(shape: XmlElement, pose: Matrix, beside: Path | None, reach: Matrix) -> str:
     """Widen an outline by a shape at a pose; returns why that cannot be done, in words."""
     try:
         points = _seen_from_above(shape, pose, beside)
@@ -102,13 +102,13 @@ class _UnreadError(Exception):
 
 
 def _numbers(
-    element: Any,  # noqa: ANN401 - an element of lxml
+    element: XmlElement,
     attribute: str,
     usual: str,
     count: int,
     least: float = -_LONGEST_M,
 ) -> list[float]:
-    text = str(element.get(attribute, usual))
+    text = element.get(attribute, usual)
     try:
         numbers = [float(word) for word in text.split()]
     except ValueError:
@@ -122,7 +122,7 @@ def _numbers(
     return numbers
 
 
-def origin_of(element: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
+def origin_of(element: XmlElement) -> Matrix:
     """The pose in <origin>: fixed axes, roll first, then pitch, then yaw."""
     pose: Matrix = np.eye(4)
     origin = element.find("origin")
@@ -133,7 +133,7 @@ def origin_of(element: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
     return pose
 
 
-def _seen_from_above(shape: Any, pose: Matrix, beside: Path | None) -> Matrix:  # noqa: ANN401 - of lxml
+def _seen_from_above(shape: XmlElement, pose: Matrix, beside: Path | None) -> Matrix:
     """Points whose hull encloses a shape at a pose, seen from above [m], shape (n, 2)."""
     turn = np.eye(3) if shape.tag == "sphere" else pose[:3, :3]
     if shape.tag == "mesh":
@@ -150,9 +150,9 @@ def _seen_from_above(shape: Any, pose: Matrix, beside: Path | None) -> Matrix:  
     return np.asarray((points @ turn.T + pose[:3, 3])[:, :2])
 
 
-def _mesh(shape: Any, beside: Path | None) -> Matrix:  # noqa: ANN401 - an element of lxml
+def _mesh(shape: XmlElement, beside: Path | None) -> Matrix:
     """The points of a mesh [m], shape (n, 3)."""
-    name, scale = str(shape.get("filename", "")), _numbers(shape, "scale", "1 1 1", 3)
+    name, scale = shape.get("filename", ""), _numbers(shape, "scale", "1 1 1", 3)
     try:
         points = mesh_points(mesh_file(name, beside)) * scale
         farthest = np.abs(points).max()
@@ -165,26 +165,26 @@ def _mesh(shape: Any, beside: Path | None) -> Matrix:  # noqa: ANN401 - an eleme
     return np.asarray(points)
 
 
-def _box(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
+def _box(shape: XmlElement) -> Matrix:
     half = np.array(_numbers(shape, "size", "", 3, 0.0)) / 2.0
     corners = np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
     return np.asarray(corners * half)
 
 
-def _cylinder(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
+def _cylinder(shape: XmlElement) -> Matrix:
     (length,) = _numbers(shape, "length", "", 1, 0.0)
     ends = [np.add(_sphere(shape), (0.0, 0.0, end)) for end in (-length / 2, length / 2)]
     return np.concatenate(ends)
 
 
-def _sphere(shape: Any) -> Matrix:  # noqa: ANN401 - an element of lxml
+def _sphere(shape: XmlElement) -> Matrix:
     """The corners of a polygon around its equator; a sphere looks the same from all sides."""
     (radius,) = _numbers(shape, "radius", "", 1, 0.0)
     outside = radius / math.cos(math.pi / len(_RIM))
     return outside * np.stack([np.cos(_RIM), np.sin(_RIM), 0.0 * _RIM], axis=1)
 
 
-_SHAPES: Final[Mapping[str, Callable[[Any], Matrix]]] = {
+_SHAPES: Final[Mapping[str, Callable[[XmlElement], Matrix]]] = {
     "box": _box,
     "cylinder": _cylinder,
     "sphere": _sphere,

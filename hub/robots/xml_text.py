@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element  # noqa: TID251 - its type only
+
+XmlElement: TypeAlias = "_Element"
 
 
-def xml_root(raw: bytes) -> Any:  # noqa: ANN401 - an element of lxml
+def xml_root(raw: bytes) -> XmlElement:
     """The first element of a text; entities stay as they are, and nothing else is read.
 
     Raises:
