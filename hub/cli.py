@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from hub import hub_sockets
 from hub.command_line import (
     CommandParser,
     Commands,
@@ -114,10 +115,21 @@ def run_command(options: argparse.Namespace) -> int:
         return run_mission(options)
     if options.command in _WITHOUT_CLIENT:
         return _WITHOUT_CLIENT[options.command](options)
+    if options.command == "halt" and options.hub == DEFAULT_ENDPOINT:
+        from hub.inspection.halt_command import halt_each
+
+        hubs = hub_sockets.running()
+        if len(hubs) > 1:  # no time to choose: all of them stop
+            return halt_each(hubs, lambda hub: _inspect(options, hub), as_json=options.json)
+    return _inspect(options)
+
+
+def _inspect(options: argparse.Namespace, hub: str = "") -> int:
+    """Carry out a command that inspects a hub; empty: that of the options."""
     from hub.inspection import message_commands
 
     with message_commands.failures_explained(options.command):
-        client = message_commands.connect(options.hub, options.command, options.keys)
+        client = message_commands.connect(hub or options.hub, options.command, options.keys)
         try:
             return _run_inspection(client, options)
         except KeyboardInterrupt:

@@ -155,7 +155,7 @@ class HubFolder:
 
     @property
     def endpoint(self) -> str:
-        """Address for clients."""
+        """Where clients of this machine connect, an ipc:// address."""
         return f"ipc://{self.path / SOCKET}"
 
     def publish_tcp(self, endpoint: str) -> None:
@@ -177,7 +177,7 @@ class HubFolder:
         return True
 
     def close(self) -> None:
-        """Remove it."""
+        """Remove the folder, after the hub's sockets are closed."""
         shutil.rmtree(self.path, ignore_errors=True)
 
     def _make(self) -> None:

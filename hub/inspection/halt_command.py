@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable, Sequence
 
-from hub.command_line import login_name
+from hub.command_line import ExitCode, login_name
 from hub.command_output import print_error, put, put_json
+from hub.errors import HubError
 from hub.gcm.control import CONTROL_STATE, PLAYED, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState, RobotState, Stop
+from hub.hub_sockets import RunningHub
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 
@@ -132,3 +135,23 @@ def halt(client: Client, *, as_json: bool) -> int:
     if not as_json:
         put(f"the robot stands, {lasted:.1f} s after the first stop; it waits for neutral")
     return 0
+
+
+def halt_each(hubs: Sequence[RunningHub], halt_one: Callable[[str], int], *, as_json: bool) -> int:
+    """Stop the robots of several hubs; the largest exit code.
+
+    Args:
+        hubs: The hubs.
+        halt_one: Stops the robot of the hub at an endpoint; returns the exit code.
+        as_json: Whether each reports a line of JSON.
+    """
+    codes = []
+    for hub in hubs:
+        if not as_json:
+            put(f"{hub.name}:")
+        try:
+            codes.append(halt_one(hub.endpoint))
+        except HubError as error:  # the others have to stop too
+            print_error(str(error))
+            codes.append(ExitCode.NO_HUB)
+    return max(codes)

@@ -31,7 +31,7 @@ class OwnHub(OwnProgram):
             OwnHubError: The process cannot be started.
         """
         self._endpoint = ""
-        command = ["run", robot, "--as", f"console-{os.getpid()}-{next(_numbers)}"]
+        command = ["run", robot, "--as", f"{Path(robot).stem[:16]}-{os.getpid()}-{next(_numbers)}"]
         command += [word for setting in settings for word in ("--set", setting)]
         # A demo's data end with it, so that the next one begins with an empty map.
         self._data = tempfile.TemporaryDirectory(prefix="rune-demo-", ignore_cleanup_errors=True)

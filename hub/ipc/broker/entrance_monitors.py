@@ -63,7 +63,7 @@ class EntranceMonitors:
         self._read(CONTROL)
 
     def close(self) -> None:
-        """Close them."""
+        """Close the monitors, before the sockets that they watch."""
         for monitor in self._monitors.values():
             monitor.close(0)
 

@@ -28,7 +28,7 @@ class UnfinishedHandshakes:
         self._under_way = 0
 
     def accepted(self, descriptor: int) -> None:
-        """A connection begins."""
+        """A connection begins, and with it a handshake."""
         self._young[descriptor] = self._clock()
         self._under_way += 1
 

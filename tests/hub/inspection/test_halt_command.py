@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import pytest
 
 from hub.gcm.control import CONTROL_STATE, PLAYED, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState
+from hub.hub_sockets import HubFolder
 from hub.inspection import halt_command
 from hub.inspection.halt_command import Halt
 from hub.ipc.broker.central import Central
@@ -182,3 +183,22 @@ def test_who_wants_to_stop_the_robot_by_stop_learns_of_halt() -> None:
     done = rune_hub("stop")
     assert done.returncode == 2
     assert "`rune-hub halt` stops the robot" in done.stderr
+
+
+def test_without_a_name_the_robots_of_all_hubs_stop(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "run").mkdir(mode=0o700)
+    monkeypatch.setenv("RUNE_RUNTIME_DIR", str(tmp_path / "run"))
+    with ExitStack() as stack:
+        for name in ("magellan", "blimp"):
+            folder = stack.enter_context(closing(HubFolder(name)))
+            stack.enter_context(closing(Central([folder.endpoint])))
+            stack.enter_context(closing(Robot(folder.endpoint)))
+        done = rune_hub("halt")
+    assert done.returncode == 0
+    assert done.stdout.count("the robot stands") == 2
+    assert [line for line in done.stdout.splitlines() if line.endswith(":")] == [
+        "blimp:",
+        "magellan:",
+    ]
