@@ -12,9 +12,9 @@ import socket
 import ssl
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar, TypeVarTuple
 
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
@@ -34,6 +34,9 @@ from hub.values import dataclass
 
 if TYPE_CHECKING:
     from websockets.http11 import Request, Response
+
+T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
 
 _logger = logging.getLogger(__name__)
 
@@ -114,7 +117,7 @@ class ToolServer:
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True, name="panels")
         self._thread.start()
         try:
-            self._server: Server = self._wait(self._open())
+            self._server = self._wait(self._open())
         except (OSError, ssl.SSLError) as error:
             self._end()
             raise DoorError(_words(error, settings)) from error
@@ -169,11 +172,11 @@ class ToolServer:
             self._wait(self._shut())
         self._end()
 
-    def _call(self, work: Callable[..., None], *arguments: Any) -> None:  # noqa: ANN401
+    def _call(self, work: Callable[[*Ts], None], *arguments: *Ts) -> None:
         """Have the server's thread do something."""
         self._loop.call_soon_threadsafe(work, *arguments)
 
-    def _wait(self, work: Any) -> Any:  # noqa: ANN401 - a coroutine of any result
+    def _wait(self, work: Coroutine[Any, Any, T]) -> T:
         return asyncio.run_coroutine_threadsafe(work, self._loop).result(_START_S)
 
     def _end(self) -> None:
@@ -297,8 +300,7 @@ class ToolServer:
     def _withdraw(self, number: int) -> None:
         del self._topics[number]
         for viewer in self._viewers.values():
-            if number in viewer.channels:
-                viewer.drop(number)
+            if viewer.drop(number):
                 self._asked.unwatch(viewer.number, number)
         self._say_to_all(wire.gone_channel(number))
 

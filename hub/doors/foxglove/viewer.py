@@ -31,11 +31,6 @@ class Viewer:
         self._messages: deque[bytes] = deque(maxlen=_BACKLOG)
         self._waits = asyncio.Event()
 
-    @property
-    def channels(self) -> frozenset[int]:
-        """The channels that it subscribes to."""
-        return frozenset(self._by_channel)
-
     def subscribe(self, subscription: int, channel: int) -> bool:
         """Subscribe to a channel; returns False if it does already."""
         if subscription in self._channel_of or channel in self._by_channel:
@@ -51,11 +46,12 @@ class Viewer:
             del self._by_channel[channel]
         return channel
 
-    def drop(self, channel: int) -> None:
-        """End the subscription to a channel that is gone."""
+    def drop(self, channel: int) -> bool:
+        """End the subscription to a channel that is gone; returns False if there was none."""
         subscription = self._by_channel.pop(channel, None)
         if subscription is not None:
             del self._channel_of[subscription]
+        return subscription is not None
 
     def subscription_to(self, channel: int) -> int | None:
         """The number of its subscription to a channel; None: there is none."""

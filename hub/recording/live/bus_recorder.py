@@ -6,7 +6,7 @@ import dataclasses
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from hub.gcm.capability import Capability
 from hub.gcm.recording import MOST_TOPICS, LostMessages
@@ -20,6 +20,8 @@ from hub.recording.live.ros_names import RosTopics
 from hub.recording.live.series import LatchedMessage, RecordingSeries
 from hub.recording.live.settings import RecordingTable
 from hub.recording.topics import RecordedTopic, topic_of
+
+T = TypeVar("T")
 
 _LARGEST_LATCHED = 16 * 2**20
 """Longest message that begins each file [bytes]."""
@@ -152,20 +154,10 @@ class BusRecorder:
             self._latched.add(topic.name)
         return topic
 
-    def _keep_answer(
-        self,
-        definition: MessageDefinition[Any],
-        value: Any,  # noqa: ANN401 - any message
-        info: MessageInfo,
-    ) -> None:
+    def _keep_answer(self, definition: MessageDefinition[T], value: T, info: MessageInfo) -> None:
         self.add(definition, value, info.measured)
 
-    def add(
-        self,
-        definition: MessageDefinition[Any],
-        value: Any,  # noqa: ANN401 - any message
-        measured: float,
-    ) -> bool:
+    def add(self, definition: MessageDefinition[T], value: T, measured: float) -> bool:
         """Give the series a message of this process.
 
         Args:
