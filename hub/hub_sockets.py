@@ -16,9 +16,9 @@ from __future__ import annotations
 import contextlib
 import os
 import shutil
-import socket
 import stat
 from pathlib import Path
+from typing import IO
 
 from hub import paths
 from hub.errors import EndpointError
@@ -30,13 +30,14 @@ PREFERRED = "?"
 """Mark before the name of a hub where the only one will do as well."""
 SOCKET = "hub"
 """File name of the control socket; those of the planes have a number behind it."""
+SOCKETS = (SOCKET, *(f"{SOCKET}.{number}" for number in range(1, 7)))
+"""File names of all sockets: for control, and in and out of three planes (docs/protocol.md)."""
 LONGEST_NAME = 32
 """Longest name of a hub [characters]."""
 PROCESS = "pid"
 """File name of the process id."""
 TCP = "tcp"
 """File name of the hub's address for clients with its token, if it has one."""
-_PROBE_S = 0.2
 NOWHERE = f"ipc://{os.devnull}/{SOCKET}"
 """Address at which no hub can listen."""
 
@@ -66,7 +67,7 @@ def running() -> list[RunningHub]:
         if not _is_own(folder):
             continue
         for path in sorted(folder.glob(f"*/{SOCKET}")):
-            if path.parent.name not in found and answers(path):
+            if path.parent.name not in found and runs(path.parent):
                 found[path.parent.name] = RunningHub(name=path.parent.name, path=path)
     return sorted(found.values(), key=lambda hub: hub.name)
 
@@ -111,12 +112,21 @@ def folder_name(name: str) -> str:
     return paths.as_file_name(name[:LONGEST_NAME])
 
 
-def answers(path: Path) -> bool:
-    """Whether a program listens at a Unix socket."""
-    with socket.socket(socket.AF_UNIX) as probe, contextlib.suppress(OSError):
-        probe.settimeout(_PROBE_S)
-        probe.connect(str(path))
+def runs(folder: Path) -> bool:
+    """Whether the hub of a folder runs: it holds a lock on its file, also while it is stopped.
+
+    A connection would tell the same, but a hub without processor time may not accept it, and counts
+    one that says nothing.
+    """
+    try:
+        import fcntl
+
+        with (folder / PROCESS).open() as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
         return True
+    except (OSError, ImportError):
+        return False
     return False
 
 
@@ -128,8 +138,6 @@ class HubFolder:
         tcp: The hub's address for clients with its token; empty: none.
     """
 
-    tcp = ""
-
     def __init__(self, name: str) -> None:
         """Make it.
 
@@ -139,8 +147,9 @@ class HubFolder:
         Raises:
             EndpointError: A hub of this name runs, or the folder cannot be made safely.
         """
-        parent = paths.for_hubs()[0]
-        self.path = parent / folder_name(name)
+        self.path = paths.for_hubs()[0] / folder_name(name)
+        self.tcp = ""
+        self._lock: IO[str] | None = None
         for hub in running():
             if hub.name == self.path.name:
                 text = (
@@ -148,8 +157,8 @@ class HubFolder:
                     "it, or give this one another name with --as"
                 )
                 raise EndpointError(text)
-        for old in self.path.parent.glob(f"*/{SOCKET}"):
-            if not answers(old):  # of a hub that was killed
+        for old in self.path.parent.glob(f"*/{PROCESS}"):
+            if not runs(old.parent):  # of a hub that was killed
                 shutil.rmtree(old.parent, ignore_errors=True)
         self._make()
 
@@ -165,8 +174,8 @@ class HubFolder:
             (self.path / TCP).write_text(f"{endpoint}\n")
 
     def lost(self) -> bool:
-        """Whether the socket is gone: a cleaner, or the end of a login, removed it."""
-        return not (self.path / SOCKET).exists()
+        """Whether a file is gone: a cleaner, or the end of a login, removed it."""
+        return not all((self.path / each).exists() for each in (PROCESS, *SOCKETS))
 
     def make_again(self) -> bool:
         """Make the folder again after it was removed; whether that can be done now."""
@@ -178,7 +187,20 @@ class HubFolder:
 
     def close(self) -> None:
         """Remove the folder, after the hub's sockets are closed."""
+        if self._lock is not None:
+            self._lock.close()
         shutil.rmtree(self.path, ignore_errors=True)
+
+    def _hold(self) -> None:
+        """Write the process id into a file that is locked until this process ends."""
+        import fcntl
+
+        if self._lock is not None:
+            self._lock.close()
+        self._lock = (self.path / PROCESS).open("w")
+        fcntl.flock(self._lock, fcntl.LOCK_EX)
+        self._lock.write(f"{os.getpid()}\n")
+        self._lock.flush()
 
     def _make(self) -> None:
         parent = self.path.parent
@@ -193,7 +215,7 @@ class HubFolder:
         try:
             shutil.rmtree(self.path, ignore_errors=True)  # of a hub that was killed
             self.path.mkdir(mode=0o700)
-            (self.path / PROCESS).write_text(f"{os.getpid()}\n")
+            self._hold()
             if self.tcp:
                 (self.path / TCP).write_text(f"{self.tcp}\n")
         except OSError as error:

@@ -7,6 +7,7 @@ import gc
 import json
 import logging
 import os
+import secrets
 import signal
 import sys
 import threading
@@ -121,7 +122,11 @@ class Daemon:
         with contextlib.ExitStack() as stack:
             folder = stack.enter_context(contextlib.closing(HubFolder(self._name)))
             # A module that restarts finds its central even where the folder was removed.
-            local = f"ipc://@rune-hub-{os.getpid()}" if _ABSTRACT else folder.endpoint
+            local = (
+                f"ipc://@rune-hub-{os.getpid()}-{secrets.token_hex(4)}"
+                if _ABSTRACT
+                else folder.endpoint
+            )
             tcp = [f"tcp://{robot.listen}"] if robot.listen else []
             keyring = Keyring(Path(robot.keys) if robot.keys else default_folder())
             central = Central(

@@ -21,16 +21,14 @@ from pathlib import Path
 from typing import Final
 
 from hub.errors import EndpointError
-from hub.hub_sockets import NAMED
+from hub.hub_sockets import NAMED, SOCKET, SOCKETS
 from hub.ipc.endpoints import DEFAULT_ENDPOINT, IpcEndpoint, parse_endpoint
 from hub.plain_text import plain
 from rune_tui.errors import HubChoiceError, TunnelError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.link import far_hub
 
-SOCKETS: Final = 7
-"""The hub's: control, and in and out of three planes (docs/protocol.md)."""
-_ENDS: Final = ("", *(f".{number}" for number in range(1, SOCKETS)))
+_ENDS: Final = tuple(each.removeprefix(SOCKET) for each in SOCKETS)
 OPEN_WITHIN_S: Final = 60.0
 """Time for a connection, and for the operator to type a password [s]."""
 _END_WITHIN_S: Final = 3.0
@@ -289,14 +287,14 @@ class Tunnel(SshTunnel):
             TunnelError: This is no destination, or no such hub, or there is no ssh.
         """
         self._hub = hub
-        known = [""] * SOCKETS if hub.startswith(NAMED) else _far_ends(hub)
+        known = [""] * len(SOCKETS) if hub.startswith(NAMED) else _far_ends(hub)
 
         def ends(folder: Path) -> dict[str, str]:
-            near = (f"{folder}/hub{end}" for end in _ENDS)
+            near = (f"{folder}/{name}" for name in SOCKETS)
             return dict(zip(near, known, strict=True))
 
         super().__init__(destination, ends)
-        self.endpoint = f"ipc://{self._folder}/hub"
+        self.endpoint = f"ipc://{self._folder}/{SOCKET}"
 
     def _command(self, *options: str) -> list[str]:
         if not self._hub.startswith(NAMED):

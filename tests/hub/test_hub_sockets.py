@@ -53,10 +53,30 @@ def test_a_second_hub_of_a_name_is_refused_and_a_killed_one_makes_room() -> None
         folder = running(stack, "magellan")
         with pytest.raises(EndpointError, match="another name with --as"):
             HubFolder("magellan")
-    folder = HubFolder("magellan")
-    (folder.path / "hub").touch()  # nobody answers there
-    assert HubFolder("blimp").path.parent == folder.path.parent
-    assert not folder.path.exists()
+    for name in ("magellan", "rov"):  # they were killed: no process holds their locks
+        (folder.path.parent / name).mkdir()
+        for file in ("hub", "pid"):
+            (folder.path.parent / name / file).touch()
+    assert hub_sockets.running() == []
+    with closing(HubFolder("magellan")) as again:
+        assert [path.name for path in again.path.parent.iterdir()] == ["magellan"]
+
+
+def test_a_hub_that_accepts_no_connection_still_runs_and_looking_makes_none() -> None:
+    with ExitStack() as stack:
+        folder = stack.enter_context(closing(HubFolder("magellan")))
+        central = stack.enter_context(closing(Central([folder.endpoint])))
+        for _ in range(20):
+            assert [hub.name for hub in hub_sockets.running()] == ["magellan"]
+        with closing(Client("one", "hub://magellan")) as client:
+            client.wait_connected(10.0)
+        assert central.faults.counts == {}
+    with closing(HubFolder("blimp")) as busy:  # nothing listens there
+        (busy.path / "hub").touch()
+        with pytest.raises(EndpointError, match="runs already"):
+            HubFolder("blimp")
+        with closing(HubFolder("rov")):
+            assert busy.path.exists()
 
 
 def test_nobody_else_may_enter_its_folder_and_one_of_others_is_not_used() -> None:

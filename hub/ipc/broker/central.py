@@ -121,9 +121,9 @@ class Central:
         return self.registry.peer_of(publisher)
 
     def listen_again(self, endpoint: str) -> None:
-        """Bind again at an ipc:// address whose socket files were removed; any thread may call.
+        """Bind again at an ipc:// address whose socket files were removed.
 
-        Connections stay.
+        Connections stay. Call it in the thread that closes central.
         """
         path = parse_endpoint(endpoint)
         ends = [binding.sibling(path, index) for index in range(1 + len(self._planes.ends))]
