@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import math
 import os
 import re
 import selectors
 import statistics
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -39,7 +42,7 @@ class DrawSpeed:
         took: Time of all frames [s].
         sent: Size of all frames [bytes].
         encoding: Time to make the bytes of all frames [s].
-        round_trip: Shortest time of an answer without a frame [s].
+        round_trip: Median time of an answer without a frame [s]; NaN: not known.
     """
 
     size: tuple[int, int]
@@ -49,35 +52,33 @@ class DrawSpeed:
     encoding: float
     round_trip: float
 
-    @property
-    def rate(self) -> float:
-        """Frames per second, one after the other."""
-        return self.frames / self.took if self.took > 0.0 else 0.0
-
     def as_json(self) -> str:
-        """In one line, for programs."""
-        shown = max(1, self.frames)
-        found = {
+        """In one line, for programs; without an answer of the terminal, there are no speeds."""
+        found: dict[str, float] = {
             "columns": self.size[0],
             "rows": self.size[1],
             "answers": self.frames > 0,
             "frames": self.frames,
-            "frames_per_s": round(self.rate, 2),
-            "bytes_per_frame": round(self.sent / shown),
-            "bytes_per_s": round(self.sent / self.took) if self.took > 0.0 else 0,
-            "encode_ms": round(1000.0 * self.encoding / shown, 2),
-            "round_trip_ms": round(1000.0 * self.round_trip, 2),
         }
+        if self.frames:
+            found |= {
+                "frames_per_s": round(self.frames / self.took, 2),
+                "bytes_per_frame": round(self.sent / self.frames),
+                "bytes_per_s": round(self.sent / self.took),
+                "encode_ms": round(1000.0 * self.encoding / self.frames, 2),
+                "round_trip_ms": round(1000.0 * self.round_trip, 2),
+            }
         return json.dumps(found) + "\n"
 
     def report(self) -> str:
-        """For people."""
+        """A line for each number, or why there is none."""
         size = f"{self.size[0]}x{self.size[1]} cells"
         if not self.frames:
             return f"{size}: the terminal does not answer, so its speed is not known\n"
+        rate = self.frames / self.took
         lines = (
             ("size", size),
-            ("frames", f"{self.frames} in {self.took:.1f} s: {self.rate:.1f} per second"),
+            ("frames", f"{self.frames} in {self.took:.1f} s: {rate:.1f} per second"),
             ("a frame", f"{self.sent / self.frames / 1000:.1f} kB"),
             ("line", f"{self.sent / self.took / 1e6:.2f} MB/s"),
             ("encoding", f"{1000 * self.encoding / self.frames:.1f} ms a frame"),
@@ -111,26 +112,24 @@ def measure(
     """
     encoder = ScreenEncoder(half=traits.glyphs.half)
     frames, sent, encoding, took = 0, 0, 0.0, 0.0
+    trips: list[float] = []
     with unbuffered(source), selectors.DefaultSelector() as selector:
         selector.register(source, selectors.EVENT_READ)
-
-        def shown(data: bytes) -> float:
-            """Time until the terminal has shown some bytes [s]; negative: it does not answer."""
-            return _shown(source, sink, selector.select, data)
-
+        shown = partial(_shown, source, sink, selector.select)
         try:
-            trips = [shown(_ENTER if not number else b"") for number in range(_TRIPS)]
-            end = time.monotonic() + seconds
-            while min(trips) >= 0.0 and time.monotonic() < end:
-                begin = time.monotonic()
-                cells = at_depth(moving_picture(frames, *size), traits.depth)
-                data = encoder.encode(cells)
-                encoded = time.monotonic() - begin
-                time_shown = shown(data)
-                if time_shown < 0.0:
-                    break
-                frames, sent = frames + 1, sent + len(data)
-                encoding, took = encoding + encoded, took + encoded + time_shown
+            with contextlib.suppress(TimeoutError):
+                trips.append(shown(_ENTER))
+                while len(trips) < _TRIPS:
+                    trips.append(shown(b""))
+                end = time.monotonic() + seconds
+                while time.monotonic() < end:
+                    begin = time.monotonic()
+                    cells = at_depth(moving_picture(frames, *size), traits.depth)
+                    data = encoder.encode(cells)
+                    encoded = time.monotonic() - begin
+                    time_shown = shown(data)
+                    frames, sent = frames + 1, sent + len(data)
+                    encoding, took = encoding + encoded, took + encoded + time_shown
         finally:
             os.write(sink, _LEAVE)
     return DrawSpeed(
@@ -139,21 +138,24 @@ def measure(
         took=took,
         sent=sent,
         encoding=encoding,
-        round_trip=max(0.0, statistics.median(trips)),
+        round_trip=statistics.median(trips) if trips else math.nan,
     )
 
 
 def _shown(source: int, sink: int, wait: Callable[[float], object], data: bytes) -> float:
+    """Time until the terminal has shown some bytes [s].
+
+    Raises:
+        TimeoutError: It does not answer.
+    """
     begin, received = time.monotonic(), b""
     rest = data + _QUESTION
     while rest:
         rest = rest[os.write(sink, rest) :]
     while not _ANSWER.search(received):
         left = begin + _LATEST_S - time.monotonic()
-        if left <= 0.0 or not wait(left):
-            return -1.0
-        piece = os.read(source, 4096)
+        piece = os.read(source, 4096) if left > 0.0 and wait(left) else b""
         if not piece:
-            return -1.0
+            raise TimeoutError
         received = (received + piece)[-4096:]
     return time.monotonic() - begin

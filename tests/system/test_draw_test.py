@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import re
-from contextlib import closing
+from contextlib import ExitStack, closing
 
 import numpy as np
 
-from rune_tui.terminal.draw_speed import DrawSpeed, moving_picture
+from rune_tui.terminal.draw_speed import measure, moving_picture
+from rune_tui.terminal.questions import Answers
+from rune_tui.terminal.traits import traits_of
 from tests.system.harness import ConsoleProcess
 
 
@@ -26,9 +29,19 @@ def test_a_terminal_learns_how_fast_it_draws() -> None:
     assert found["bytes_per_frame"] > 400 * 10
 
 
-def test_every_pixel_moves_and_words_do_not_claim_a_speed_without_an_answer() -> None:
+def test_every_pixel_moves() -> None:
     first, second = (moving_picture(number, 40, 10).pixels[..., :3] for number in (0, 1))
     assert np.any(first != second, axis=2).all()
-    mute = DrawSpeed(size=(80, 24), frames=0, took=0.0, sent=0, encoding=0.0, round_trip=0.0)
+
+
+def test_a_terminal_that_does_not_answer_is_asked_once_and_has_no_speed() -> None:
+    with ExitStack() as stack:
+        (source, silent), (asked, sink) = os.pipe(), os.pipe()
+        for end in (source, asked, sink):
+            stack.callback(os.close, end)
+        os.close(silent)
+        traits = traits_of(Answers(), {}, (80, 24))
+        mute = measure(source, sink, traits, (80, 24), 5.0)
+        assert os.read(asked, 4096).count(b"\x1b[6n") == 1
     assert "not known" in mute.report()
-    assert not json.loads(mute.as_json())["answers"]
+    assert json.loads(mute.as_json()) == {"columns": 80, "rows": 24, "answers": False, "frames": 0}
