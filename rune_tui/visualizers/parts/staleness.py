@@ -6,6 +6,7 @@ import enum
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from hub.ipc.definition import MessageDefinition
 from rune_tui.model.robot_state import Picture, Received
@@ -126,13 +127,11 @@ def _free_place(canvas: Canvas, length: int) -> tuple[int, int] | None:
     if last < 0:
         return None
     written = (canvas.glyphs != 0) & (canvas.glyphs != ord(" "))
-    every = ((row, column) for row in range(canvas.rows) for column in range(last, -1, -1))
-    places = ((0, last // 2), *every)
-    return next(
-        (
-            (row, column)
-            for row, column in places
-            if not written[row, max(0, column - 1) : column + length + 1].any()
-        ),
-        None,
-    )
+    # A run has a free cell on each side of it; beyond the edges all is free.
+    words = np.pad(written, ((0, 0), (1, 1)))
+    runs = np.lib.stride_tricks.sliding_window_view(words, length + 2, axis=1)
+    taken: npt.NDArray[np.bool_] = np.any(runs, axis=2)
+    if not taken[0, last // 2]:
+        return 0, last // 2
+    free = np.argwhere(~taken[:, ::-1])
+    return (int(free[0, 0]), last - int(free[0, 1])) if len(free) else None
