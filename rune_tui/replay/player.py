@@ -23,7 +23,7 @@ from typing import Final
 from rune_tui.compositor.cells import Cells
 from rune_tui.replay.background import THIN_NS, WARM_NS, BackgroundReader
 from rune_tui.replay.drawing import FrameDrawer
-from rune_tui.replay.source import GROWS_OLD_NS, Overview, ReplayFrame, ReplaySource
+from rune_tui.replay.source import Overview, ReplayFrame, ReplaySource, beyond_hole
 from rune_tui.replay.view_copies import EVERY_NS, ViewCopies
 
 SLOWEST: Final = 0.1
@@ -183,9 +183,8 @@ class Player:
             return False
         way = -1.0 if self.backwards else 1.0
         self._target += way * elapsed * self.rate * _SECOND
-        for begin, end in self.source.holes:
-            if begin + GROWS_OLD_NS < self._target < end:
-                self._target = float(begin + GROWS_OLD_NS if self.backwards else end)
+        stamp = beyond_hole(self.source.holes, int(self._target), backwards=self.backwards)
+        self._target = float(stamp)
         before = self.position
         if self.backwards:
             self._back()

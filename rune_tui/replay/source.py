@@ -112,15 +112,16 @@ def with_notes(overview: Overview, notes: Sequence[ReplayEvent]) -> Overview:
     return dataclasses.replace(overview, events=events)
 
 
-GROWS_OLD_NS = 5_000_000_000
+_GROWS_OLD_NS = 5_000_000_000
 """Time at the begin of a hole in which one sees that all grows old [ns]."""
 
 
-def beyond_hole(holes: Sequence[tuple[int, int]], stamp: int) -> int:
-    """A time [ns], or the end of the hole that it is in."""
+def beyond_hole(holes: Sequence[tuple[int, int]], stamp: int, *, backwards: bool = False) -> int:
+    """A time [ns]; in a hole, its end, or backwards the time at which all has grown old in it."""
     for begin, end in holes:
-        if begin + GROWS_OLD_NS < stamp < end:
-            return end
+        old = begin + _GROWS_OLD_NS
+        if old < stamp < end:
+            return old if backwards else end
     return stamp
 
 
