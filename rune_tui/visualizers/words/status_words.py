@@ -42,6 +42,8 @@ from rune_tui.visualizers.words.motion_words import (
     short_motion,
 )
 
+START_S: Final = 10.0
+"""Time after the start of a link in which a starting module is no problem [s]."""
 LOW_BATTERY = 0.2
 CRITICAL_BATTERY = 0.1
 OFF_CENTRE_DEG = 5.0
@@ -169,7 +171,9 @@ def _obstacles(robot: RobotState, now: float, *, silent: bool) -> Iterator[Part]
     linked = robot.link.phase is LinkPhase.CONNECTED
     measured = robot.newest(RANGES)
     if (lack := lack_of_ranges(robot)) and linked:
-        yield Part(lack, 5, Severity.WARNING, short="no ranges")
+        late = now - robot.link.since >= START_S
+        cause = "ranges" if late else ""
+        yield Part(lack, 5, Severity.WARNING, short="no ranges", cause=cause)
     if lack or measured is None:
         return
     age = measured.age(now)

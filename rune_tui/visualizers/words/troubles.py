@@ -23,10 +23,8 @@ from rune_tui.visualizers.parts.autopilot_words import ARMED, never_words, unsaf
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import Staleness, age_text, pause_of, staleness
 from rune_tui.visualizers.parts.task_words import SILENT_S, task_parts
-from rune_tui.visualizers.words.status_words import side_of, status_parts
+from rune_tui.visualizers.words.status_words import START_S, side_of, status_parts
 
-START_S: Final = 10.0
-"""Time after the start of a link in which a starting module is no alarm [s]."""
 REPORT_S: Final = 5.0
 """Time of a recent event on the banner [s]."""
 FAULT_S: Final = 25.0

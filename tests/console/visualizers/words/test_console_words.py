@@ -13,7 +13,8 @@ from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, PictureFlow
 from rune_tui.model.theme import DARK, LIGHT
-from rune_tui.visualizers.words.troubles import START_S, troubles
+from rune_tui.visualizers.words.status_words import START_S
+from rune_tui.visualizers.words.troubles import troubles
 from tests.console.states import ABSENT, BROKEN, COMING
 from tests.console.visualizers.conftest import NOW, made_by, words
 

@@ -12,10 +12,12 @@ from hub.gcm.body import Freedom, HoldKind, Motion
 from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.flight import ALTITUDE, Altitude
 from hub.gcm.navigation import MotionState
+from hub.gcm.ranges import RANGES
 from hub.gcm.vehicle import VEHICLE_STATE, HoldPhase, HoldState, VehicleState
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.visualizers.words.status_words import START_S
 from rune_tui.visualizers.words.team_words import does
 from tests.console.states import described
 from tests.console.visualizers.conftest import NOW, Made, made_by, words
@@ -86,6 +88,14 @@ def test_a_row_has_all_that_an_operator_asks_of_a_robot(draw) -> None:
         assert said in lines[2]
     columns = [line.index("linked") for line in lines]
     assert columns == columns[:1] * 3, "the cells of all rows are aligned"
+
+
+def test_a_robot_without_the_ranges_that_its_body_has_is_not_well(draw) -> None:
+    known = {name: each for name, each in TEAM[0].messages.items() if name != RANGES.name}
+    for since, said in ((NOW - 0.9 * START_S, "all well"), (NOW - START_S, "! no ranges")):
+        link = dataclasses.replace(TEAM[0].link, since=since)
+        mute = TEAM[0].with_(link=link, messages=known)
+        assert said in rows(draw, team(mute), 140)[0]
 
 
 def test_a_robot_that_the_operator_peeks_at_has_its_own_mark(draw) -> None:
