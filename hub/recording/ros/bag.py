@@ -27,7 +27,7 @@ import zstandard
 
 from hub.errors import RecordingError
 from hub.recording.anchor import TimeAnchor
-from hub.recording.budget import BudgetError, ReadBudget
+from hub.recording.budget import Allowance, BudgetError, ReadBudget
 from hub.recording.chunks import LoggedMessage, MessageFacts
 from hub.recording.open_recording import OpenRecording
 from hub.recording.reader import AttachmentPlace, Recording
@@ -42,7 +42,7 @@ LEAST_FREE: Final = 1 << 30
 _BATCH: Final = 10_000
 """Messages of a database that are counted at once."""
 _TIMES: Final = 256
-"""A message that unpacks to more than this times its length counts in the budget."""
+"""Unpacked messages count in the budget that are longer than this times their length."""
 
 
 class Bag(OpenRecording):
@@ -242,26 +242,28 @@ class Bag(OpenRecording):
 
     def salvage(self) -> Iterator[LoggedMessage]:
         """All messages, split after split; see `Recording.salvage`."""
+        left = self._budget.of_pass()
         for split, numbers in zip(self._splits, self._numbers, strict=True):
             found = split.salvage() if isinstance(split, Recording) else split.messages()
             for message in found:
                 if message.channel in numbers:
-                    yield self._unpacked(message)._replace(channel=numbers[message.channel])
+                    yield self._unpacked(message, left)._replace(channel=numbers[message.channel])
 
-    def _unpacked(self, message: LoggedMessage) -> LoggedMessage:
+    def _unpacked(self, message: LoggedMessage, left: Allowance) -> LoggedMessage:
         """The message as it was before rosbag2 packed it alone."""
-        packed = message.payload
+        packed, part = message.payload, self._budget.part
         if packed[:4] != _ZSTD:  # no payload of ROS 2 begins so
             return message
-        most = min(self._budget.part, 1 + _TIMES * len(packed))
+        most = min(part, 1 + _TIMES * len(packed))
         try:
+            said = zstandard.frame_content_size(packed)  # -1: it does not say
             with zstandard.ZstdDecompressor().stream_reader(packed) as reader:
                 payload = reader.read(most)
                 if len(payload) == most:
-                    self._budget.unpack((message.channel, message.stamp), self._budget.part)
-                    payload += reader.read(self._budget.part - most)
+                    left.take(min(said, part) if said >= 0 else part)
+                    payload += reader.read(part - most)
                     if reader.read(1):
-                        text = f"a message in it unpacks to more than {self._budget.part} bytes"
+                        text = f"a message in it unpacks to more than {part} bytes"
                         raise BudgetError(text)
         except zstandard.ZstdError:
             return message
@@ -276,6 +278,7 @@ class Bag(OpenRecording):
     ) -> dict[int, LoggedMessage]:
         """The last message of each channel at or before a time [ns]; see `Recording.newest`."""
         found: dict[int, LoggedMessage] = {}
+        unpacked = self._budget.of_pass()
         left = set(self.channels) if channels is None else set(channels)
         order = sorted(range(len(self._splits)), key=lambda at: -self._splits[at].end)
         for at in order:
@@ -288,7 +291,7 @@ class Bag(OpenRecording):
             for channel, message in split.newest(stamp, own).items():
                 number = numbers[channel]
                 if number not in found or found[number].stamp < message.stamp:
-                    found[number] = self._unpacked(message)._replace(channel=number)
+                    found[number] = self._unpacked(message, unpacked)._replace(channel=number)
         return found
 
     def messages(
@@ -302,6 +305,7 @@ class Bag(OpenRecording):
         """All messages by stamp; see `Recording.messages`."""
         first = self.start if start is None else start
         last = self.end if end is None else end
+        left = self._budget.of_pass()
 
         def of(split: Recording | SqliteBag, numbers: Mapping[int, int]) -> Iterator[LoggedMessage]:
             own = None
@@ -309,7 +313,7 @@ class Bag(OpenRecording):
                 own = {channel for channel, number in numbers.items() if number in channels}
             for message in split.messages(first, last, own, reverse=reverse):
                 if message.channel in numbers:
-                    yield self._unpacked(message)._replace(channel=numbers[message.channel])
+                    yield self._unpacked(message, left)._replace(channel=numbers[message.channel])
 
         parts = [
             of(split, numbers)
@@ -361,15 +365,11 @@ def _unpacked_file(path: Path, folder: Path, budget: ReadBudget) -> Path:
     """
     copy = folder / path.name.removesuffix(".zstd")
     room = shutil.disk_usage(folder).free - LEAST_FREE
-    left = budget.total
     try:
         with path.open("rb") as packed, copy.open("wb") as out:
             for block in zstandard.ZstdDecompressor().read_to_iter(packed, write_size=1 << 20):
                 room -= len(block)
-                left -= len(block)
-                if left < 0:
-                    text = f"{path} unpacks to more than {budget.total} bytes"
-                    raise BudgetError(text)
+                budget.all_files.take(len(block), path)
                 if room < 0:
                     text = f"{path} is not unpacked: {folder} has no room for it"
                     raise RecordingError(text)

@@ -135,6 +135,30 @@ def test_a_packed_file_does_not_fill_the_disk(tmp_path: Path) -> None:
         read(path, 2_000_000)
 
 
+def test_packed_files_of_a_folder_have_a_limit_together(tmp_path: Path) -> None:
+    for name in ("a.mcap.zstd", "b.mcap.zstd"):
+        (tmp_path / name).write_bytes(packed(HEAD + message(0, bytes(4 << 20)) + END))
+    assert read(tmp_path, 9 << 20) == (2, [])
+    count, (fault,) = read(tmp_path, 7 << 20)
+    assert (count, f"b.mcap.zstd unpacks to more than {7 << 20} bytes" in fault) == (1, True)
+
+
+def test_packed_messages_count_as_long_as_they_are(tmp_path: Path) -> None:
+    path, one = tmp_path / "a.mcap", 4 << 20
+
+    def whole(stamps: list[int], unpacked: int) -> tuple[int, list[str]]:
+        found = packed(bytes(one))
+        path.write_bytes(HEAD + b"".join(message(each, found) for each in stamps) + END)
+        with RecordingSet.open([path], unpacked=unpacked) as recording:
+            for _ in range(3):  # each reading may unpack as much
+                count = sum(len(each.payload) == one for each in recording.messages())
+            return count, recording.faults
+
+    assert whole([*range(20)], 0) == (20, [])
+    count, (fault,) = whole([7] * 20, 3 * one)  # one stamp for all
+    assert (count, f"unpacks to more than {3 * one} bytes" in fault) == (3, True)
+
+
 def test_a_packed_message_counts(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     path.write_bytes(HEAD + message(0, packed(bytes(4 << 20))) + END)
