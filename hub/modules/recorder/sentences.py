@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from typing import Final
 
@@ -10,7 +11,7 @@ from hub.gcm.recording import RECORD_MARK, RecordMark
 from hub.recording.live.series import RecordingSeries, SeriesState
 
 _MARK_S: Final = 2.0
-"""Longest wait for a disk to take a mark [s]."""
+"""Longest wait for the disk to take a mark, of all series together [s]."""
 
 
 def said_of_mark(series: Sequence[RecordingSeries], mark: RecordMark) -> str:
@@ -23,7 +24,8 @@ def said_of_mark(series: Sequence[RecordingSeries], mark: RecordMark) -> str:
     Raises:
         RecordingError: It is in none of them.
     """
-    without = [each for each in series if not each.keeps(_MARK_S)]
+    until = time.monotonic() + _MARK_S
+    without = [each for each in series if not each.keeps(max(0.0, until - time.monotonic()))]
     if not series:
         text = f"no mark is kept: [recording] of the robot file leaves {RECORD_MARK.name} out"
         raise RecordingError(text)
