@@ -186,15 +186,15 @@ def _typed(kind: RosType, encoding: str) -> RosDecoder:
 
 def _of_any_distribution(decoders: list[RosDecoder]) -> RosDecoder:
     """The decoder of a type whose fields differ between distributions: a payload fits one only."""
-    first = decoders[0]
+    first, order = decoders[0], tuple(decoders)
 
     def read(payload: Payload) -> RosValue:
-        for each in tuple(decoders):
+        nonlocal order
+        for each in order:
             with contextlib.suppress(RosMessageError):
                 found = each.decode(payload)
-                if each is not decoders[0]:  # the robot has this one
-                    decoders.remove(each)
-                    decoders.insert(0, each)
+                if each is not order[0]:  # the robot has this one; threads see either order
+                    order = (each, *(other for other in decoders if other is not each))
                 return found
         return first.decode(payload)
 
