@@ -47,7 +47,7 @@ def mesh_file(name: str, beside: Path | None) -> Path:
     scheme, found, rest = name.rpartition("://")
     if found and scheme == "package":
         package, _, inner = rest.partition("/")
-        if not inner or ".." in PurePosixPath(inner).parts:
+        if not package or not inner or ".." in PurePosixPath(rest).parts:
             reason = "it is no file of a package"
             raise ValueError(reason)
         for folder in _package_folders(package, beside):

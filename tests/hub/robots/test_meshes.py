@@ -111,8 +111,9 @@ def test_a_package_is_found_above_the_file_and_in_the_folders_of_ros(
     assert "'carrier' is not on this machine" in urdf_model(text, "robot_description").fault
     monkeypatch.setenv("AMENT_PREFIX_PATH", f"/nowhere:{tmp_path}")
     assert urdf_model(text, "robot_description").fault == ""
-    escaping = robot("package://carrier/../../etc/passwd.stl")
-    assert "no file of a package" in urdf_model(escaping, "robot_description").fault
+    for escaping in ("carrier/../../etc/p.stl", "../p.stl", "/etc/p.stl"):
+        model = urdf_model(robot(f"package://{escaping}"), "robot_description")
+        assert "no file of a package" in model.fault, escaping
     assert "on the robot" in urdf_model(robot("file:///etc/p.stl"), "robot_description").fault
 
 
