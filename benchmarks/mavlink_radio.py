@@ -38,8 +38,8 @@ def main() -> None:
                 learning += drive.share(AutopilotPhase.LEARNING) / len(_SEEDS)
                 travelled += (drive.travelled - begun) / _SECONDS / len(_SEEDS)
             note = f"{learning:.1%} learning, {travelled:.3f} m/s of {speed} m/s"
-            name = f"mavlink_radio_{kind}_{loss:.0%}".replace("%", "")
-            report(name, 100.0 * driving, "% driving", bar=90.0, better="higher", note=note)
+            name = f"mavlink_radio.{kind}_{100.0 * loss:.0f}_driving_percent"
+            report(name, 100.0 * driving, "%", bar=99.9, better="higher", note=note)
 
 
 if __name__ == "__main__":
