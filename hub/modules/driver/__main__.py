@@ -134,7 +134,7 @@ class Driver:
                 self._body.command(twist)
             if not twist.neutral:
                 self._loss.watch.moved(now)
-            if self._shows_change(now, neutral=twist.neutral):
+            if self._report_change(now, neutral=twist.neutral):
                 return
             if self._rests and self._report_at - now < _WITH_COMMAND:
                 self._report_by(now)
@@ -142,7 +142,7 @@ class Driver:
             elif not twist.neutral and (self._rests or not self._wakes):
                 self._report_by(now + _PERIOD)
 
-    def _shows_change(self, now: float, *, neutral: bool) -> bool:
+    def _report_change(self, now: float, *, neutral: bool) -> bool:
         """Report soon if a command starts or stops the robot; returns whether it does."""
         changes = neutral != self._stands and not self._wakes
         self._stands = neutral
@@ -184,7 +184,7 @@ class Driver:
                 self._stop()
 
     def _stop(self) -> None:
-        self._shows_change(time.monotonic(), neutral=True)
+        self._report_change(time.monotonic(), neutral=True)
         self._body.command(Twist())
 
     def _halt(self) -> None:
