@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
@@ -26,7 +27,6 @@ from hub.robots.ros.opening import line_to
 from tests.real_ros.conftest import Start
 from tests.real_ros.jazzy import JazzyProcess
 from tests.support.command_line import rune_hub
-from tests.support.ports import free_port
 from tests.support.running_command import RunningCommand
 from tests.support.waiting import until
 from tests.system.autopilot_site import Operator
@@ -116,7 +116,7 @@ def test_a_hub_stops_real_nodes_when_its_operator_is_silent(start: Start, tmp_pa
     path = tmp_path / "robot.toml"
     adopted(address, path)
     with ExitStack() as stack:
-        command = RunningCommand("run", str(path), "--port", str(free_port()))
+        command = RunningCommand("run", str(path), "--as", f"jazzy-{os.getpid()}")
         hub = stack.enter_context(closing(command))
         observer = Observer(hub.ready["hub"], ROBOT_STATE, DRIVE_STATE)
         stack.enter_context(closing(observer))
