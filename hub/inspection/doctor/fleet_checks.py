@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from hub.errors import HubError, KeyFileError
-from hub.inspection.doctor.finding import Finding, Level, ok, problem, warning
+from hub.inspection.doctor.finding import Finding, Level, ok, problem, unknown, warning
 from hub.inspection.doctor.hub_checks import modules_of_hub
 from hub.inspection.doctor.library_checks import missing
 from hub.robots.description import RobotDescription
@@ -52,7 +52,15 @@ def _findings(robot: RobotDescription, table: FleetTable) -> Iterator[Finding]:
     yield ok(f"the router at {table.place} answers")
     if own not in there:
         yield ok(f"the name {name} is free in the fleet {table.fleet}")
-    elif GATEWAY in (modules_of_hub(robot.name) or "").split(", "):
+        return
+    try:
+        modules = modules_of_hub(robot.name) or ""
+    except HubError as error:
+        why = f"its hub does not answer: {type(error).__name__}"
+        text = f"whether {name} in the fleet {table.fleet} is this robot is not known ({why})"
+        yield unknown(text, "see the check `hub`")
+        return
+    if GATEWAY in modules.split(", "):
         yield ok(f"{name} is in the fleet {table.fleet} now")
     else:
         text = f"another robot of the fleet {table.fleet} has the name {name} now"

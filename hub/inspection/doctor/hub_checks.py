@@ -13,7 +13,7 @@ from hub import hub_sockets, paths
 from hub.errors import HubError
 from hub.hub_sockets import NAMED
 from hub.inspection import message_commands
-from hub.inspection.doctor.finding import Finding, ok, problem, warning
+from hub.inspection.doctor.finding import Finding, ok, problem, unknown, warning
 from hub.inspection.kept import not_kept
 from hub.ipc.client import Client
 from hub.robots.description import RobotDescription
@@ -25,7 +25,13 @@ _LOGINS = Path("/run/user")
 
 def hub(robot: RobotDescription) -> list[Finding]:
     """Whether a hub of this robot runs here, and who is connected."""
-    there = modules_of_hub(robot.name)
+    try:
+        there = modules_of_hub(robot.name)
+    except HubError as error:
+        process = hub_sockets.process_of(robot.name) or "not known"
+        why = type(error).__name__
+        text = f"{robot.name} runs here (process {process}), and does not answer ({why})"
+        return [problem(text, "end its process, and start it again")]
     if there is None:
         return [ok(f"none of the name {robot.name} runs here")]
     return [ok(f"{robot.name} runs here, with {there}")]
@@ -57,22 +63,35 @@ def sockets(_robot: RobotDescription) -> list[Finding]:
 
 
 def modules_of_hub(name: str) -> str | None:
-    """The clients of the hub of this name; None: no hub answers."""
-    with contextlib.suppress(HubError), contextlib.closing(_client_of(name)) as client:
+    """The clients of the hub of this name; None: it does not run here.
+
+    Raises:
+        HubError: It does not answer.
+    """
+    if not _runs(name):
+        return None
+    with contextlib.closing(_client_of(name)) as client:
         peers = client.directory.listing(_ANSWER_S).peers
         names = sorted(peer.name for peer in peers if peer.name != client.name)
         return ", ".join(names[:20]) or "nobody connected"
-    return None
 
 
 def kept(robot: RobotDescription) -> list[Finding]:
     """Whether the hub that runs keeps its recording and its mission."""
-    if modules_of_hub(robot.name) is None:
+    if not _runs(robot.name):
         return [ok("no hub runs here that has a recording or a mission")]
-    with contextlib.closing(_client_of(robot.name)) as client:
-        lost = not_kept(client)
+    try:
+        with contextlib.closing(_client_of(robot.name)) as client:
+            lost = not_kept(client)
+    except HubError as error:
+        text = f"the hub that runs does not say what it keeps ({type(error).__name__})"
+        return [unknown(text, "see the check `hub`")]
     advice = "look at the room on its disk and at the folders in the robot file"
     return [problem(each, advice) for each in lost] or [ok("the hub that runs reports no loss")]
+
+
+def _runs(name: str) -> bool:
+    return hub_sockets.folder_name(name) in {each.name for each in hub_sockets.running()}
 
 
 def _client_of(name: str) -> Client:
