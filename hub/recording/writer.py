@@ -226,19 +226,23 @@ class RecordingWriter:
             while not (self._fault or (self._closing.is_set() and not self._waiting)):
                 self._wait()
                 with self._lock:
-                    asked, self._asked = self._asked, []
-                try:
-                    self._write(self._take())
-                    if asked:
-                        self._flush()
-                    self._keep()
-                finally:
-                    for each in asked:
-                        each.set()
+                    asked = [*self._asked]
+                self._write(self._take())
+                if asked:
+                    self._flush()
+                self._keep()
+                self._answer(asked)
         except OSError as error:
             self._give_up(error)
         finally:
             self._end()
+
+    def _answer(self, asked: list[threading.Event]) -> None:
+        """End the wait of those that asked first; after a fault `_end` does, which knows it."""
+        with self._lock:
+            del self._asked[: len(asked)]
+        for each in asked:
+            each.set()
 
     def _wait(self) -> None:
         """Return when messages wait, a part of the file is due, or the recording ends."""
@@ -352,8 +356,6 @@ class RecordingWriter:
         """Write what still waits, and the index, if there is room for it."""
         with self._lock:
             self._ended = True
-            for each in self._asked:
-                each.set()
         rest = self._take()
         if self._fault:
             self._lose(map(_name, rest))
@@ -378,6 +380,7 @@ class RecordingWriter:
             self._lose(names[channel] for channel in self._encoder.counts.elements())
             self._written = self._whole = 0
         self._room.free()
+        self._answer([*self._asked])
         with contextlib.suppress(OSError):
             self._file.close()
 

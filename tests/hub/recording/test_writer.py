@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import itertools
 import random
@@ -13,6 +14,7 @@ import sys
 import textwrap
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
@@ -175,11 +177,17 @@ class SlowFile(io.FileIO):
         super().__init__(path, "xb")
         self.answers = threading.Event()
         self.writes = 0
+        self.refused = 0
+        """Number of the write that this disk refuses, and all after it; 0: none."""
+        self.refuses = threading.Event()
 
     def write(self, data: Any) -> int:
         self.writes += 1
         if self.writes > 1:  # the first is that of the metadata
             self.answers.wait()
+        if 0 < self.refused <= self.writes:
+            self.refuses.wait()
+            raise OSError(errno.EIO, "Input/output error")
         return super().write(data)
 
 
@@ -215,6 +223,28 @@ def test_a_slow_disk_costs_messages_by_topic_and_no_time(tmp_path: Path) -> None
         assert recording.finished
     assert kept.count(TOPIC.name) + lost[TOPIC.name] in (200, 201)
     assert kept.count(pictures.name) + lost[pictures.name] == 200
+
+
+def test_a_recording_keeps_nothing_that_its_disk_refuses_later(tmp_path: Path) -> None:
+    for closed in (False, True):  # while it is asked
+        path = SlowPath(tmp_path / f"{closed}.mcap")
+        writer = RecordingWriter(path, ANCHOR, {}, WriterLimits(least_free=0, chunk_bytes=1000))
+        file: SlowFile = SlowPath.opened
+        # The first ends a part of the file, which the disk holds up; the second waits for its own.
+        writer.add_all([(TOPIC, bytes(size), 50.0, 50.0, 1, size) for size in (2000, 10)])
+        until(lambda file=file: file.writes > 1, 10.0)
+        file.refused = 3
+        with ThreadPoolExecutor() as others:
+            kept = others.submit(writer.keeps, 10.0)
+            if closed:
+                until(kept.running, 10.0)
+                writer.close(patience=0.05)
+            file.answers.set()
+            until(lambda file=file: file.writes > 2, 10.0)
+            wait([kept], 0.1)  # an answer before the disk's would be wrong
+            file.refuses.set()
+            assert not kept.result()
+        writer.close()
 
 
 def test_a_date_that_is_set_moves_no_stamp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
