@@ -20,7 +20,7 @@ import numpy as np
 from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, DrivingMode, Phase
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.control import CONTROL_STATE, ControlState
-from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
+from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, PointKind
 from hub.gcm.navigation import (
     NAVIGATION_STATUS,
     Cause,
@@ -43,6 +43,7 @@ from rune_tui.model.theme import DARK, Theme
 from rune_tui.startup.opening import open_layout
 from rune_tui.view import View
 from tests.console.states import described, range_readings, robot_of
+from tests.console.visualizers.known import point, points
 from tests.support.footprints import distances
 from tests.support.magellan import magellan_camera, magellan_sensors
 from tests.support.messages import robot_state
@@ -89,31 +90,17 @@ def _map() -> OccupancyMap:
     return OccupancyMap(cells=cells, resolution=_RESOLUTION, origin_x=-1.0, origin_y=-1.0)
 
 
-def _known(value: Any, age: float, number: int = 1) -> Received[Any]:
+def received(value: Any, age: float, number: int = 1) -> Received[Any]:
     return Received(value=value, measured=NOW - age, number=number)
 
 
 def _mark(number: int, kind: PointKind, x: float, y: float, note: str) -> InterestPoint:
-    return InterestPoint(
-        number=number,
-        kind=kind,
-        x=x,
-        y=y,
-        stamp=0.0,
-        by="ada",
-        kept=1,
-        note=note,
-        thumbnail=np.zeros(0, np.uint8),
-        uncertainty=0.12,
-        distance=2.4,
-    )
+    return point(number, kind, x=x, y=y, by="ada", note=note, uncertainty=0.12, distance=2.4)
 
 
-MARKS: Final = InterestPoints(
-    points=(
-        _mark(1, PointKind.VICTIM, 2.2, 1.4, "by the table"),
-        _mark(2, PointKind.LANDMARK, 6.6, 3.2, "exit"),
-    ),
+MARKS: Final = points(
+    _mark(1, PointKind.VICTIM, 2.2, 1.4, "by the table"),
+    _mark(2, PointKind.LANDMARK, 6.6, 3.2, "exit"),
 )
 HOLDS: Final = AutonomyState(
     behaviour=Behaviour.HOLD,
@@ -152,13 +139,13 @@ def robot(
         | motion
     )
     messages = {
-        CONTROL_STATE.name: _known(control, age),
+        CONTROL_STATE.name: received(control, age),
         ROBOT_DESCRIPTION.name: described("magellan"),
-        INTEREST_POINTS.name: _known(MARKS, age),
-        AUTONOMY_STATE.name: _known(autonomy, age),
+        INTEREST_POINTS.name: received(MARKS, age),
+        AUTONOMY_STATE.name: received(autonomy, age),
     }
     if task is not None:
-        messages[NAVIGATION_STATUS.name] = _known(task, age)
+        messages[NAVIGATION_STATUS.name] = received(task, age)
     return robot_of(
         name=name,
         link=LinkState(
@@ -172,11 +159,11 @@ def robot(
             messages_per_s=84.0,
             detail="" if phase is LinkPhase.CONNECTED else "the hub does not answer",
         ),
-        picture=_known(seen, age if picture_age is None else picture_age),
-        camera=_known(seen.camera, age),
-        map=_known(_map(), age + 1.0),
-        navigation=_known(navigation, age),
-        ranges=_known(_ranges(at), age),
+        picture=received(seen, age if picture_age is None else picture_age),
+        camera=received(seen.camera, age),
+        map=received(_map(), age + 1.0),
+        navigation=received(navigation, age),
+        ranges=received(_ranges(at), age),
         messages=messages,
     )
 

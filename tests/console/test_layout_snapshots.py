@@ -12,17 +12,18 @@ from pathlib import Path
 import numpy as np
 
 from hub.gcm.body import ROBOT_DESCRIPTION
-from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
+from hub.gcm.mapping import INTEREST_POINTS, PointKind
 from hub.gcm.navigation import MotionState
 from hub.gcm.occupancy_map import OccupancyMap
 from hub.gcm.ranges import RANGES
-from hub.gcm.supervision import MODULE_REPORTS, ModulePhase, ModuleReport, ModuleReports
+from hub.gcm.supervision import MODULE_REPORTS
 from rune_tui.compositor.picture import plain_text
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, LinkState, Picture, Received, RobotState
 from rune_tui.view import View
 from tests.console.situations import shipped
 from tests.console.states import described, range_readings, renamed, rendered, robot_of
+from tests.console.visualizers.known import module, modules, point, points
 from tests.support.cases import for_each
 from tests.support.messages import camera_state, robot_state
 
@@ -55,50 +56,22 @@ NAVIGATION = robot_state(
 
 
 READINGS = range_readings(sonar=np.linspace(0.5, 4.0, 16, dtype=np.float32))
-FOUND = InterestPoints(
-    points=(
-        InterestPoint(
-            number=1,
-            kind=PointKind.VICTIM,
-            x=2.5,
-            y=2.2,
-            stamp=1e9,
-            by="ada",
-            kept=1,
-            note="under the table",
-            thumbnail=np.zeros(0, np.uint8),
-        ),
-        InterestPoint(
-            number=2,
-            kind=PointKind.LANDMARK,
-            x=0.2,
-            y=1.0,
-            stamp=1e9,
-            by="ada",
-            kept=1,
-            note="sign",
-            thumbnail=np.zeros(0, np.uint8),
-        ),
-    ),
+FOUND = points(
+    point(1, x=2.5, y=2.2, stamp=1e9, by="ada", note="under the table"),
+    point(2, PointKind.LANDMARK, x=0.2, y=1.0, stamp=1e9, by="ada", note="sign"),
 )
-MODULES = ModuleReports(
-    robot="robot",
-    modules=(
-        ModuleReport(
-            name="vision",
-            phase=ModulePhase.RUNNING,
-            pid=17,
-            capabilities="VIS_VID",
-            needs="",
-            asked=1,
-            always=1,
-            starts=2,
-            processor=0.07,
-            memory_mb=61.0,
-            age_s=12.0,
-            why="runs again; it was ended by signal 9",
-        ),
-    ),
+MODULES = modules(
+    module(
+        "vision",
+        pid=17,
+        capabilities="VIS_VID",
+        always=1,
+        starts=2,
+        processor=0.07,
+        memory_mb=61.0,
+        age_s=12.0,
+        why="runs again; it was ended by signal 9",
+    )
 )
 
 

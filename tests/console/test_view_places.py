@@ -19,7 +19,7 @@ from rune_tui.layout.spec import PlaceSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import Received, RobotState
 from rune_tui.view import View
-from tests.console.situations import NOW, SITUATIONS, robot, scene, shipped
+from tests.console.situations import NOW, SITUATIONS, received, robot, scene, shipped
 from tests.console.view_scenes import words
 from tests.support.cases import for_each
 from tests.support.magellan import magellan_body
@@ -51,7 +51,7 @@ def test_room_that_is_given_away_makes_no_two_places_meet(arrangement: Any, idle
 
 def body(measures: tuple[MessageDefinition[Any], ...], name: str) -> Received[Any]:
     made = described(dataclasses.replace(magellan_body(), name=name), measures)
-    return Received(value=made, measured=NOW, number=1)
+    return received(made, 0.0)
 
 
 def shown(known: dict[str, RobotState], size: tuple[int, int]) -> tuple[View, str]:
@@ -66,13 +66,13 @@ def shown(known: dict[str, RobotState], size: tuple[int, int]) -> tuple[View, st
 def test_a_rover_has_no_panes_of_what_flies_and_its_map_is_larger(size: tuple[int, int]) -> None:
     def team(*measures: MessageDefinition[Any]) -> dict[str, RobotState]:
         level = Altitude(stamp=0.0, depth=2.5)
-        told = {ALTITUDE.name: Received(value=level, measured=NOW, number=1)} if measures else {}
+        measured = {ALTITUDE.name: received(level, 0.0)} if measures else {}
         return {
             each.name: (known := robot(each.name)).with_(
                 messages={
                     **known.messages,
                     ROBOT_DESCRIPTION.name: body(measures, each.name),
-                    **told,
+                    **measured,
                 }
             )
             for each in TEAM.robots

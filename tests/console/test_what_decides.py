@@ -7,29 +7,26 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
-import numpy as np
 import pytest
 
-from hub.gcm.autonomy import AutonomyState, Behaviour, DrivingMode, Phase
+from hub.gcm.autonomy import Phase
 from hub.gcm.body import ROBOT_DESCRIPTION
-from hub.gcm.mapping import INTEREST_POINTS, InterestPoint, InterestPoints, PointKind
+from hub.gcm.mapping import INTEREST_POINTS
 from hub.gcm.mission import MISSION_STATE, MissionState
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
     MODULE_REPORTS,
     CapabilityPhase,
-    CapabilityReport,
-    CapabilityReports,
     ModulePhase,
-    ModuleReport,
-    ModuleReports,
 )
+from hub.ipc.definition import MessageDefinition
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, Notice
-from rune_tui.model.robot_state import LinkPhase, Received, RobotState
+from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.view import View
-from tests.console.situations import MINE, NOW, ROOT, robot, shipped
+from tests.console.situations import MINE, NOW, ROOT, received, robot, shipped
 from tests.console.states import described
+from tests.console.visualizers import known
 from tests.support.cases import for_each
 
 LAYOUTS: Final = sorted(path.stem for path in (ROOT / "layouts").glob("*.xml"))
@@ -41,43 +38,19 @@ NAMES: Final = ("r1", "Спасатель-двенадцать", "救助ロボ�
 MARKS: Final = 12
 
 
-def _known(value: Any, age: float) -> Received[Any]:
-    return Received(value=value, measured=NOW - age, number=1)
-
-
-def _point(number: int, note: str) -> InterestPoint:
-    return InterestPoint(
-        number=number,
-        kind=PointKind.VICTIM,
-        x=-16.25,
-        y=number + 0.5,
-        stamp=1e9,
-        by="Александра",
-        kept=1,
-        note=note,
-        thumbnail=np.zeros(0, np.uint8),
-        uncertainty=0.12,
-        distance=2.4,
-    )
-
-
 def _all_of(role: str, name: str, age: float, *, ended: bool) -> RobotState:
     """A robot that reports all that panes show, `age` seconds old [s]."""
-    autonomy = AutonomyState(
-        behaviour=Behaviour.EXPLORE,
-        pilot=DrivingMode.AUTONOMY,
+    autonomy = known.autonomy(
         x=3.2,
         y=4.6,
         frontier_m=6.4,
         why="no way leads around the table, which stands in the middle of the room",
         phase=Phase.BLOCKED if ended else Phase.ACTIVE,
-        asked=Behaviour.EXPLORE,
         explored=0.62,
         distance_m=3.1,
         seconds=131.0,
         ended_s=449.0 if ended else math.nan,
         sender=3,
-        number=1,
     )
     mission = MissionState(
         name=f"search of {name}",
@@ -87,38 +60,21 @@ def _all_of(role: str, name: str, age: float, *, ended: bool) -> RobotState:
         marks=MARKS,
         map_age_s=10.0,
     )
-    modules = ModuleReports(
-        robot=name,
-        modules=(
-            ModuleReport(
-                name="vision",
-                phase=ModulePhase.FAILED,
-                pid=17,
-                capabilities="VIS_VID",
-                needs="",
-                asked=1,
-                always=1,
-                starts=2,
-                processor=0.07,
-                memory_mb=61.0,
-                age_s=12.0,
-                why="it was ended by signal 9 for the third time within a minute",
-            ),
+    why = "it was ended by signal 9 for the third time within a minute"
+    points = [
+        known.point(each, x=-16.25, y=each + 0.5, by="Александра", note="a note")
+        for each in range(1, MARKS + 1)
+    ]
+    reports: dict[MessageDefinition[Any], Any] = {
+        MISSION_STATE: mission,
+        MODULE_REPORTS: known.modules(known.module("vision", ModulePhase.FAILED, why=why)),
+        CAPABILITY_REPORTS: known.capabilities(
+            known.capability(
+                "VIS_VID", CapabilityPhase.UNAVAILABLE, module="vision", wanted="a console"
+            )
         ),
-    )
-    capabilities = CapabilityReports(
-        robot=name,
-        capabilities=(
-            CapabilityReport(
-                name="VIS_VID",
-                phase=CapabilityPhase.UNAVAILABLE,
-                module="",
-                modules="vision",
-                wanted_by="a console",
-            ),
-        ),
-    )
-    points = InterestPoints(points=tuple(_point(each, "a note") for each in range(1, MARKS + 1)))
+        INTEREST_POINTS: known.points(*points),
+    }
     seen = robot(
         role,
         age=age,
@@ -128,14 +84,9 @@ def _all_of(role: str, name: str, age: float, *, ended: bool) -> RobotState:
         since=NOW - 30.0,
         battery_fraction=0.08,
     )
-    told = {
-        ROBOT_DESCRIPTION.name: described(name),
-        MISSION_STATE.name: _known(mission, age),
-        MODULE_REPORTS.name: _known(modules, age),
-        CAPABILITY_REPORTS.name: _known(capabilities, age),
-        INTEREST_POINTS.name: _known(points, age),
-    }
-    return seen.with_(messages={**seen.messages, **told})
+    messages = {each.name: received(value, age) for each, value in reports.items()}
+    messages[ROBOT_DESCRIPTION.name] = described(name)
+    return seen.with_(messages={**seen.messages, **messages})
 
 
 DECIDING: Final[dict[str, Callable[[bool], tuple[str, ...]]]] = {
@@ -197,9 +148,11 @@ def test_how_to_stop_is_in_sight_at_every_size(name: str) -> None:
         for age in (0.1, 30.0):
             view = View(layout, spent=lambda: 0.0)
             view.resize(*size)
-            known = {each.name: _all_of(each.name, "r", age, ended=False) for each in layout.robots}
+            robots = {
+                each.name: _all_of(each.name, "r", age, ended=False) for each in layout.robots
+            }
             state = ConsoleState.at_start(layout, NOW, "ada")
-            cells = view.render(dataclasses.replace(state, robots=known))
+            cells = view.render(dataclasses.replace(state, robots=robots))
             assert cells is not None
             shown = "".join(chr(point or 32) for point in cells.glyphs.flat).casefold()
             assert "space stop" in shown or "stop space" in shown, (size, age)
