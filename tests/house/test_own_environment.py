@@ -85,17 +85,17 @@ def _be_odd() -> None:
 
 @pytest.mark.parametrize("workers", [[], ["-n", "1"]], ids=["plain", "xdist"])
 def test_tests_inherit_nothing_of_who_runs_them(tmp_path: Path, workers: list[str]) -> None:
-    told = tmp_path / "told"
+    report = tmp_path / "report"
     subprocess.run(
         [sys.executable, "-m", "pytest", "-q", PROBE, "-p", "no:cacheprovider", *workers],
-        env={"PATH": os.environ["PATH"], **ODD, "RUNE_PROBE": str(told)},
+        env={"PATH": os.environ["PATH"], **ODD, "RUNE_PROBE": str(report)},
         cwd=ROOT,
         # The dispositions and the mask of signals are what a shell or nohup would set.
         preexec_fn=_be_odd,
         check=True,
         capture_output=True,
     )
-    found = json.loads(told.read_text())
+    found = json.loads(report.read_text())
     variables = found["variables"]
     foreign = {name for name in variables if not name.startswith(FOR_TESTS)} - ALLOWED
     assert foreign == set()

@@ -1,4 +1,4 @@
-"""The environment of all tests, the same wherever somebody runs them.
+"""The environment of all tests, the same on every machine and in every shell.
 
 Tests inherit the variables in `_KEPT` and none besides: no terminal, multiplexer, language, proxy,
 desktop, supervisor or folder of the person who runs them. What they start gets each signal with its

@@ -27,7 +27,7 @@ def repeat(key: str) -> ControlEvent:
     return ControlEvent(name=key, pressed=True, repeat=True, timed=True)
 
 
-def told_press(key: str) -> ControlEvent:
+def reported_press(key: str) -> ControlEvent:
     return ControlEvent(name=key, pressed=True)
 
 
@@ -229,7 +229,7 @@ def test_a_key_that_may_have_been_pressed_long_ago_drives_when_it_is_pressed_ane
     assert (event.must_release_first, event.stale) == (True, False)
     assert keyboard.held == ()
     keyboard.up("w", 0.6)
-    assert keyboard.down("w", 1.0, repeat=False) == (told_press("w"),)
+    assert keyboard.down("w", 1.0, repeat=False) == (reported_press("w"),)
 
 
 def test_no_key_drives_before_the_one_that_may_be_down_was_silent():
@@ -387,13 +387,13 @@ def test_of_a_late_key_the_operator_learns_when_its_repeats_do_not_let_it_drive_
     keyboard.expire(last + 1.3)
     for number in range(8):
         keyboard.press("w", last + 1.3 + number * 1e-3)
-    told = []
+    waited_for = []
     for number in range(1, 12):
         keyboard.press("w", last + 1.31 + number * RATE)
-        told.append(keyboard.must_release)
+        waited_for.append(keyboard.must_release)
     assert keyboard.held == ()
-    assert told[:5] == 5 * [()]
-    assert told[-1] == ("w",), "the pause was too long for it"
+    assert waited_for[:5] == 5 * [()]
+    assert waited_for[-1] == ("w",), "the pause was too long for it"
 
 
 def silent(_key: str) -> bool:

@@ -1,4 +1,4 @@
-"""The operator is told once each what robots begin, wait for and end by themselves."""
+"""Each task of a robot gives one notice at its begin, one while it waits long, one at its end."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Story:
         self.watch = TaskWatch()
         self.now = 100.0
         self.began = 50.0
-        self.told: list[Notice] = []
+        self.notices: list[Notice] = []
 
     def look(
         self,
@@ -39,8 +39,8 @@ class Story:
             messages[NAVIGATION_STATUS.name] = self._received(navigation(**status))
         robot = Made().robot(messages=messages)
         state = ConsoleState(now=self.now, began=self.began, clock="14:03:22")
-        self.told = [*self.watch.look(robot, state)]
-        return [(notice.text, notice.alarm) for notice in self.told]
+        self.notices = [*self.watch.look(robot, state)]
+        return [(notice.text, notice.alarm) for notice in self.notices]
 
     def _received(self, value: Any) -> Received[Any]:
         return Received(value=value, measured=self.now - 0.1, number=1)
@@ -58,7 +58,7 @@ ENDS = [
 
 
 @for_each(("phase", "why", "verb", "alarm"), ENDS)
-def test_an_exploration_is_told_when_it_begins_and_how_it_ends(
+def test_an_exploration_has_notices_of_its_begin_and_its_end(
     phase: Phase,
     why: str,
     verb: str,
@@ -87,7 +87,7 @@ CAUSES = [
 
 
 @for_each(("task", "cause", "verb", "alarm"), CAUSES)
-def test_a_goal_is_told_when_it_begins_and_how_it_ends(
+def test_a_goal_has_notices_of_its_begin_and_its_end(
     task: Task,
     cause: Cause,
     verb: str,
@@ -100,14 +100,14 @@ def test_a_goal_is_told_when_it_begins_and_how_it_ends(
     assert story.look(status=over) == [(f"going {verb}: so it is (12 s)", alarm)]
 
 
-def test_a_goal_that_was_over_at_once_is_told_too() -> None:
+def test_a_goal_that_was_over_at_once_has_a_notice() -> None:
     story = Story()
     story.look(status={"task": Task.NONE, "number": 0})
     over = {"task": Task.CANCELLED, "cause": Cause.DRIVER, "why": "not begun: so", "seconds": 0.0}
     assert story.look(status=over) == [("going GIVEN UP: not begun: so", True)]
 
 
-def test_the_goals_of_autonomy_are_not_told_one_by_one() -> None:
+def test_the_goals_of_autonomy_have_no_notices() -> None:
     story = Story()
     story.look({}, {"sender": 5})
     for number in range(4, 9):
@@ -121,20 +121,20 @@ def test_what_was_over_before_the_console_came_is_history_with_its_time_and_no_a
     assert story.look(None, None) == []
     blocked = {"task": Task.BLOCKED, "why": "no way", "ended_s": 449.0, "seconds": 0.5}
     assert story.look(None, blocked, after=2.0) == [("going BLOCKED: no way", False)]
-    (told,) = story.told
-    assert (told.past, told.quiet, told.clock) == (True, True, "13:55:53")
+    (notice,) = story.notices
+    assert (notice.past, notice.quiet, notice.clock) == (True, True, "13:55:53")
     assert story.look({"seconds": 131.0}, blocked) == [("exploring begins", False)]
-    assert story.told[0].past
+    assert story.notices[0].past
 
 
 def test_what_ended_while_the_link_was_lost_is_news_with_its_time() -> None:
     story = Story()
     story.look(None, {})
     assert story.look(None, {"task": Task.BLOCKED, "ended_s": 60.0}, after=100.0)[0][1]
-    assert (story.told[0].past, story.told[0].clock) == (False, "14:02:22")
+    assert (story.notices[0].past, story.notices[0].clock) == (False, "14:02:22")
 
 
-def test_it_is_told_that_it_waits_for_long_and_goes_on() -> None:
+def test_a_long_wait_has_notices_of_its_begin_and_its_end() -> None:
     story = Story()
     story.look({})
     waits = {"phase": Phase.WAITING, "why": "waits: the map is old"}

@@ -86,8 +86,8 @@ def test_a_click_on_a_mark_sends_the_robot_before_it_and_turned_to_it():
     assert abs(mark - complex(point.x, point.y)) == pytest.approx(1.0)
     assert abs(complex(point.x, point.y) - robot) == pytest.approx(abs(mark - robot) - 1.0)
     assert goal.theta == pytest.approx(cmath.phase(mark - robot))
-    (told,) = [each.notice.text for each in effects if isinstance(each, Notify)]
-    assert told == "sent to victim 1, 1.0 m before it"
+    (text,) = [each.notice.text for each in effects if isinstance(each, Notify)]
+    assert text == "sent to victim 1, 1.0 m before it"
     (beside,) = values(
         widget_of("widgetGoTo", mark=0.1).handle(click(), event_spec("mouse left"), seeing(*marks))
     )

@@ -180,8 +180,8 @@ def test_what_consoles_provide_is_not_called_missing(listed) -> None:
     ("width", "head"), [(90, "1 NOT KEPT, 2 victims"), (18, "1 NOT KEPT, 2 v")]
 )
 def test_a_mark_that_is_not_on_the_robots_disk_is_a_caution(made, draw, width, head) -> None:
-    told = made.received(points(point(1), point(2, kept=0)))
-    canvas = draw("visualizeMarks", made.robot(messages={INTEREST_POINTS.name: told}), (width, 8))
+    marks = made.received(points(point(1), point(2, kept=0)))
+    canvas = draw("visualizeMarks", made.robot(messages={INTEREST_POINTS.name: marks}), (width, 8))
     rows = words(canvas)
     assert rows[0] == head
     sign = "NOT KEPT" if width == 90 else " 2 V!"
@@ -196,8 +196,8 @@ def test_what_the_body_has_no_parts_for_comes_last_and_is_no_alarm(made, draw) -
         capability("VIS_VID", CapabilityPhase.UNAVAILABLE, wanted="rune"),
         capability("NAV_MOVE", wanted="rune"),
     )
-    told = {CAPABILITY_REPORTS.name: made.received(value)}
-    canvas = draw("visualizeCapabilities", made.robot(messages=told), (70, 8))
+    messages = {CAPABILITY_REPORTS.name: made.received(value)}
+    canvas = draw("visualizeCapabilities", made.robot(messages=messages), (70, 8))
     rows = words(canvas)
     assert [row.split()[0] for row in rows[:3]] == ["VIS_VID", "NAV_MOVE", "DRV_ARM"]
     assert "this body has no parts for it" in rows[2]
