@@ -120,8 +120,7 @@ class Console(CoveredApp, inherit_bindings=False):
         """Run; stop the robots and close the links at every kind of end.
 
         Returns:
-            The exit code: 0 if the operator or the system ended it, 4 if it was so and the
-            recording lacks something, 1 after a fault.
+            The exit code: 1 after a fault; else 4 if a recording lacks something, else 0.
         """
         sys.setswitchinterval(_SWITCH_S)
         for link in self._links.values():

@@ -163,9 +163,12 @@ class EffectRunner:
         self.run((RecordEffect(),))
 
     def end_recording(self) -> int:
-        """End a running recording; returns, when its file is complete, the exit code.
+        """End a running recording, and wait for its file.
 
-        What is not is said on standard error, for the view has ended.
+        The view has ended, so standard error has the reason if the file lacks something.
+
+        Returns:
+            The console's exit code: `NOT_KEPT` if this or an earlier recording lacks something.
         """
         if not self.file_writer.recorder.path:
             return ExitCode.NOT_KEPT if self.file_writer.broken else ExitCode.OK

@@ -37,7 +37,7 @@ class TopLayers:
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The layers."""
+        """Where two lie at one place, the later one is above."""
         return (*self._stop.layers, *self._notices.layers, *self._banner.layers)
 
     @property

@@ -34,7 +34,7 @@ class DroppedKeys:
         self._last = -math.inf
 
     def drop(self, now: float) -> None:
-        """A key was dropped at this time [s]."""
+        """Drop keys from now on; a key was dropped at this time [s]."""
         self.dropping = True
         self._last = max(self._last, now)
 
@@ -51,5 +51,5 @@ class DroppedKeys:
         return self.dropping
 
     def update(self, now: float) -> None:
-        """Apply the time limit."""
+        """End the drop if no key came for `QUIET_S`."""
         self.dropping = self.dropping and not self._guard.quiet(self._last, QUIET_S, now)

@@ -77,7 +77,7 @@ class FileWriter:
             self._report(self.recorder.begin(layout, operator))
 
     def look(self) -> None:
-        """End a recording that the disk ended, and report it."""
+        """Report a recording that the disk ended, and close it."""
         if self.recorder.fault:
             self.broken = True
             self._write(self.recorder.end())

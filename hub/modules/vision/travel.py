@@ -48,7 +48,7 @@ class HeadTravel:
         self._last: tuple[float, float, float] | None = None
 
     def moved(self, state: CameraState) -> None:
-        """Take a direction."""
+        """Add the turn since the last state; the first one adds nothing."""
         now = state.pan, state.tilt, state.zoom
         if self._last is not None:
             steps = (abs(one - other) for one, other in zip(now, self._last, strict=True))

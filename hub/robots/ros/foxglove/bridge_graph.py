@@ -31,7 +31,7 @@ class BridgeTopics:
         self.clear()
 
     def clear(self) -> None:
-        """Forget all."""
+        """Drop what a connection has advertised; a new one advertises all again."""
         self.left_out = ""
         self._channels: dict[int, RosTopic] = {}
         self._by_topic: dict[str, dict[int, None]] = {}

@@ -59,7 +59,7 @@ class BridgeRefusals:
         self._said.pop(name, None)
 
     def clear(self) -> None:
-        """Forget all."""
+        """Drop all errors, as for a new connection."""
         self.words.clear()
         self._said.clear()
 

@@ -37,7 +37,7 @@ class TokenGraph:
             self._ends = self._graph = None
 
     def clear(self) -> None:
-        """Forget all."""
+        """Drop all tokens; `faults` and `own` stay."""
         self._entities.clear()
         self._ends = self._graph = None
 
