@@ -13,7 +13,7 @@ import copy
 import dataclasses
 import logging
 import math
-from collections.abc import Callable, Collection, Hashable, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 from typing import Final, NamedTuple, cast
 
 from hub.values import dataclass
@@ -301,6 +301,16 @@ class DrawnViewport:
 def _write_pause(canvas: Canvas, took: float, state: ConsoleState) -> None:
     """Note the period of a slow drawing on it."""
     canvas.text(0, 0, f"slow: drawn every {(1.0 + _PAUSE) * took:.0f} s", state.theme.alarm_ink)
+
+
+def drawn_functions(
+    panes: Iterable[DrawnViewport], state: ConsoleState
+) -> Iterator[tuple[str, str]]:
+    """Function and robot of each visualizer that is shown."""
+    for pane in panes:
+        robot = pane.robot(state)
+        if robot is not None and pane.visible(state):
+            yield pane.function, robot.name
 
 
 def is_shown(place: PlaceSpec, state: ConsoleState) -> bool:

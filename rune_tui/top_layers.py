@@ -74,7 +74,7 @@ class TopLayers:
         Returns:
             Whether they changed.
         """
-        shown = state.stop_shown or "visualizeStatus" in state.drawn
+        shown = state.stop_shown or ("visualizeStatus", state.seen) in state.drawn
         stop = self._stop.refresh(*size, zpos, state, shown=shown)
         logged = any(pane.visualizer.rule.logs and pane.visible(state) for pane in panes)
         top = self._banner.end or _uncovered_rows(panes, size[0])

@@ -16,7 +16,7 @@ from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.contrast import make_legible
 from rune_tui.compositor.seen_pictures import SeenPicture, seen_pictures
 from rune_tui.controls.events import Hit
-from rune_tui.drawn_viewport import DrawnViewport, DrawTimes, is_shown
+from rune_tui.drawn_viewport import DrawnViewport, DrawTimes, drawn_functions, is_shown
 from rune_tui.layout.placing import Placed, arrangement_for, filled, given_away, placed
 from rune_tui.layout.rules import Vocabulary
 from rune_tui.layout.spec import CHOSEN, LayoutSpec, ViewportSpec
@@ -212,7 +212,7 @@ class View:
             state,
             banner=banner_of(state, found),
             attention=self.attention,
-            drawn=frozenset(pane.function for pane in self.panes if pane.visible(state)),
+            drawn=frozenset(drawn_functions(self.panes, state)),
         )
         # Lines of keys come first: the status line says how to stop where they do not.
         with_text = [pane for pane in self.panes if pane.visualizer.rule.text]

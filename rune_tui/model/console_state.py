@@ -150,7 +150,7 @@ class ConsoleState:
         unconfirmed: Number of marks that were sent and not confirmed, by widget and robot.
         overdue: Number of those that are late, in the same form.
         banner: The alarm that is drawn over the view; panes do not repeat it.
-        drawn: Functions of the visualizers that are shown.
+        drawn: Function and robot of each visualizer that is shown.
         stop_shown: Whether a line of keys or a button that is seen says how to stop.
         attention: The problems of all robots, in the order in which they need the operator.
         ghosts: Marks that the operator has not confirmed yet, by robot.
@@ -196,7 +196,7 @@ class ConsoleState:
     unconfirmed: Mapping[tuple[int, str], int] = field(default_factory=dict)
     overdue: Mapping[tuple[int, str], int] = field(default_factory=dict)
     banner: Banner | None = None
-    drawn: frozenset[str] = frozenset()
+    drawn: frozenset[tuple[str, str]] = frozenset()
     stop_shown: bool = False
     attention: tuple[AttentionEntry, ...] = ()
     ghosts: Mapping[str, Ghost] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Panes that can show nothing give their room away, and the banner hides no pane."""
+"""What panes leave to other panes: their room, or words; and the banner hides none of them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any, Final
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hub.gcm.autonomy import Phase
 from hub.gcm.body import ROBOT_DESCRIPTION
 from hub.gcm.flight import ALTITUDE, Altitude
 from hub.gcm.imu import IMU
@@ -20,7 +21,9 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import Received, RobotState
 from rune_tui.view import View
 from tests.console.situations import NOW, SITUATIONS, received, robot, scene, shipped
-from tests.console.view_scenes import words
+from tests.console.states import layout_of, rendered
+from tests.console.view_scenes import view, viewport, words
+from tests.console.visualizers import known
 from tests.support.cases import for_each
 from tests.support.magellan import magellan_body
 
@@ -97,3 +100,19 @@ def test_the_banner_leaves_the_option_bar_and_other_panes_in_sight(size: tuple[i
     assert "link" in expanded
     search = words(scene(shipped("search"), SITUATIONS["goal-blocked"], size))
     assert "─ map" in search
+
+
+@for_each("shown", ["rover", "blimp"])
+def test_how_a_task_ended_is_a_problem_unless_a_pane_shows_that_robots_task(shown: str) -> None:
+    blocked = known.autonomy(phase=Phase.BLOCKED, why="no way", ended_s=1.0)
+    team = {name: robot(name, autonomy=blocked) for name in ("rover", "blimp")}
+    panes = (
+        viewport("visualizeAlarms", (0, 0, 160, 48), robot="blimp"),
+        viewport("visualizeAutonomy", (0, 48, 160, 48), robot=shown),
+    )
+    screen = View(layout_of(view(*panes)))
+    screen.resize(80, 24)
+    cells = rendered(screen, team, ConsoleState(now=NOW))
+    assert cells is not None
+    problems = words(cells).splitlines()[0]
+    assert ("BLOCKED" in problems) == (shown == "rover")

@@ -80,7 +80,7 @@ def _not_in_banner(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
 
 def _is_elsewhere(part: Part, robot: RobotState, state: ConsoleState) -> bool:
     """Whether the banner or another pane says it."""
-    by_itself = part.cause == "task" and _TASKS in state.drawn
+    by_itself = part.cause == "task" and (_TASKS, robot.name) in state.drawn
     return by_itself or is_in_banner(part, robot, state)
 
 
