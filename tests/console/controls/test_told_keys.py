@@ -8,7 +8,7 @@ from tests.console.controls.test_keyboard import (
     DELAY,
     RATE,
     release,
-    told_press,
+    reported_press,
 )
 from tests.support.cases import for_each
 
@@ -87,14 +87,14 @@ def test_a_key_that_never_repeats_is_held_for_as_long_as_keys_move():
 def test_what_window_managers_take_ends_what_is_held(key: str):
     keyboard = KeyboardHold()
     keyboard.down("w", 0.0, repeat=False)
-    assert keyboard.down(key, 0.1, repeat=False) == (release("w"), told_press(key))
+    assert keyboard.down(key, 0.1, repeat=False) == (release("w"), reported_press(key))
     (event,) = keyboard.down("w", 0.2, repeat=True)
     assert event.must_release_first
 
 
 def test_a_key_whose_release_is_told_is_held_until_then():
     keyboard = KeyboardHold()
-    assert keyboard.down("w", 0.0, repeat=False) == (told_press("w"),)
+    assert keyboard.down("w", 0.0, repeat=False) == (reported_press("w"),)
     answering(keyboard, 0.0, 0.5)
     for number in range(300):
         moment = 0.5 + number * RATE
@@ -127,7 +127,7 @@ def test_a_terminal_that_falls_silent_holds_nothing_and_drives_only_when_pressed
     assert (event.must_release_first, event.repeat) == (True, True)
     assert keyboard.held == ()
     assert keyboard.up("w", 5.1) == ()
-    assert keyboard.down("w", 6.0, repeat=False) == (told_press("w"),)
+    assert keyboard.down("w", 6.0, repeat=False) == (reported_press("w"),)
 
 
 def test_what_stayed_down_when_all_was_let_go_drives_again_only_when_pressed_anew():
@@ -137,10 +137,10 @@ def test_what_stayed_down_when_all_was_let_go_drives_again_only_when_pressed_ane
     (event,) = keyboard.down("w", 9.0, repeat=True)
     assert (event.must_release_first, event.repeat) == (True, True)
     # Its release went to another window, so the next that is heard of it is a press.
-    assert keyboard.down("w", 20.0, repeat=False)[-1] == told_press("w")
+    assert keyboard.down("w", 20.0, repeat=False)[-1] == reported_press("w")
 
 
 def test_a_press_without_the_release_before_it_releases_first():
     keyboard = KeyboardHold()
     keyboard.down("w", 0.0, repeat=False)
-    assert keyboard.down("w", 0.2, repeat=False) == (release("w"), told_press("w"))
+    assert keyboard.down("w", 0.2, repeat=False) == (release("w"), reported_press("w"))
