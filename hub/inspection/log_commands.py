@@ -151,15 +151,13 @@ def _fitting_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
 def _list(folder: Path | None, *, as_json_lines: bool) -> int:
     root = folder or for_recordings()
     rows, code = [], 0
-    for path in _recordings_in(root):
+    unread: list[OSError] = []
+    for path in _recordings_in(root, unread):
         try:
             facts = facts_of_recording(path, lambda _: None, quick=True)
         except RecordingError as error:
             code = 1
-            if as_json_lines:
-                put_json({"path": str(path), "faults": [str(error)]})
-            else:
-                print_error(str(error))
+            _say_unread(path, str(error), as_json_lines=as_json_lines)
             continue
         code = 1 if facts.faults else code
         if as_json_lines:
@@ -176,6 +174,10 @@ def _list(folder: Path | None, *, as_json_lines: bool) -> int:
                 _size(facts.size),
             )
         )
+    for fault in unread:
+        code = 1
+        text = f"{fault.filename} cannot be read: {fault.strerror}"
+        _say_unread(fault.filename, text, as_json_lines=as_json_lines)
     heads = ("recording", "begun", "state", "lasted", "messages", "topics", "size")
     if rows:
         table(heads, rows, words=3)
@@ -184,35 +186,41 @@ def _list(folder: Path | None, *, as_json_lines: bool) -> int:
     return code
 
 
-def _recordings_in(root: Path) -> Iterator[Path]:
+def _say_unread(path: Path | str, fault: str, *, as_json_lines: bool) -> None:
+    if as_json_lines:
+        put_json({"path": str(path), "faults": [fault]})
+    else:
+        print_error(fault)
+
+
+def _recordings_in(root: Path, unread: list[OSError]) -> Iterator[Path]:
     """Files and bags in a folder and in those within it, in order.
 
+    Args:
+        root: The folder.
+        unread: Gets the errors of folders that cannot be read.
+
     Raises:
-        RecordingError: The folder cannot be read.
+        RecordingError: There is no such folder, or it has too many files.
     """
     if not root.is_dir():
         text = f"there is no folder {root}"
         raise RecordingError(text)
-    found = sorted(_files_in(root))
+    found = sorted(_files_in(root, unread))
     bags = {path.parent for path in found if path.name == "metadata.yaml"}
     for path in sorted({*bags, *(each for each in found if _is_recording(each))}):
         if path.parent not in bags:
             yield path
 
 
-def _files_in(root: Path) -> Iterator[Path]:
-    """All files in a folder and in those within it.
+def _files_in(root: Path, unread: list[OSError]) -> Iterator[Path]:
+    """All files in a folder and in those within it that can be read.
 
     Raises:
-        RecordingError: One of them cannot be read, or they are too many.
+        RecordingError: They are too many.
     """
-
-    def refuse(error: OSError) -> None:
-        text = f"{error.filename} cannot be read: {error.strerror}"
-        raise RecordingError(text) from error
-
     count = 0
-    for folder, _, names in os.walk(root, onerror=refuse):
+    for folder, _, names in os.walk(root, onerror=unread.append):
         count += len(names)
         if count > _MOST_FILES:
             text = f"{root} has more than {_MOST_FILES} files; name a folder in it"

@@ -349,6 +349,17 @@ def test_a_folder_is_listed_with_its_bags_and_its_damage(drive: Path) -> None:
     assert "there are no recordings in empty" in (Path("empty").mkdir() or log("ls empty"))
 
 
+@pytest.mark.usefixtures("drive")
+def test_a_folder_that_cannot_be_read_hides_no_other(tmp_path: Path) -> None:
+    for _ in range(20):  # deeper than the longest path
+        os.mkdir("x" * 250)  # noqa: PTH102 - relative to the folder here
+        os.chdir("x" * 250)
+    os.chdir(tmp_path)
+    said = log("ls .", 1)
+    assert "cannot be read: File name too long" in said
+    assert [line.split()[0] for line in said.splitlines() if ".mcap" in line] == ["drive.mcap"]
+
+
 @pytest.mark.parametrize(
     ("line", "said"),
     [
