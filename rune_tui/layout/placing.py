@@ -167,10 +167,9 @@ def _over(place: PlaceSpec, hole: PlaceSpec) -> Iterator[PlaceSpec]:
             yield dataclasses.replace(place, xpos=hole.xpos, xsize=right - hole.xpos)
 
 
-def _meet(one: PlaceSpec, other: PlaceSpec) -> bool:
-    across = one.xpos < other.xpos + other.xsize and other.xpos < one.xpos + one.xsize
-    down = one.ypos < other.ypos + other.ysize and other.ypos < one.ypos + one.ysize
-    return across and down
+def _meet(*places: PlaceSpec) -> bool:
+    one, other = (Area(x=p.xpos, y=p.ypos, width=p.xsize, height=p.ysize) for p in places)
+    return one.meets(other)
 
 
 def _effort(place: PlaceSpec, hole: PlaceSpec, larger: PlaceSpec) -> tuple[int, int]:
