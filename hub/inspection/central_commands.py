@@ -28,7 +28,7 @@ def status(client: Client, *, as_json: bool) -> int:
         The exit code: 1 where something is not kept, or it is not known.
     """
     now = client.directory.listing(_ANSWER_S)
-    unkept = not_kept(client)
+    unkept = not_kept(client, now.peers)
     flows = _flows(now)
     peers = [peer for peer in now.peers if peer.name != client.name]
     if as_json:

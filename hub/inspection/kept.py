@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from hub.errors import QueryError
 from hub.gcm.mission import MISSION_STATE
 from hub.gcm.recording import RECORD_STATE
 from hub.ipc.client import Client
+from hub.ipc.wire import control
 from hub.plain_text import counted
 
 _ANSWER_S = 2.0
 
 
-def not_kept(client: Client) -> list[str]:
-    """What is lost or not on the disk, and what is not known of it, in sentences."""
-    peers = client.directory.listing(_ANSWER_S).peers
+def not_kept(client: Client, peers: Sequence[control.ListedPeer]) -> list[str]:
+    """What is lost or not on the disk, and what is not known of it, in sentences.
+
+    Args:
+        client: A client of the hub.
+        peers: All that are connected to it.
+    """
     published = {name for peer in peers for name in peer.publishes.split()}
     found: list[str] = []
     for what, definition, lacks in (

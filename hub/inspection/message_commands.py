@@ -75,11 +75,7 @@ def list_all(client: Client, *, as_json: bool) -> int:
     listing = client.directory.listing(_ANSWER_S)
     peers = [peer for peer in listing.peers if peer.name != client.name]
     if as_json:
-        put(
-            json_text(
-                value_text.plain(listing) | {"peers": [value_text.plain(peer) for peer in peers]}
-            )
-        )
+        put_json(value_text.plain(listing) | {"peers": [value_text.plain(peer) for peer in peers]})
         return 0
     put(f"{len(peers)} modules and consoles")
     for peer in peers:

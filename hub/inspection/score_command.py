@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from hub.command_output import put
+from hub.command_output import put, put_json
 from hub.errors import ArenaError
 from hub.inspection.mission_commands import chosen
 from hub.inspection.output import table
@@ -17,7 +17,6 @@ from hub.pose import Pose
 from hub.sim.arena import arena_path
 from hub.sim.arena_file import read_arena_file
 from hub.sim.arena_specs import ArenaSpec
-from hub.table_text import json_text
 
 
 def show(
@@ -53,7 +52,7 @@ def show(
     marks = [mark for _, mark in marks_of(book)]
     made = score(victims, marks, spec.scoring.weight, operators)
     if as_json:
-        put(json_text({"robot": each.robot, "mission": mission, "arena": spec.name, **facts(made)}))
+        put_json({"robot": each.robot, "mission": mission, "arena": spec.name, **facts(made)})
         return 0
     put(plain(f"mission {book.name} of {each.robot}, compared with arena {spec.name}"))
     table(("VICTIM", "MARK", "OFF [m]", "POINTS"), list(map(_row, made.findings)))

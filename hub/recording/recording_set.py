@@ -111,17 +111,12 @@ class RecordingSet(OpenRecording):
     def faults(self) -> list[str]:
         """What is wrong with the files, in sentences."""
         several = len(self.recordings) > 1
-        return [
-            *self._time_faults,
-            *self._faults_of_files(several=several),
-        ]
-
-    def _faults_of_files(self, *, several: bool) -> list[str]:
-        return [
+        of_files = [
             f"{each.path.name}: {fault}" if several else fault
             for each in self.recordings
             for fault in each.faults
         ]
+        return [*self._time_faults, *of_files]
 
     def check(self, seconds: float) -> None:
         """Look for damage in parts of MCAP files for a time [s]; see `faults`."""

@@ -82,7 +82,7 @@ def kept(robot: RobotDescription) -> list[Finding]:
         return [ok("no hub runs here that has a recording or a mission")]
     try:
         with contextlib.closing(_client_of(robot.name)) as client:
-            lost = not_kept(client)
+            lost = not_kept(client, client.directory.listing(_ANSWER_S).peers)
     except HubError as error:
         text = f"the hub that runs does not say what it keeps ({type(error).__name__})"
         return [unknown(text, "see the check `hub`")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from unittest import mock
 
 import pytest
@@ -13,9 +14,11 @@ from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.zenoh.attachment import Attachment
 
 
-def test_a_session_that_came_after_too_many_others_is_let_in_when_one_ends(
+def robot_with_operators(
     monkeypatch: pytest.MonkeyPatch,
-) -> None:
+) -> tuple[FleetOperators, Callable[[str, bool], None]]:
+    """A robot's side, and what the line calls with the key of a session that comes or goes."""
+
     def made(principal: object, session: int, _client: object) -> mock.Mock:
         return mock.Mock(principal=principal, number=session)
 
@@ -23,7 +26,13 @@ def test_a_session_that_came_after_too_many_others_is_let_in_when_one_ends(
     line, client = mock.Mock(), mock.Mock()
     client.loop.clock.return_value = 0.0
     served = FleetOperators(client, line, mock.Mock(), mock.Mock(), fleet="rune", robot="rover")
-    changed = line.watch.call_args.args[1]
+    return served, line.watch.call_args.args[1]
+
+
+def test_a_session_that_came_after_too_many_others_is_let_in_when_one_ends(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    served, changed = robot_with_operators(monkeypatch)
 
     def token(number: int) -> str:
         return f"rune/v1/rover/operator/operate:eve{number}/{number}"
@@ -47,14 +56,7 @@ def test_a_session_that_came_after_too_many_others_is_let_in_when_one_ends(
 def test_one_operator_and_those_that_observe_leave_places_to_others(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def made(principal: object, session: int, _client: object) -> mock.Mock:
-        return mock.Mock(principal=principal, number=session)
-
-    monkeypatch.setattr(operators, "RemoteOperator", made)
-    line, client = mock.Mock(), mock.Mock()
-    client.loop.clock.return_value = 0.0
-    served = FleetOperators(client, line, mock.Mock(), mock.Mock(), fleet="rune", robot="rover")
-    changed = line.watch.call_args.args[1]
+    served, changed = robot_with_operators(monkeypatch)
 
     def come(operator: str, numbers: range) -> list[str]:
         for number in numbers:
