@@ -83,7 +83,8 @@ def request_parts(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
 def _silence(control: ControlState, *, mine: bool) -> Iterator[Part]:
     if control.owner and control.silent_s >= WARNED_S:
         other = f"{control.operator}'s console is silent"
-        yield Part("the hub does not hear you" if mine else other, 6, Severity.WARNING)
+        text = "the hub does not hear you" if mine else other
+        yield Part(text, 6, Severity.WARNING, cause="silence")
 
 
 def _hint(robot: RobotState, state: ConsoleState) -> str:

@@ -22,7 +22,8 @@ def recording_parts(robot: RobotState) -> Iterator[Part]:
     elif recording.ring:
         yield Part(f"RING {_span(recording.ring_s)}", 1)
     if recording.fault:
-        yield Part(f"NOT RECORDED: {recording.fault}", 6, Severity.WARNING, short="NOT RECORDED")
+        text, short = f"NOT RECORDED: {recording.fault}", "NOT RECORDED"
+        yield Part(text, 6, Severity.WARNING, short, cause="recording")
     elif recording.lost and (recording.recording or recording.ring):
         yield Part(f"{recording.lost} LOST", 4, Severity.WARNING)
 

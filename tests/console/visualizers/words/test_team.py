@@ -13,6 +13,7 @@ from hub.gcm.control import CONTROL_STATE, ControlState
 from hub.gcm.flight import ALTITUDE, Altitude
 from hub.gcm.navigation import MotionState
 from hub.gcm.ranges import RANGES
+from hub.gcm.recording import RECORD_STATE, RecordState
 from hub.gcm.vehicle import VEHICLE_STATE, HoldPhase, HoldState, VehicleState
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
@@ -96,6 +97,13 @@ def test_a_robot_without_the_ranges_that_its_body_has_is_not_well(draw) -> None:
         link = dataclasses.replace(TEAM[0].link, since=since)
         mute = TEAM[0].with_(link=link, messages=known)
         assert said in rows(draw, team(mute), 140)[0]
+
+
+def test_a_robot_that_records_nothing_or_hears_no_console_is_not_well(draw) -> None:
+    full = RECORD_STATE, RecordState(fault="the disk is full")
+    silent = CONTROL_STATE, ControlState(owner=9, operator="bob", silent_s=1.2)
+    for message, said in ((full, "! NOT RECORDED"), (silent, "! bob's console is silent")):
+        assert said in rows(draw, team(robot("rover", messages=[message])), 140)[0]
 
 
 def test_a_robot_that_the_operator_peeks_at_has_its_own_mark(draw) -> None:
