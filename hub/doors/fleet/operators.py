@@ -58,7 +58,7 @@ class FleetOperators:
         self._sessions: dict[tuple[Principal, int], RemoteOperator] = {}
         self._waiting: dict[tuple[Principal, int], None] = {}
         self._said: dict[str, float] = {}
-        self._absent: dict[int, float] = {}
+        self._absent: dict[tuple[Principal, int], float] = {}
         self._published: dict[str, int] | None = None
         self._stops = Bucket(20.0, 20.0)
         self._key = FleetKey(kind=KeyKind.OPERATORS, robot=robot).under(fleet)
@@ -223,7 +223,7 @@ class FleetOperators:
         """The session that a header names.
 
         Raises:
-            FleetRefusalError: It is not there, or not of this operator.
+            FleetRefusalError: This operator has none of that number.
         """
         operator = self._sessions.get((principal, header.publisher))
         if operator is None:
@@ -239,15 +239,15 @@ class FleetOperators:
 
         The first commands of a console overtake the token of its session.
         """
-        session = header.publisher
-        operator = self._sessions.get((principal, session))
+        place = principal, header.publisher
+        operator = self._sessions.get(place)
         if operator is not None and operator.number:
-            self._absent.pop(session, None)
+            self._absent.pop(place, None)
             return False
         now = self._client.loop.clock()
-        if session not in self._absent and len(self._absent) >= MOST_SESSIONS:
+        if place not in self._absent and len(self._absent) >= MOST_SESSIONS:
             self._absent.clear()
-        return now - self._absent.setdefault(session, now) < _ADMITTING_S
+        return now - self._absent.setdefault(place, now) < _ADMITTING_S
 
     def _refuse(self, principal: Principal, reason: str, text: str) -> None:
         """Count it, and say why to the operator, now and then."""

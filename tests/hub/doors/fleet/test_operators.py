@@ -78,14 +78,14 @@ def test_commands_that_overtake_their_session_are_dropped_and_refused_aloud_late
     messages = mock.Mock(known={VELOCITY_COMMAND.name: VELOCITY_COMMAND})
     FleetOperators(client, line, messages, faults, fleet="rune", robot="rover")
     commanded = line.subscribe.call_args.args[1]
-    key = f"rune/v1/rover/command/operate:eve/{VELOCITY_COMMAND.name}"
     header = Attachment(publisher=7, fingerprint=0, sequence=1, stamp_ns=0).pack()
 
-    def refusals(now: float) -> int:
+    def refusals(now: float, operator: str = "operate:eve") -> int:
         client.loop.clock.return_value = now
         line.put.reset_mock()
-        commanded(key, b"", header)
+        commanded(f"rune/v1/rover/command/{operator}/{VELOCITY_COMMAND.name}", b"", header)
         return int(line.put.call_count)
 
     assert [refusals(now) for now in (100.0, 101.0, 102.9, 103.1)] == [0, 0, 0, 1]
-    assert faults.count.call_count == 4
+    assert refusals(103.2, "operate:alice") == 0  # with a session of the same number
+    assert faults.count.call_count == 5
