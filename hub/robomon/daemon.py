@@ -136,8 +136,9 @@ class Daemon:
             )
             stack.callback(central.close)
             if robot.listen:
-                self._ways_in["tcp"] = central.endpoints[1]
-                folder.publish_tcp(self._ways_in["tcp"])
+                own = next(each for each in central.endpoints if each.startswith("tcp://"))
+                self._ways_in["tcp"] = own
+                folder.publish_tcp(own)
             if robot.gateway:
                 self._ways_in["gateway"] = central.endpoints[-1]
             logs = stack.enter_context(contextlib.closing(LogFolder(robot.logs, robot.name)))

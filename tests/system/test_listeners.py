@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from fnmatch import fnmatchcase
@@ -100,7 +101,12 @@ def test_a_program_listens_as_the_page_says(
     check(program, started.process.pid)
 
 
-def test_programs_beside_a_hub_listen_as_the_page_says(tmp_path: Path, stack: ExitStack) -> None:
+def test_programs_beside_a_hub_listen_as_the_page_says(
+    tmp_path: Path, stack: ExitStack, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Abstract sockets begin with the sign in this folder's name; files are none for it.
+    runtime = stack.enter_context(tempfile.TemporaryDirectory(prefix="r@", dir="/tmp"))
+    monkeypatch.setenv("RUNE_RUNTIME_DIR", runtime)
     hub = stack.enter_context(closing(HubProcess(tmp_path, options=("--listen", "0"))))
     for program, words in {
         "rune-hub serve foxglove": ("serve", "foxglove", "--port", "0"),
