@@ -38,6 +38,7 @@ PROCESS = "pid"
 """File name of the process id."""
 TCP = "tcp"
 """File name of the hub's address for clients with its token, if it has one."""
+_RUN = Path("/run")
 NOWHERE = f"ipc://{os.devnull}/{SOCKET}"
 """Address at which no hub can listen."""
 
@@ -224,14 +225,17 @@ class HubFolder:
 
 
 def _is_own(folder: Path) -> bool:
-    """Whether a folder is this user's, or any one's for root, which others may not enter."""
+    """Whether a folder is this user's, which others may not enter.
+
+    Root may use those of others in /run, where the system makes them: in /tmp any user could.
+    """
     try:
         found = folder.lstat()
     except OSError:
         return False
     user, others = os.geteuid(), stat.S_IRWXG | stat.S_IRWXO
-    own = user in (0, found.st_uid) and not found.st_mode & others
-    return own and stat.S_ISDIR(found.st_mode)
+    own = found.st_uid == user or (user == 0 and _RUN in folder.parents)
+    return own and stat.S_ISDIR(found.st_mode) and not found.st_mode & others
 
 
 def process_of(name: str) -> str:

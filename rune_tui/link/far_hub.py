@@ -18,7 +18,7 @@ SCRIPT: Final = r"""
 u=$(id -u)
 for d in "$RUNE_RUNTIME_DIR" "$XDG_RUNTIME_DIR/rune" "/run/user/$u/rune" \
     "${TMPDIR:-/tmp}/rune-$u" "/tmp/rune-$u" /run/*/rune; do
-  [ -O "$d" ] || [ "$u" = 0 ] || continue
+  case "$u $d" in "0 /run/"*) ;; *) [ -O "$d" ] || continue ;; esac
   for s in "$d"/*/hub; do
     [ -S "$s" ] && kill -0 "$(cat "${s%hub}pid")" && printf 'hub %s\n' "$s"
   done

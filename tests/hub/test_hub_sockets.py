@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 import stat
 import tempfile
 from contextlib import ExitStack, closing
@@ -87,6 +89,19 @@ def test_nobody_else_may_enter_its_folder_and_one_of_others_is_not_used() -> Non
     with pytest.raises(EndpointError, match="others may enter it"):
         HubFolder("magellan")
     assert hub_sockets.running() == []
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder to another user")
+def test_root_uses_no_folder_that_another_user_made(tmp_path: Path) -> None:
+    os.chown(tmp_path / "run", 65534, 65534)
+    with pytest.raises(EndpointError, match="belongs to another user"):
+        HubFolder("magellan")
+    other = tmp_path / "run" / "magellan"
+    other.mkdir(mode=0o700)
+    with (other / "pid").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        (other / "hub").touch()
+        assert hub_sockets.running() == []
 
 
 def test_a_client_finds_a_hub_that_comes_later_and_under_another_path(
