@@ -39,7 +39,7 @@ class Asked:
         """
         self._changed, self._faults, self._drive = changed, faults, drive
         self._lock = threading.Lock()
-        self._viewers: dict[int, set[int]] = {}
+        self._watched: set[tuple[int, int]] = set()  # program, channel
         self._fresh: set[int] = set()
         self._panels: dict[Panel, tuple[str, str]] = {}
         self._commands: dict[Panel, deque[PanelCommand]] = {}
@@ -50,7 +50,7 @@ class Asked:
         with self._lock:
             self._noted = False
             wishes = Wishes(
-                watched=frozenset(each for each, viewers in self._viewers.items() if viewers),
+                watched=frozenset(channel for _, channel in self._watched),
                 fresh=frozenset(self._fresh),
                 commands=tuple(itertools.chain.from_iterable(self._commands.values())),
                 panels=frozenset(self._panels),
@@ -62,14 +62,14 @@ class Asked:
     def watch(self, program: int, channel: int) -> None:
         """A program shows a channel."""
         with self._lock:
-            self._viewers.setdefault(channel, set()).add(program)
+            self._watched.add((program, channel))
             self._fresh.add(channel)
         self._note()
 
     def unwatch(self, program: int, channel: int) -> None:
         """It shows it no more."""
         with self._lock:
-            self._viewers.get(channel, set()).discard(program)
+            self._watched.discard((program, channel))
         self._note()
 
     def panel(self, program: int, channel: PanelChannel) -> None:
@@ -115,8 +115,7 @@ class Asked:
     def leave(self, program: int) -> None:
         """A program is gone, with all its panels."""
         with self._lock:
-            for viewers in self._viewers.values():
-                viewers.discard(program)
+            self._watched = {each for each in self._watched if each[0] != program}
             for panel in [each for each in self._panels if each[0] == program]:
                 self._panels.pop(panel)
                 self._commands.pop(panel, None)
