@@ -379,7 +379,6 @@ class RecordingWriter:
             names = {number: name for name, number in self._channels.items()}
             self._lose(names[channel] for channel in self._encoder.counts.elements())
             self._written = self._whole = 0
-        self._room.free()
         self._answer([*self._asked])
         with contextlib.suppress(OSError):
             self._file.close()
