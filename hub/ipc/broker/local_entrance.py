@@ -14,6 +14,8 @@ from hub.ipc.security.token import Token, own_token
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 
+_ABSTRACT = "ipc://@"
+
 
 class LocalEntrance:
     """Central's own addresses; bound from the start to `close`.
@@ -54,7 +56,7 @@ class LocalEntrance:
         zap.decide([binding.TOKEN_DOMAIN], self._judge)
         zap.decide([binding.FILE_DOMAIN], lambda _: ZapVerdict(status="200", reason=""))
         # A filter of users holds for what a socket binds later: abstract sockets come last.
-        for endpoint in sorted(wanted, key=lambda each: "@" in str(each)):
+        for endpoint in sorted(wanted, key=lambda each: str(each).startswith(_ABSTRACT)):
             bound = [
                 binding.bind(end, binding.sibling(endpoint, index))
                 for index, end in enumerate(ends)
