@@ -23,7 +23,7 @@ from tests.system.driven_autopilot import DOOR, RecordedAutopilot
 from tests.system.driven_ros import WITH_ROS, RecordedRos
 from tests.system.harness import ConsoleProcess, HubProcess
 from tests.system.recorded_robot import Recording, Row
-from tests.system.terminal_process import DELAY_S
+from tests.system.terminal_process import DELAY_S, write_keys
 
 _PAD = "logitech_f310_dinput"
 _STICKS = """
@@ -144,7 +144,7 @@ class Finger:
                 if self._lifted.wait(pause):
                     return
                 with contextlib.suppress(OSError):  # the terminal is closed, or takes no more
-                    os.write(terminal(), key.encode())
+                    write_keys(terminal(), key.encode())
                 late = self.gaps and chance.random() < _GAPS
                 pause = chance.uniform(0.16, 0.5) if late else _REPEAT_S if number else DELAY_S
 

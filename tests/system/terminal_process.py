@@ -7,6 +7,7 @@ import fcntl
 import os
 import pty
 import re
+import select
 import selectors
 import signal
 import struct
@@ -36,7 +37,24 @@ _QUIET_S = 0.5
 _IGNORED = "ignores keys typed"
 """What the console says of a key that may be old; then how often, on this line or the next two."""
 _TIMES = re.compile(r"\((\d+) times\)")
+_FULL_S = 0.1
+"""A terminal that takes nothing for this time is full [s]."""
 _ONE_KEY = re.compile(r"[^\x1b]|\x1b\[\d+~|\x1bO.|\x1b\[[A-Z]")
+
+
+def write_keys(terminal: int, keys: bytes) -> None:
+    """Write to a terminal which another thread may write to at the same time.
+
+    The kernel refuses one of two such writes as if the terminal were full, but not for long.
+    """
+    while True:
+        try:
+            os.write(terminal, keys)
+        except BlockingIOError:
+            if not select.select([], [terminal], [], _FULL_S)[1]:
+                raise
+        else:
+            return
 
 
 class _Answering(pyte.Screen):
@@ -48,7 +66,7 @@ class _Answering(pyte.Screen):
 
     def write_process_input(self, data: str) -> None:
         with contextlib.suppress(OSError):  # nobody reads, or it has ended
-            os.write(self._terminal, data.encode())
+            write_keys(self._terminal, data.encode())
 
 
 _COMMON = re.compile(r"\x1b\[([\d;]*)([mHC])|([^\x00-\x1f\x7f-\x9f]+)")
@@ -141,7 +159,7 @@ class TerminalProcess:
         self._typed, self._ignored = keys, None
 
     def _send(self, keys: str) -> None:
-        os.write(self.terminal, keys.encode())
+        write_keys(self.terminal, keys.encode())
 
     def _press_again(self) -> None:
         """Press the last key again where the console asks for that, as a person does.
@@ -198,9 +216,9 @@ class TerminalProcess:
                 data = os.read(self.terminal, 1 << 16)
                 self.output_bytes += len(data)
                 for row, column in _ASKED.findall(self._unread + data):
-                    os.write(self.terminal, b"\x1b[%s;%sR" % (row, column))
+                    write_keys(self.terminal, b"\x1b[%s;%sR" % (row, column))
                 if b"\x1b[c" in data:
-                    os.write(self.terminal, b"\x1b[?6c")
+                    write_keys(self.terminal, b"\x1b[?6c")
                 self._unread = data[-_QUESTION_BYTES:] if not _ASKED.search(data[-32:]) else b""
 
     @contextlib.contextmanager
