@@ -1,5 +1,7 @@
 """Admits commands to a module only from the client that has control of the robot.
 
+The bus admits a command only under the number that central gave to its connection.
+
 | state of control | sender | action |
 | --- | --- | --- |
 | not known yet, or free | any | admit |

@@ -145,7 +145,7 @@ class Client(BaseClient):
     @property
     def lost(self) -> int:
         """Number of subscribed messages that did not arrive; an overtaken message did arrive."""
-        return self._subscriptions.lost
+        return sum(self.lost_by_message.values())
 
     @property
     def unfit(self) -> dict[str, str]:

@@ -22,10 +22,11 @@ from hub.gcm.geometry import TwistStamped
 from hub.gcm.mapping import MAP_REQUEST
 from hub.gcm.navigation import VELOCITY_COMMAND
 from hub.gcm.vision import IMAGE_REQUEST, ImageRequest
-from hub.ipc.definition import MessageDefinition
+from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.wire import control, frames
-from hub.ipc.wire.control_codec import pack, unpack
+from hub.ipc.wire.control_codec import pack
 from tests.misbehaving.bad_frames import control_frames, spoil
+from tests.support.raw_client import Context, RawClient
 
 _BURST_S = 0.005
 _CLIENTS = 4
@@ -33,7 +34,6 @@ _STAY = 2000
 """Inputs after which the oldest client goes without a word, and another comes."""
 _FAR = ((1 << 62) - 1, 1 << 62, (1 << 63) - 1, -1, -(1 << 63))
 _TIMEOUTS = (0.1, 1.0, 1e300, float("nan"), -1.0)
-_COMMAND_IN, _STATE_IN = 2, 0
 _COMMANDS: tuple[MessageDefinition[Any], ...] = (
     VELOCITY_COMMAND,
     VELOCITY_COMMAND,
@@ -42,31 +42,15 @@ _COMMANDS: tuple[MessageDefinition[Any], ...] = (
 _ASKED: tuple[MessageDefinition[Any], ...] = (IMAGE_REQUEST, MAP_REQUEST, CONTROL_REQUEST)
 
 
-class _Console:
-    """A client that central knows: its number, and its sockets."""
+class _Console(RawClient):
+    """A client that central knows, and its sockets."""
 
-    def __init__(self, context: zmq.Context[zmq.Socket[bytes]], endpoint: str, name: str) -> None:
-        self.control = context.socket(zmq.DEALER)
-        self.control.linger = 0
-        self.control.connect(endpoint)
-        self.control.send(pack(control.Hello(name=name, pid=os.getpid())))
-        while True:
-            assert self.control.poll(10_000), "the mirror's hub answers no more"
-            said = unpack(self.control.recv_multipart()[0])
-            if isinstance(said, control.Welcome):
-                break
-        self.number = said.publisher
-        self.planes = []
-        for path in (said.paths[_COMMAND_IN], said.paths[_STATE_IN]):
-            plane = context.socket(zmq.PUB)
-            plane.linger = 0
-            plane.connect(path if path.startswith("ipc://") else f"ipc://{path}")
-            self.planes.append(plane)
-
-    def close(self) -> None:
-        """Go without a word."""
-        for each in (self.control, *self.planes):
-            each.close()
+    def __init__(self, context: Context, endpoint: str, name: str) -> None:
+        super().__init__(context, endpoint, name)
+        self.planes = [
+            self.connect(zmq.PUB, self.input_of(plane), self.ticket)
+            for plane in (Plane.COMMAND, Plane.STATE)
+        ]
 
 
 class BadConsoles:
@@ -75,7 +59,7 @@ class BadConsoles:
     def __init__(self, endpoint: str, seed: int) -> None:
         self._endpoint = endpoint
         self._chance = random.Random(seed)
-        self._context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
+        self._context: Context = zmq.Context()
         self._controls = control_frames()
         self._came = 0
         self.sent: collections.Counter[str] = collections.Counter()

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import signal
+import time
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from typing import Any
 
 import pytest
+import zmq
 
 from hub.gcm import autonomy, autopilot, navigation
 from hub.gcm.catalog import BY_NAME
@@ -26,7 +29,10 @@ from hub.gcm.control import (
 from hub.gcm.geometry import TwistStamped
 from hub.gcm.navigation import GROUND_TRUTH, Task
 from hub.ipc.client import Client
-from hub.ipc.definition import MessageDefinition
+from hub.ipc.definition import MessageDefinition, Plane
+from hub.ipc.wire import frames
+from tests.support.raw_client import RawClient
+from tests.support.waiting import until
 from tests.system.harness import (
     STILL,
     ConsoleProcess,
@@ -166,6 +172,44 @@ def command_of(definition: MessageDefinition[Any]) -> Any:
     if definition is navigation.LANDMARK_CORRECTION:
         return navigation.LandmarkCorrection(x=1.0, y=0.0, seen_x=1.0, seen_y=0.0)
     return definition.type()
+
+
+def test_nobody_drives_under_a_number_that_is_not_its_own(
+    hub: HubProcess, observer: Observer, stack: ExitStack
+) -> None:
+    """While nobody has control; with the ticket for its number the same client drives."""
+    context = zmq.Context[zmq.Socket[bytes]]()
+    stack.callback(context.term)
+    client = RawClient(context, hub.endpoint, "raw")
+    stack.callback(client.close)
+    command = navigation.VELOCITY_COMMAND
+    sequence = itertools.count(1)
+
+    def send(ticket: str) -> Callable[[float], None]:
+        socket = client.connect(zmq.XPUB, client.input_of(Plane.COMMAND), ticket)
+        topic = frames.topic(command.name, frames.FAR)
+        until(lambda: socket.poll(100) and topic in socket.recv(), 10.0)
+        return lambda speed: socket.send(
+            frames.pack(
+                frames.prefix(command.name, frames.FAR),
+                publisher=client.number,
+                fingerprint=command.fingerprint,
+                sequence=next(sequence),
+                stamp_ns=time.monotonic_ns(),
+                payload=command.encode(TwistStamped.planar(speed, 0.0)),
+            )
+        )
+
+    wait_owner(observer, "")
+    forge = send("")
+    observer.wait(lambda: forge(0.3) or "forged number" in hub.log.read_text(), 10.0, "not refused")
+    assert not any(truth.commanded_linear for _, truth in observer.seen[GROUND_TRUTH.name])
+    drive = send(client.ticket)
+    # Neutral comes first, and by itself: of two commands together the newer one counts.
+    speed = itertools.chain(itertools.repeat(0.0, 10), itertools.repeat(0.3))
+    observer.wait(
+        lambda: drive(next(speed)) or observer.truth.commanded_linear > 0.0, 10.0, "it stands"
+    )
 
 
 def test_modules_refuse_all_that_only_the_owner_may_send(

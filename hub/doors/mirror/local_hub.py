@@ -66,7 +66,7 @@ class LocalHub:
         """The number here of each of them, by its number at the robot's hub."""
         self._hidden.mkdir(mode=0o700, exist_ok=True)
         endpoint = endpoint_in(self._hidden)
-        self._central = Central([endpoint], line_delay=lambda: line.round_trip)
+        self._central = Central([endpoint], forwarder=NAME, line_delay=lambda: line.round_trip)
         self._client = Client(NAME, endpoint, loop=loop)
         self._client.respond_last(self._ask_last)
         self.define(definitions)

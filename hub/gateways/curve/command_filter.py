@@ -10,7 +10,6 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
-from typing import Any
 
 import zmq
 
@@ -22,7 +21,6 @@ from hub.ipc.definition import Plane
 from hub.ipc.roles import Principal, parse_principal
 from hub.ipc.security.publish_rights import demand_right, right
 from hub.ipc.transport.fault_counter import FaultCounter
-from hub.ipc.transport.sockets import Socket
 from hub.ipc.wire import frames
 
 _logger = logging.getLogger(__name__)
@@ -31,14 +29,7 @@ LONGEST = 1 << 16
 """Longest command from another machine [bytes]; a longer one ends its connection."""
 QUEUE = 100
 """Most commands of one connection that wait for the filter."""
-_BATCH = 32
-_PAUSE_MS = 2
-"""Rest after a full batch [ms]: it bounds the processor time of a flood."""
-_SUBSCRIPTIONS = 256
 _LOG_STOP_S = 1.0
-
-Judge = Callable[[bytes, str], bytes | None]
-"""(frame, User-Id) -> the frame to forward; None to drop it."""
 
 
 class CommandFilter:
@@ -149,58 +140,8 @@ class CommandFilter:
         return peer if peer is not None and peer.principal == principal else None
 
 
-def carry(outer: Socket, inner: Socket, steered: Socket, judge: Judge) -> None:
-    """Carry commands in and subscriptions out until `steered` receives.
-
-    ZeroMQ takes one frame of each connection in turn, so a flood on one does not block the
-    others. After a batch the filter rests, so a flood leaves processor time.
-
-    Args:
-        outer: XSUB of the gateway.
-        inner: XPUB to central.
-        steered: Receives a message as the order to end.
-        judge: Decides about each frame.
-    """
-    poller = zmq.Poller()
-    for socket in (outer, inner, steered):
-        poller.register(socket, zmq.POLLIN)
-    while True:
-        ready = dict(poller.poll())
-        if steered in ready:
-            return
-        if inner in ready:
-            _pass_subscriptions(inner, outer)
-        if outer in ready and _take(outer, inner, judge) and steered.poll(_PAUSE_MS):
-            return
-
-
-def _pass_subscriptions(inner: Socket, outer: Socket) -> None:
-    for _ in range(_SUBSCRIPTIONS):
-        try:
-            subscription = inner.recv(zmq.NOBLOCK)
-        except zmq.Again:
-            return
-        outer.send(subscription, zmq.NOBLOCK)
-
-
-def _take(outer: Socket, inner: Socket, judge: Judge) -> bool:
-    """Read a batch of frames; whether there may be more."""
-    for _ in range(_BATCH):
-        try:
-            frame: Any = outer.recv(zmq.NOBLOCK, copy=False)
-        except zmq.Again:
-            return False
-        parts = 1
-        while outer.getsockopt(zmq.RCVMORE):
-            outer.recv(zmq.NOBLOCK, copy=False)
-            parts += 1
-        admitted = judge(frame.bytes if parts == 1 else b"", _user_id(frame))
-        if admitted is not None:
-            inner.send(admitted, zmq.NOBLOCK)
-    return True
-
-
-def _user_id(frame: Any) -> str:
+def user_id_of(frame: zmq.Frame) -> str:
+    """The sender of a frame by ZeroMQ, such as "operate:alice:FINGERPRINT"; empty: unknown."""
     try:
         return str(frame.get("User-Id"))
     except zmq.ZMQError:

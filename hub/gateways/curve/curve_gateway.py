@@ -18,7 +18,7 @@ import zmq
 from hub.errors import EndpointError
 from hub.gateways.accounts import Accounts
 from hub.gateways.curve.admission import Admission
-from hub.gateways.curve.command_filter import CommandFilter
+from hub.gateways.curve.command_filter import CommandFilter, user_id_of
 from hub.gateways.curve.gateway_sockets import GatewaySockets
 from hub.gateways.curve.removed_keys import RemovedKeys
 from hub.ipc.broker.gateways import CentralAccess, ControlEntrance, GatewayOpener
@@ -86,7 +86,7 @@ class CurveGateway:
             make=self._make,
             accounts=accounts,
             clock=central.clock,
-            judge=command_filter.admit,
+            judge=lambda raw, frame: command_filter.admit(raw, user_id_of(frame)),
             zap=central.zap,
         )
         guard = Admission(

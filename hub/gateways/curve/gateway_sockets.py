@@ -19,6 +19,7 @@ from hub.gateways.accounts import Accounts
 from hub.gateways.curve import command_filter
 from hub.gateways.curve.connection_rates import ConnectionRates
 from hub.gateways.curve.key_judge import KeyJudge
+from hub.ipc.broker.carrying import Judge, carry
 from hub.ipc.broker.subscription_floods import Bounds, FloodWatch
 from hub.ipc.broker.zap import ZapHandler
 from hub.ipc.endpoints import TcpEndpoint
@@ -64,7 +65,7 @@ class GatewaySockets:
         make: Callable[[int, str], _Socket],
         accounts: Accounts,
         clock: Callable[[], float],
-        judge: command_filter.Judge,
+        judge: Judge,
         zap: ZapHandler,
     ) -> None:
         """Bind and start.
@@ -243,7 +244,7 @@ class GatewaySockets:
 
         def hand_on() -> None:
             if place == _COMMANDS:
-                command_filter.carry(outer, inner, steered, self._judge)
+                carry(outer, inner, steered, self._judge)
             else:
                 zmq.proxy_steerable(outer, inner, None, steered)
 

@@ -32,6 +32,7 @@ from hub.ipc.roles import CONTROL, LOCAL
 from hub.ipc.transport import file_descriptors, heap, sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
+from hub.ipc.transport.sender_tickets import SenderTickets
 from hub.ipc.wire import control, control_codec
 
 _logger = logging.getLogger(__name__)
@@ -58,6 +59,7 @@ class Central:
         *,
         gateways: Sequence[GatewayOpener] = (),
         reserved: frozenset[str] = frozenset(),
+        forwarder: str = "",
         clock: Callable[[], float] = time.monotonic,
         line_delay: Callable[[], float] = lambda: 0.0,
     ) -> None:
@@ -68,6 +70,8 @@ class Central:
                 those that have its token. A TCP port p takes p to p + 6; port 0 takes free ones.
             gateways: Openers of the gateways for other machines.
             reserved: Names that only the robot's own modules may have.
+            forwarder: The client of this process that forwards messages under the numbers of
+                others; empty: none does.
             clock: Monotonic time [s].
             line_delay: Round trip of a line behind this central, which its clients have to allow
                 for [s]: PING is answered later by it.
@@ -84,12 +88,19 @@ class Central:
         # The second thread serves gateways: other machines take no time from local modules.
         self._context: sockets.Context = zmq.Context(2 if gateways else 1)
         self._stopping = threading.Event()
-        self.registry = Registry(clock=clock, faults=self.faults, reserved=reserved)
+        tickets = SenderTickets(self.faults)
+        self.registry = Registry(
+            clock=clock,
+            faults=self.faults,
+            reserved=reserved,
+            key=tickets.key,
+            forwarder=forwarder,
+        )
         self.gateways: list[Gateway] = []
         self.endpoints: list[str] = []
         try:
             self._zap = ZapHandler(self._context, self.faults)
-            self._planes = PlaneProxies(self._context, self.faults, clock)
+            self._planes = PlaneProxies(self._context, self.faults, clock, tickets)
             self._steered, self._steering = sockets.pair(self._context, "inproc://steering-control")
             self.entrances = [self._bind(endpoints)]
             for open_gateway in gateways:

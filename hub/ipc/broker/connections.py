@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import secrets
 from collections.abc import Callable
 
@@ -20,6 +21,7 @@ from hub.ipc.broker.presence import PresenceReports
 from hub.ipc.broker.quotas import counts_with, quota_of
 from hub.ipc.roles import LOCAL, Principal, Role
 from hub.ipc.security.publish_rights import ROBOT_NAMES, reserved_text
+from hub.ipc.transport import sender_tickets
 from hub.ipc.transport.clock_sync import this_machine, this_neighbourhood
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.file_descriptors import relayed
@@ -47,6 +49,8 @@ class Connections:
         forget: Callable[[Peer], list[Outgoing]],
         *,
         reserved: frozenset[str],
+        key: str,
+        forwarder: str,
         clock: Callable[[], float],
         faults: FaultCounter,
     ) -> None:
@@ -57,6 +61,9 @@ class Connections:
             presence: Reports which peers connect and which are gone.
             forget: Ends all that a removed peer did.
             reserved: Names that only the robot's own modules may have.
+            key: Of the tickets that clients show to central.
+            forwarder: The client of this process that forwards messages under the numbers of
+                others; empty: none does.
             clock: Monotonic time [s].
             faults: Counts what is refused.
         """
@@ -65,6 +72,8 @@ class Connections:
         self._presence = presence
         self._forget = forget
         self._reserved = ROBOT_NAMES | reserved
+        self._key = key
+        self._forwarder = forwarder
         self._clock = clock
         self._faults = faults
 
@@ -93,6 +102,7 @@ class Connections:
             near=peer.near,
             ports=caller.ports,
             paths=caller.paths,
+            ticket=sender_tickets.ticket(self._key, peer.sends_under),
         )
         return [Outgoing(identity=identity, message=welcome), *outgoing]
 
@@ -141,6 +151,8 @@ class Connections:
 
     def _new_peer(self, caller: Caller, message: control.Hello) -> Peer:
         local = caller.principal is LOCAL and not relayed(caller.descriptor)
+        number = self._peers.new_number()
+        forwards = local and message.name == self._forwarder and message.pid == os.getpid()
         return Peer(
             identity=caller.identity,
             descriptor=caller.descriptor,
@@ -149,7 +161,8 @@ class Connections:
             principal=caller.principal,
             client=message.client,
             near=local and message.neighbourhood == this_neighbourhood() != 0,
-            publisher=self._peers.new_number(),
+            publisher=number,
+            sends_under=sender_tickets.ANY if forwards else number,
             last_message=self._clock(),
         )
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from hub.ipc.broker.peers import Outgoing, Peer
 from hub.ipc.endpoints import is_direct_address
+from hub.ipc.transport import sender_tickets
 from hub.ipc.wire import control
 
 
@@ -18,16 +19,17 @@ class DirectRoutes:
     def open(self, handler: Peer, message: control.Handle) -> None:
         """Note the direct address of `handler`."""
         if handler.near and is_direct_address(message.address):
-            handler.direct_addresses[message.name] = message.address
+            handler.direct_handlers[message.name] = message
 
     def offer(self, asker: Peer, handler: Peer, name: str) -> list[Outgoing]:
         """Send `asker` the handler's address, if both can use it and `asker` lacks it."""
-        address = handler.direct_addresses.get(name, "")
+        direct = handler.direct_handlers.get(name)
         known = (asker, name) in handler.direct_askers
-        if not address or known or asker is handler or not asker.near:
+        if direct is None or known or asker is handler or not asker.near:
             return []
         handler.direct_askers.add((asker, name))
-        route = control.DirectRoute(name=name, address=address)
+        ticket = sender_tickets.ticket(direct.key, asker.sends_under)
+        route = control.DirectRoute(name=name, address=direct.address, ticket=ticket)
         return [Outgoing(identity=asker.identity, message=route)]
 
     def close(self, handler: Peer, name: str) -> list[Outgoing]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from hub.ipc.broker.peers import Outgoing, Peer
 from hub.ipc.endpoints import is_direct_address
+from hub.ipc.transport import sender_tickets
 from hub.ipc.wire import control
 
 
@@ -71,5 +72,6 @@ def _subscriber(
         inbox=message.inbox,
         in_ring=message.in_ring,
         token=token,
+        ticket=sender_tickets.ticket(message.key, publisher.sends_under),
     )
     return Outgoing(identity=publisher.identity, message=known)

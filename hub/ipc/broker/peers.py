@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from hub.ipc.formats.codegen import Buffer
 from hub.ipc.roles import Principal
+from hub.ipc.wire.control import Handle
 from hub.values import dataclass
 
 
@@ -57,6 +58,7 @@ class Peer:
         principal: Holder of its key; this decides its rights.
         client: Its random number; 0: none.
         publisher: Its number in frame headers.
+        sends_under: The number in its tickets; `sender_tickets.ANY` if it forwards messages.
         last_message: Time of its last control message [s].
         handles: Names of the queries it answers.
         publishes: Names of the messages it publishes.
@@ -64,7 +66,7 @@ class Peer:
         watches: Whether it gets PRESENCE for every change.
         follows: Names of the modules for whose connections it gets PRESENCE.
         near: Whether other peers of central's machine and user reach it directly.
-        direct_addresses: Its addresses for direct queries, by message name.
+        direct_handlers: Its addresses and keys for direct queries, by message name.
         direct_askers: The peers that have such an address, with the message.
     """
 
@@ -75,6 +77,7 @@ class Peer:
     principal: Principal
     client: int
     publisher: int
+    sends_under: int
     last_message: float
     handles: set[str] = field(default_factory=set)
     publishes: set[str] = field(default_factory=set)
@@ -82,7 +85,7 @@ class Peer:
     watches: bool = False
     follows: set[str] = field(default_factory=set)
     near: bool = False
-    direct_addresses: dict[str, str] = field(default_factory=dict)
+    direct_handlers: dict[str, Handle] = field(default_factory=dict)
     direct_askers: set[tuple[Peer, str]] = field(default_factory=set)
 
 

@@ -1,6 +1,7 @@
 """The planes of central: two sockets each, and ZeroMQ's proxy between them in a thread.
 
-The proxy also copies each broadcast to `copies`; central checks some of them.
+Commands are the exception: a Python thread checks the sender of each. Copies of all broadcasts go
+to `copies`; central checks some of them.
 """
 
 from __future__ import annotations
@@ -13,11 +14,13 @@ import zmq
 
 from hub.errors import EndpointError, FrameError
 from hub.ipc.broker import binding
+from hub.ipc.broker.carrying import carry
 from hub.ipc.broker.subscription_floods import FloodWatch
 from hub.ipc.definition import Plane
 from hub.ipc.endpoints import IpcEndpoint
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
+from hub.ipc.transport.sender_tickets import SenderTickets
 from hub.ipc.wire import frames
 
 _COPIES = {Plane.STATE: 400, Plane.COMMAND: 400, Plane.PICTURE: 8}
@@ -43,7 +46,11 @@ class PlaneProxies:
     """
 
     def __init__(
-        self, context: sockets.Context, faults: FaultCounter, clock: Callable[[], float]
+        self,
+        context: sockets.Context,
+        faults: FaultCounter,
+        clock: Callable[[], float],
+        tickets: SenderTickets,
     ) -> None:
         """Make the sockets.
 
@@ -51,7 +58,9 @@ class PlaneProxies:
             context: Central's.
             faults: Counts floods of subscriptions, and malformed broadcasts.
             clock: Monotonic time [s].
+            tickets: Check the senders of commands.
         """
+        self._tickets = tickets
         self._context = context
         self._faults = faults
         self._clock = clock
@@ -146,7 +155,10 @@ class PlaneProxies:
 
         def forward() -> None:
             while not self._stopping.is_set():
-                zmq.proxy_steerable(inward, outward, copies, steered)
+                if plane is Plane.COMMAND:
+                    carry(inward, outward, steered, self._tickets.admit, copies)
+                else:
+                    zmq.proxy_steerable(inward, outward, copies, steered)
                 while not more.empty():  # the sockets are this thread's
                     end, address = more.get()
                     try:

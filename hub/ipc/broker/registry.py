@@ -38,6 +38,8 @@ class Registry:
         clock: Callable[[], float],
         faults: FaultCounter,
         reserved: frozenset[str] = frozenset(),
+        key: str = "",
+        forwarder: str = "",
     ) -> None:
         """Start without peers.
 
@@ -45,13 +47,22 @@ class Registry:
             clock: Monotonic time [s].
             faults: Counts what is refused.
             reserved: Names of this robot's modules, beside `ROBOT_NAMES`.
+            key: Of the tickets that clients show to central.
+            forwarder: The client of this process that forwards messages of others; empty: none.
         """
         self._clock = clock
         self._faults = faults
         self.peers = Peers()
         presence = PresenceReports(self.peers)
         self._connections = Connections(
-            self.peers, presence, self._forget, reserved=reserved, clock=clock, faults=faults
+            self.peers,
+            presence,
+            self._forget,
+            reserved=reserved,
+            key=key,
+            forwarder=forwarder,
+            clock=clock,
+            faults=faults,
         )
         self._definitions = Definitions(presence, faults)
         self.broadcasts = Broadcasts(self._definitions, presence, faults)

@@ -91,6 +91,7 @@ class Connection:
         publisher: Its number at central; 0 while it is not connected.
         hub_time: The hub's clock.
         near: Whether central is on the same machine, run by the same user.
+        ticket: What this client shows where it sends commands to central.
         keys: The keys for a central on another machine.
         refusal: Why central refused the key, or the connection twice; None: it did not.
         closed: The client that had central close this connection; empty: none.
@@ -108,6 +109,7 @@ class Connection:
     ) -> None:
         self.publisher = 0
         self.near = False
+        self.ticket = ""
         self._neighbourhood = this_neighbourhood() if near and keys is None else 0
         self.keys = keys
         self._finds_token = keys is None
@@ -327,6 +329,7 @@ class Connection:
         self.refusal, self._refused = None, math.inf
         self.publisher = message.publisher
         self.near = message.near
+        self.ticket = message.ticket
         self._attempt = 1
         joined = (message.epoch, message.publisher)
         is_new, same_run = joined != self.joined, joined[0] == self.joined[0]

@@ -14,9 +14,10 @@ import zmq
 
 from hub.errors import CodecError, FrameError
 from hub.ipc import endpoints
-from hub.ipc.transport import sockets
+from hub.ipc.transport import sender_tickets, sockets
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.control_channel import ControlChannel
+from hub.ipc.transport.sender_tickets import SenderTickets
 from hub.ipc.wire import control, control_codec
 
 _QUEUE = 1000
@@ -31,6 +32,7 @@ class DirectResponder:
 
     Attributes:
         address: Address for its clients.
+        tickets: Check who asks.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class DirectResponder:
         self._asked = asked
         self._loop = transport.loop
         self._faults = transport.faults
+        self.tickets = SenderTickets(transport.faults)
         self._socket = sockets.make(transport.context, zmq.ROUTER, _QUEUE)
         self._socket.router_handover = True
         sockets.allow_own_user_only(self._socket)
@@ -75,18 +78,19 @@ class DirectResponder:
     def _receive(self) -> bool:
         for _ in range(_BATCH):
             try:
-                parts = self._socket.recv_multipart(zmq.NOBLOCK)
+                parts: Any = self._socket.recv_multipart(zmq.NOBLOCK, copy=False)
             except zmq.Again:
                 return False
             try:
-                message = control_codec.unpack(parts[1])
+                message = control_codec.unpack(parts[1].buffer)
                 if len(parts) != 3 or not isinstance(message, control.Query):
                     text = f"{len(parts)} parts came directly that are no query"
                     raise FrameError(text)
             except (FrameError, CodecError, IndexError) as error:
                 self._faults.count("malformed control frame", str(error))
                 continue
-            self._asked(message, parts[2], parts[0])
+            if (frame := self.tickets.admit(parts[2].bytes, parts[2])) is not None:
+                self._asked(message, frame, parts[0].bytes)
         return True
 
 
@@ -101,6 +105,7 @@ class DirectRequester:
     def __init__(
         self,
         address: str,
+        ticket: str,
         transport: ClientTransport,
         *,
         answered: Callable[[Any, bytes | None], None],
@@ -110,6 +115,7 @@ class DirectRequester:
 
         Args:
             address: The module's address for direct queries.
+            ticket: What this client shows there.
             transport: The client's.
             answered: Gets the answers.
             lost: Called at the end of the connection.
@@ -119,6 +125,7 @@ class DirectRequester:
         self._answered = answered
         made = sockets.make(transport.context, zmq.DEALER, _QUEUE)
         made.reconnect_ivl = -1
+        sender_tickets.show(made, ticket)
         self._channel = ControlChannel(
             made,
             on_message=self._on_message,

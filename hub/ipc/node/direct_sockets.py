@@ -7,7 +7,7 @@ import zmq
 from hub.ipc import endpoints
 from hub.ipc.definition import Plane
 from hub.ipc.node.send_queue import Send
-from hub.ipc.transport import sockets
+from hub.ipc.transport import sender_tickets, sockets
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control
 
@@ -44,7 +44,7 @@ class DirectSockets:
         if not endpoints.is_direct_address(inbox):
             self._transport.faults.count("malformed control frame", f"an inbox at {inbox[:80]!r}")
             return False
-        if not self._open(inbox, Plane.STATE if subscriber.in_ring else plane):
+        if not self._open(subscriber, Plane.STATE if subscriber.in_ring else plane):
             if len(self._unreached) < _MAX_UNREACHED:
                 self._unreached[name, subscriber.subscriber] = subscriber
             return False
@@ -108,12 +108,14 @@ class DirectSockets:
         del self._sends[inbox], self._names[inbox]
         self._tuples.clear()
 
-    def _open(self, inbox: str, plane: Plane) -> bool:
+    def _open(self, subscriber: control.Subscriber, plane: Plane) -> bool:
+        inbox = subscriber.inbox
         if inbox in self._sockets:
             return True
         queue = sockets.GATHER_QUEUE if inbox.startswith(endpoints.GATHER_PREFIX) else 0
         try:
             socket = sockets.make_inbox(self._transport.context, zmq.PUSH, plane, queue)
+            sender_tickets.show(socket, subscriber.ticket)
             socket.connect(inbox)
         except zmq.ZMQError as error:
             self._transport.faults.count("no way to a subscriber", str(error))

@@ -19,7 +19,7 @@ from hub.ipc.node.connection import Connection
 from hub.ipc.node.direct_sockets import DirectSockets
 from hub.ipc.node.publisher import Publisher
 from hub.ipc.node.send_queue import SendQueue
-from hub.ipc.transport import sockets
+from hub.ipc.transport import sender_tickets, sockets
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.wire import control, frames
 
@@ -106,6 +106,7 @@ class Publishers:
             socket = sockets.make_plane(
                 self._transport.context, zmq.XPUB, plane, self._connection.keys
             )
+            sender_tickets.show(socket, self._connection.ticket)
             self._transport.handshakes.begin(socket)
             sockets.connect(socket, address)
             self._sockets[plane] = socket

@@ -94,7 +94,7 @@ class ReceiveQueue:
         self.topics: dict[bytes, Subscription] = {}
         self._waits = 0
         self._opened: list[_Opened] = []
-        self._bundled: deque[bytes] = deque()
+        self._bundled: deque[tuple[bytes, bool]] = deque()
         self._queues: dict[int, deque[_Opened]] = {0: deque()}
 
     @property
@@ -141,55 +141,64 @@ class ReceiveQueue:
         while self._opened:
             self._hand_out(self._opened[-1])
         while self._bundled:
-            self.take_frame(self._bundled.popleft())
+            raw, commands = self._bundled.popleft()
+            self.take_frame(raw, commands=commands)
 
-    def take(self, socket: sockets.Socket) -> bool:
+    def take(self, receive: Callable[[int], bytes | None], *, commands: bool = True) -> bool:
         """Read a batch from a socket; whether there may be more.
 
         Most messages wait until all sockets are read: a newer or more urgent one may follow.
+
+        Args:
+            receive: `recv` of the socket; None: a message was refused.
+            commands: Whether commands may come there.
         """
         self._finish()
-        receive = socket.recv
         end = self._clock() + SLICE_S
         for _ in range(_BATCH):
             try:
                 raw = receive(zmq.NOBLOCK)
             except zmq.Again:
                 return False
+            if raw is None:
+                continue
             if frames.is_bundle(raw):
-                self._take_bundle(raw)
+                self._bundled += [(each, commands) for each in self.reader.split(raw)]
+                self._finish()
             else:
-                self.take_frame(raw)
+                self.take_frame(raw, commands=commands)
             if self._clock() > end:
                 return True
         return True
 
-    def take_events(self, socket: sockets.Socket) -> None:
-        """Read a socket: keep the messages of `Keep.ALL`, and drop all others."""
+    def take_events(self, receive: Callable[[int], bytes | None], *, commands: bool = True) -> None:
+        """Read a socket as `take` does: keep the messages of `Keep.ALL`, and drop all others."""
         self._finish()
         for _ in range(_MOST_EVENTS):
             try:
-                raw = socket.recv(zmq.NOBLOCK)
+                raw = receive(zmq.NOBLOCK)
             except zmq.Again:
                 return
+            if raw is None:
+                continue
             for each in self.reader.split(raw) if frames.is_bundle(raw) else [raw]:
                 subscription = self.topics.get(each[: each.find(b"\0")])
                 if (
                     subscription is not None
                     and subscription.limit is None
+                    and (commands or not subscription.is_command)
                     and (received := self.reader.read(subscription, each))
                 ):
                     self._put(subscription, received)
 
-    def _take_bundle(self, raw: bytes) -> None:
-        self._bundled += self.reader.split(raw)
-        self._finish()
-
-    def take_frame(self, raw: bytes) -> None:
-        """Take one frame that was read."""
+    def take_frame(self, raw: bytes, *, commands: bool = True) -> None:
+        """Take one frame that was read where commands may come, or not."""
         subscription = self.topics.get(raw[: raw.find(b"\0")])
         if subscription is None:
             self.reader.check(raw)
+            return
+        if not commands and subscription.is_command:
+            self._faults.count("forged number", f"{subscription.definition.name} came as a state")
             return
         at_once = subscription.limit is None and subscription.priority == 0 and not self._waits
         if at_once and subscription.flat is not None and (found := subscription.flat.unpack(raw)):

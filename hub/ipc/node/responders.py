@@ -191,8 +191,9 @@ class Responders:
 
     def _announce(self, name: str) -> None:
         if self._connection.publisher:
-            address = self._direct_responder.address if self._direct_responder else ""
-            self._connection.send(control.Handle(name=name, on=True, address=address))
+            direct = self._direct_responder
+            address, key = (direct.address, direct.tickets.key) if direct else ("", "")
+            self._connection.send(control.Handle(name=name, on=True, address=address, key=key))
 
 
 def _fail(send: SendControl, number: int, error: str, text: str) -> None:

@@ -258,6 +258,7 @@ class Session:
         if requester is None and endpoints.is_direct_address(message.address):
             requester = DirectRequester(
                 message.address,
+                message.ticket,
                 self._transport,
                 answered=self.on_control_message,
                 lost=self._direct_requester_lost,

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from hub.errors import CodecError
-from hub.ipc.definition import Keep, MessageDefinition
+from hub.ipc.definition import Keep, MessageDefinition, Plane
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.wire import control, frames
 
@@ -93,6 +93,7 @@ class Subscription:
         oldest: Largest age since the last report [s].
         late: Gets each message that was too old; None: nothing does.
         flat: Reads direct messages of a flat format; None for any other format.
+        is_command: Whether its senders show tickets.
         unordered: Whether every frame counts, even with a wrong header.
         raw: Whether handlers get payloads, undecoded and of any age.
         label: What a subscriber that gathers calls it; None: it does not.
@@ -113,6 +114,7 @@ class Subscription:
         self.late: Handler | None = None
         self.lifespan_s = math.inf if raw else definition.lifespan_s
         self.unordered = definition.unreadable is not None and not raw
+        self.is_command = definition.plane is Plane.COMMAND and definition.unreadable is None
         self._sources: dict[int, Source] = {}
         self._reported = (0, 0, 0, 0)
         self._fingerprint = definition.fingerprint

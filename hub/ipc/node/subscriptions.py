@@ -20,6 +20,7 @@ from hub.ipc.transport import shared_ring, sockets
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.direct_inbox import DirectInbox
 from hub.ipc.transport.gathering_inbox import GatheringInbox
+from hub.ipc.transport.sender_tickets import SenderTickets
 from hub.ipc.wire import control, frames
 
 
@@ -42,6 +43,7 @@ class Subscriptions:
         self.sockets: dict[Plane, sockets.Socket] = {}
         self.files: dict[Plane, int] = {}
         self.inboxes: dict[Plane, DirectInbox | GatheringInbox] = {}
+        self._tickets = SenderTickets(transport.faults)
         self._gathered: GatheredMessages | None = None
         self.subscriptions: dict[str, Subscription] = {}
         self._under_way: dict[str, Subscription] = {}
@@ -53,11 +55,6 @@ class Subscriptions:
     def used(self) -> bool:
         """Whether it has subscriptions."""
         return bool(self.subscriptions)
-
-    @property
-    def lost(self) -> int:
-        """Number of lost messages of the present subscriptions."""
-        return sum(subscription.lost for subscription in self.subscriptions.values())
 
     @property
     def unfit(self) -> dict[str, str]:
@@ -100,10 +97,10 @@ class Subscriptions:
         """Read all sockets: keep the messages of `Keep.ALL`, and drop all others."""
         for plane in tuple(self.sockets):
             if plane is not Plane.PICTURE:
-                self.receive_queue.take_events(self.sockets[plane])
+                self.receive_queue.take_events(self.sockets[plane].recv)
                 inbox = self.inboxes.get(plane)
                 if isinstance(inbox, DirectInbox):
-                    self.receive_queue.take_events(inbox.socket)
+                    self.receive_queue.take_events(inbox.receive, commands=inbox.commands)
         self.take_gathered()
 
     def gather(self, take: Callable[[list[Gathered]], None]) -> None:
@@ -136,7 +133,7 @@ class Subscriptions:
         sockets.connect(socket, self._where[plane])
         self.sockets[plane] = socket
         self.files[plane] = self._transport.loop.register(
-            socket, functools.partial(self.receive_queue.take, socket)
+            socket, functools.partial(self.receive_queue.take, socket.recv)
         )
         if self._near and self._gathered is not None and plane is not Plane.PICTURE:
             # One for both: what a publisher sends stays in order, and the client wakes once.
@@ -144,7 +141,9 @@ class Subscriptions:
                 self._transport, self._gathered
             )
         elif self._near:
-            self.inboxes[plane] = DirectInbox(self._transport, plane, self.receive_queue.take)
+            self.inboxes[plane] = DirectInbox(
+                self._transport, plane, self.receive_queue.take, self._tickets
+            )
 
     def subscribe_all(self) -> None:
         """Subscribe again, at a central that has the definitions."""
@@ -274,6 +273,7 @@ class Subscriptions:
                 token=subscription.token,
                 inbox=inbox.address if inbox else "",
                 in_ring=subscription.in_ring,
+                key=self._tickets.key if inbox else "",
             )
         )
         if not self._connection.may_connect(definition.plane):

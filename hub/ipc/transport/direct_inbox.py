@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import secrets
 from collections.abc import Callable
+from typing import Any
 
 import zmq
 
@@ -12,6 +13,7 @@ from hub.ipc import endpoints
 from hub.ipc.definition import Plane
 from hub.ipc.transport import sockets
 from hub.ipc.transport.client_transport import ClientTransport
+from hub.ipc.transport.sender_tickets import SenderTickets
 
 
 class DirectInbox:
@@ -19,28 +21,35 @@ class DirectInbox:
 
     Attributes:
         address: Address for publishers.
-        socket: The messages.
+        commands: Whether commands come here; their senders show tickets.
+        receive: Reads one message, as `recv` of a socket does; None: it is refused.
     """
 
     def __init__(
         self,
         transport: ClientTransport,
         plane: Plane,
-        take: Callable[[sockets.Socket], bool],
+        take: Callable[..., bool],
+        tickets: SenderTickets,
     ) -> None:
         """Open.
 
         Args:
             transport: The client's.
             plane: Its plane.
-            take: Reads messages; whether there may be more.
+            take: Reads messages, commands or not; whether there may be more.
+            tickets: Check the senders of commands.
         """
         self.address = f"{endpoints.DIRECT_PREFIX}{plane.value}-{secrets.token_hex(8)}"
         self._loop = transport.loop
-        self.socket = sockets.make_inbox(transport.context, zmq.PULL, plane)
-        self.socket.bind(self.address)
-        self._take = functools.partial(take, self.socket)
-        self._file = self._loop.register(self.socket, self._take)
+        self._socket = sockets.make_inbox(transport.context, zmq.PULL, plane)
+        self._socket.bind(self.address)
+        self._tickets = tickets
+        self.commands = plane is Plane.COMMAND
+        receive = self._admitted if self.commands else self._socket.recv
+        self.receive: Callable[[int], bytes | None] = receive
+        self._take = functools.partial(take, self.receive, commands=self.commands)
+        self._file = self._loop.register(self._socket, self._take)
 
     def take_now(self) -> bool:
         """Read messages out of turn; whether there may be more.
@@ -53,4 +62,8 @@ class DirectInbox:
     def close(self) -> None:
         """Close; messages in it are dropped."""
         self._loop.unregister(self._file)
-        self.socket.close(0)
+        self._socket.close(0)
+
+    def _admitted(self, flags: int) -> bytes | None:
+        frame: Any = self._socket.recv(flags, copy=False)
+        return self._tickets.admit(frame.bytes, frame)

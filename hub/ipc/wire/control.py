@@ -72,6 +72,7 @@ class Welcome:
         near: Whether the client is a neighbour of all others in central's neighbourhood.
         ports: TCP ports of each plane in turn, in and out; 0: none.
         paths: ipc:// paths of the same; empty: none.
+        ticket: What the client shows where it sends commands to central.
     """
 
     publisher: Uint32
@@ -82,6 +83,7 @@ class Welcome:
     near: bool
     ports: Annotated[tuple[int, ...], Fixed(6)]
     paths: Annotated[tuple[str, ...], Fixed(6)]
+    ticket: str = ""
 
 
 @_kind(3, "REFUSED")
@@ -179,12 +181,14 @@ class Subscribe:
         token: Identity of this subscription; empty: no answer.
         inbox: Address for messages of neighbours; empty: none.
         in_ring: Whether they send descriptors of shared memory where they can.
+        key: For the tickets of those that send there.
     """
 
     name: str
     token: str
     inbox: str = ""
     in_ring: bool = False
+    key: str = ""
 
 
 @_kind(29, "SUBSCRIBER")
@@ -198,6 +202,7 @@ class Subscriber:
         inbox: Its address; empty: the end of the subscription.
         in_ring: Whether it wants descriptors of shared memory.
         token: Of its subscription, which READY confirms; empty: none.
+        ticket: What the client shows when it connects to the inbox.
     """
 
     name: str
@@ -205,6 +210,7 @@ class Subscriber:
     inbox: str = ""
     in_ring: bool = False
     token: str = ""
+    ticket: str = ""
 
 
 @_kind(19, "UNSUBSCRIBE")
@@ -240,11 +246,13 @@ class Handle:
         name: Message name.
         on: Whether it answers.
         address: Its address for direct queries on this machine; empty: none.
+        key: For the tickets of those that ask there.
     """
 
     name: str
     on: bool = True
     address: str = ""
+    key: str = ""
 
 
 @_kind(7, "QUERY")
@@ -482,7 +490,8 @@ class LogLevel:
 @_kind(28, "ROUTE")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DirectRoute:
-    """Central: queries of this name may go to this address directly; empty: no longer."""
+    """Central: queries of this name may go to this address, with this ticket; empty: no longer."""
 
     name: str
     address: str
+    ticket: str = ""

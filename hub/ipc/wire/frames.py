@@ -26,7 +26,7 @@ from hub.errors import FrameError
 from hub.ipc.definition import MAX_NAME_LENGTH
 from hub.ipc.formats.codegen import ENCAPSULATION, Buffer
 
-VERSION = 5
+VERSION = 6
 """Protocol version; peers with another one are refused."""
 
 MAX_FRAME = 4 << 20
@@ -275,6 +275,18 @@ read_header: Callable[[Buffer, int], tuple[int, int, int, int, int, int, int]] =
 NUMBERS = struct.Struct("<QqI")
 """The last part of a header: sequence, stamp_ns, payload's length. All before it is the same in
 each frame of one kind, of one message of one publisher."""
+
+
+_PUBLISHER = struct.Struct("<4xI")
+
+
+def is_sent_by(raw: bytes, publisher: int) -> bool:
+    """Whether this is one frame with this number; False: no, or it is damaged."""
+    end = raw.find(b"\0", 1, MAX_TOPIC + 1)
+    start = end + 8 - end % 8
+    if end < 0 or raw[:1] == _BUNDLE or len(raw) < start + _PUBLISHER.size:
+        return False
+    return bool(_PUBLISHER.unpack_from(raw, start)[0] == publisher)
 
 
 def name_of(raw: Buffer) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
 import random
 import socket
@@ -17,11 +18,13 @@ import zmq
 
 from hub.gcm.catalog import MESSAGES
 from hub.ipc.broker.central import Central
+from hub.ipc.definition import Plane
 from hub.ipc.wire import control, control_codec, frames
 from hub.ipc.wire.definition_listing import to_listing
 from tests.hub.ipc import vocabulary as v
 from tests.hub.ipc.conftest import Peer
 from tests.hub.ipc.vocabulary import Number
+from tests.support.raw_client import RawClient
 from tests.support.waiting import until
 
 _GREETING = b"\xff" + bytes(8) + b"\x7f" + b"\3\1" + b"NULL".ljust(20, b"\0") + b"\0" + bytes(31)
@@ -206,10 +209,10 @@ def test_announced_giant_frame_costs_the_connection_and_no_memory(
     traffic.check()
 
 
-def _good_frame(name: str, fingerprint: int, payload: bytes) -> bytes:
+def _good_frame(name: str, fingerprint: int, payload: bytes, publisher: int = 9) -> bytes:
     return frames.pack(
         frames.prefix(name),
-        publisher=9,
+        publisher=publisher,
         fingerprint=fingerprint,
         sequence=1,
         stamp_ns=1,
@@ -218,37 +221,43 @@ def _good_frame(name: str, fingerprint: int, payload: bytes) -> bytes:
 
 
 @pytest.mark.parametrize(
-    ("place", "definition"),
-    [("state in", v.LOG), ("command in", v.EVENT)],
+    ("plane", "definition", "malformed"),
+    # Central drops a command of several parts whole.
+    [(Plane.STATE, v.LOG, 1100), (Plane.COMMAND, v.EVENT, 100)],
     ids=["state", "command"],
 )
 def test_plain_publisher_of_rubbish(
     traffic: Traffic,
+    central: Central,
     dropped: Callable[[str], int],
-    plain: Plain,
-    place: str,
+    plane: Plane,
     definition: Any,
+    malformed: int,
 ) -> None:
     """It publishes under a name that is subscribed, because all else it does not even send."""
-    publisher = plain(zmq.XPUB, place)
-    # The subscriptions come first: from then on it is let send.
-    until(lambda: publisher.poll(0), 5.0)
-    topic = frames.topic(definition.name)
-    good = _good_frame(definition.name, definition.fingerprint, b"\0\1\0\0\1\0\0\0")
-    randomness = random.Random(1)
-    for length in range(len(topic), len(good)):
-        publisher.send(good[:length])
-    for _ in range(100):
-        publisher.send(topic + randomness.randbytes(randomness.randint(0, 300)))
-    publisher.send(_good_frame(definition.name, 5, b"\0\1\0\0\1\0\0\0"))
-    # Whole at central, which looks into no payload; the subscriber drops it.
-    publisher.send(_good_frame(definition.name, definition.fingerprint, b"\0\1\0\0"))
-    publisher.send_multipart([topic, *[b"x"] * 1000])
-    until(lambda: dropped("malformed frame") >= 100, 10.0)
-    until(lambda: dropped("wrong format") == 1, 10.0)
-    faults = traffic.other.client.faults.counts
-    until(lambda: faults["malformed frame"] >= 1100, 10.0)
-    until(lambda: faults["wrong format"] == 2, 10.0)
+    with zmq.Context() as context:
+        speaker = RawClient(context, central.endpoints[0], "speaker")
+        publisher = speaker.connect(zmq.XPUB, speaker.input_of(plane), speaker.ticket)
+        # The subscriptions come first: from then on it is let send.
+        until(lambda: publisher.poll(0), 5.0)
+        topic = frames.topic(definition.name)
+        pack = functools.partial(_good_frame, definition.name, publisher=speaker.number)
+        good = pack(definition.fingerprint, b"\0\1\0\0\1\0\0\0")
+        randomness = random.Random(1)
+        for length in range(len(topic), len(good)):
+            publisher.send(good[:length])
+        for _ in range(100):
+            publisher.send(topic + randomness.randbytes(randomness.randint(0, 300)))
+        publisher.send(pack(5, b"\0\1\0\0\1\0\0\0"))
+        # Whole at central, which looks into no payload; the subscriber drops it.
+        publisher.send(pack(definition.fingerprint, b"\0\1\0\0"))
+        publisher.send_multipart([topic, *[b"x"] * 1000])
+        until(lambda: dropped("malformed frame") >= 100, 10.0)
+        until(lambda: dropped("wrong format") == 1, 10.0)
+        faults = traffic.other.client.faults.counts
+        until(lambda: faults["malformed frame"] >= malformed, 10.0)
+        until(lambda: faults["wrong format"] == 2, 10.0)
+        speaker.close()
     traffic.check()
 
 

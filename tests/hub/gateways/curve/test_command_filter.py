@@ -43,6 +43,7 @@ def peer(number: int, name: str, principal: Principal) -> Peer:
         principal=principal,
         client=number,
         publisher=number,
+        sends_under=number,
         last_message=0.0,
     )
 

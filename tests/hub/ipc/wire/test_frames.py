@@ -57,7 +57,7 @@ def test_members_start_at_a_multiple_of_eight_after_any_name() -> None:
 
 def test_frame_has_the_documented_layout() -> None:
     assert _frame("GCM_Stop", b"\0\1\0\0") == (
-        b"GCM_Stop" + bytes(8) + struct.pack("<HHIQQqI", 5, 0, 1, 2, 3, 4, 4) + b"\0\1\0\0"
+        b"GCM_Stop" + bytes(8) + struct.pack("<HHIQQqI", 6, 0, 1, 2, 3, 4, 4) + b"\0\1\0\0"
     )
 
 
@@ -123,7 +123,7 @@ def test_control_message_comes_back_and_is_refused_when_cut(
 
 @given(st.binary(max_size=80), st.integers(0, 255))
 def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> None:
-    for each in (raw, b"RUNE\5" + bytes([kind, 0, 0]) + raw, b"RUNE\5" + bytes([kind, 0, 0])
+    for each in (raw, b"RUNE\6" + bytes([kind, 0, 0]) + raw, b"RUNE\6" + bytes([kind, 0, 0])
                  + b"\0\1\0\0" + raw):  # fmt: skip
         try:
             control_codec.unpack(each)
@@ -135,11 +135,11 @@ def test_any_bytes_are_a_control_message_or_refused(raw: bytes, kind: int) -> No
     ("raw", "reason"),
     [
         (b"", "no whole preamble"),
-        (b"RUNE\5\1\0", "no whole preamble"),
+        (b"RUNE\6\1\0", "no whole preamble"),
         (b"RUNA\2\1\0\0", "does not start with RUNE"),
         (b"RUNE\1\1\0\0", "version 1"),
-        (b"RUNE\5\0\0\0", "unknown kind 0"),
-        (b"RUNE\5\x60\0\0", "unknown kind 96"),
+        (b"RUNE\6\0\0\0", "unknown kind 0"),
+        (b"RUNE\6\x60\0\0", "unknown kind 96"),
     ],
 )
 def test_wrong_control_preamble_is_refused_with_the_reason(raw: bytes, reason: str) -> None:
