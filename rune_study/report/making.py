@@ -137,7 +137,7 @@ def _words(study: StudySpec, name: str) -> MetricWords:
             "comparable; 'tau_s' in [metrics] gives all of them the same one."
         )
     return MetricWords(
-        label=f"{name}{unit}",
+        label=f"{name.replace('_', ' ')}{unit}",
         meaning=metric.words,
         better=_BETTER.get(metric.better, ""),
         caution=caution,

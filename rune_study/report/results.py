@@ -135,12 +135,14 @@ def _untested(found: Results) -> Iterator[str]:
         censored = result.censored is not None and result.censored.test is not None
         if result.metric not in found.primary or result.tests is not None or censored:
             continue
+        label = found.words_of(result.metric).label
         if not any(each.known for each in result.means):
-            yield f"{result.metric} was chosen to decide, but no trial has a value of it."
+            reasons = f": {_reasons(result)}" if result.reasons else ""
+            yield f"No trial has a value of {label!r}, which was chosen to decide{reasons}."
         else:
             yield (
-                f"{result.metric} was chosen to decide, but fewer than two participants have a "
-                "value under each condition."
+                f"Fewer than two participants have a value of {label!r} under each condition; it "
+                "was chosen to decide."
             )
 
 
@@ -164,10 +166,14 @@ def _metric(found: Results, result: MetricResult) -> Iterator[str]:
         if result.metric in found.primary and len(result.by_place) > 1:
             yield _places(result.by_place)
     if result.reasons:
-        reasons = "; ".join(f"{count} x {why}" for why, count in sorted(result.reasons.items()))
-        yield paragraph(f"Trials without a value: {reasons}.")
+        yield paragraph(f"Trials without a value: {_reasons(result)}.")
     elif not known:
         yield paragraph("No trial has a value.")
+
+
+def _reasons(result: MetricResult) -> str:
+    """Why trials have no value, with the number of trials of each reason."""
+    return "; ".join(f"{count} x {why}" for why, count in sorted(result.reasons.items()))
 
 
 def _means(found: Results, result: MetricResult) -> str:

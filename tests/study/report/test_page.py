@@ -152,11 +152,11 @@ def test_each_reason_for_no_test_has_its_own_sentence() -> None:
     empty = words_of(html_page(changed(whole, primary=("NT",))))
     early = words_of(html_page(changed(whole, trials=first)))
     assert "No metric was chosen to decide" in none
-    assert "NT was chosen to decide, but no trial has a value of it" in empty
+    assert "No trial has a value of &#x27;NT&#x27;, which was chosen to decide." in empty
     assert "It is too early for tests" in early
     assert "p (" not in early
     assert "No metric was chosen" not in empty + early
-    assert "was chosen to decide, but" not in words_of(html_page(whole))
+    assert "which was chosen to decide" not in words_of(html_page(whole))
 
 
 def test_a_blind_page_names_no_condition() -> None:

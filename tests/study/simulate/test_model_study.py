@@ -101,7 +101,7 @@ def test_a_page_is_made_of_it(study: StudySpec) -> None:
     trials, metrics = simulated(study, 4, MODEL)
     data = StudyData(trials=tuple(trials), metrics=tuple(metrics))
     page = make_page(study, data, made="by models", source="Models did it.")
-    assert "ie_mean [s] (chosen to decide)" in page
+    assert "ie mean [s] (chosen to decide)" in page
     assert "Models did it." in page
 
 
