@@ -50,3 +50,9 @@ def markup(text: str) -> str:
 def counted(number: int, thing: str) -> str:
     """A number of things, in words: "1 trial", "2 trials"."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+def bound_text(number: float) -> str:
+    """A limit in digits that a reader can compare: 2147483647, not 2.14748e+09; 1e9 is 1e+09."""
+    short = f"{number:g}"
+    return str(int(number)) if number == number // 1 != float(short) else short

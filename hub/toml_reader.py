@@ -18,7 +18,7 @@ from typing import Any
 
 from hub.files import read_regular
 from hub.nearest import did_you_mean
-from hub.plain_text import is_plain, plain
+from hub.plain_text import bound_text, is_plain, plain
 from hub.values import dataclass
 
 MAX_FILE_BYTES = 1_000_000
@@ -181,11 +181,11 @@ def number(low: float, high: float) -> Within:
             raise RefusedError(text)
         # An integer of any length is valid TOML, so it is compared before it is converted.
         if not low <= value <= high:
-            text = f"{shorten(value)} is not between {low:g} and {high:g}"
+            text = f"{shorten(value)} is not between {bound_text(low)} and {bound_text(high)}"
             raise RefusedError(text)
         return float(value)
 
-    return Within(read, f"{low:g} to {high:g}")
+    return Within(read, f"{bound_text(low)} to {bound_text(high)}")
 
 
 def degrees(low: float, high: float) -> Within:

@@ -28,7 +28,7 @@ import numpy as np
 from hub.errors import RangeError
 from hub.ipc.formats import grammar as formats
 from hub.ipc.formats.codegen import DTYPES, LETTERS
-from hub.plain_text import is_plain, plain
+from hub.plain_text import bound_text, is_plain, plain
 from hub.values import dataclass
 
 Note = Callable[[str], object]
@@ -75,7 +75,8 @@ class Range:
         if self.any_number:
             return "any number" + ", in " * bool(self.unit) + self.unit
         others = ", infinite" * self.infinite + " or NaN" * self.nan
-        return f"{self.low:g} to {self.high:g}{' ' * bool(self.unit)}{self.unit}{others}"
+        low, high = bound_text(self.low), bound_text(self.high)
+        return f"{low} to {high}{' ' * bool(self.unit)}{self.unit}{others}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,7 +258,7 @@ def _number_fix(wanted: Range, where: str, *, strict: bool) -> Fix:
             return math.nan
         if not strict and wanted.nearest and value == value:
             kept = type(value)(wanted.low if value < wanted.low else wanted.high)
-            note(fault.format(value) + f": it is taken as {kept:g}")
+            note(fault.format(value) + f": it is taken as {bound_text(kept)}")
             return kept
         raise RangeError(fault.format(value))
 
