@@ -147,9 +147,8 @@ def connectable(text: str, *, with_keys: bool = False) -> str:
 
 
 _NEEDS_KEYS = (
-    "without keys only this machine (127.0.0.1) is allowed; go to a robot through ssh (`rune` has "
-    "--ssh USER@HOST, `rune-hub` runs there as well), or give --keys the file of a key that "
-    "`rune-hub keys make NAME --role operate` has made on it"
+    "without keys only this machine is allowed; use `rune --ssh`, or --keys FILE from "
+    "`rune-hub keys make NAME --role operate`"
 )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import collections
+import logging
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -228,7 +229,9 @@ class Session:
         self, message: control.Response | control.Failure, attached: bytes | None
     ) -> None:
         if not self.pending_queries.conclude(message, attached, self._message_info):
-            self._transport.faults.count("late answer", "no query waits for it any more")
+            # The query ended with an error of its own: this is news for logs of modules only.
+            text = "its query had ended before"
+            self._transport.faults.count("late answer", text, level=logging.INFO)
 
     def _on_defined(self, message: control.Defined) -> None:
         self._confirmed.add(message.name)

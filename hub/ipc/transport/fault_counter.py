@@ -23,10 +23,10 @@ class FaultCounter:
         self._interval_s = interval_s
         self._next: dict[str, float] = {}
 
-    def count(self, reason: str, detail: str) -> None:
+    def count(self, reason: str, detail: str, *, level: int = logging.WARNING) -> None:
         """Count one more of `reason`; `detail` is its text in the log, if it is due."""
         self.counts[reason] += 1
         now = self._clock()
         if now >= self._next.get(reason, now):
             self._next[reason] = now + self._interval_s
-            self._logger.warning("%s (%d so far): %s", reason, self.counts[reason], detail)
+            self._logger.log(level, "%s (%d so far): %s", reason, self.counts[reason], detail)

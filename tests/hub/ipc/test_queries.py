@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import subprocess
 import sys
@@ -140,8 +141,9 @@ def _outcome(peer: Peer) -> type[QueryError] | None:
 
 
 def test_query_ends_when_its_time_is_over_and_the_late_answer_is_counted(
-    connect: Connect,
+    connect: Connect, caplog: pytest.LogCaptureFixture
 ) -> None:
+    caplog.set_level(logging.INFO)
     one, other = connect("one"), connect("other")
     free = threading.Event()
 
@@ -154,6 +156,12 @@ def test_query_ends_when_its_time_is_over_and_the_late_answer_is_counted(
         _ask(other, timeout=0.05)
     free.set()
     assert _ask(other) == Number(value=20)
+
+    def levels() -> list[int]:
+        return [each.levelno for each in caplog.records if "late answer" in each.getMessage()]
+
+    until(levels, 5.0)
+    assert set(levels()) == {logging.INFO}, "the query's own error has said it to who asked"
 
 
 @on_one_transport

@@ -126,8 +126,9 @@ def test_client_cannot_connect_to_what_is_no_machine(text: str) -> None:
 @pytest.mark.parametrize("text", ["tcp://192.168.1.5:1481", "tcp://robot.example:1481"])
 def test_without_keys_the_error_says_how_to_make_one(text: str) -> None:
     for use in (endpoints.parse_endpoint, endpoints.connectable):
-        with pytest.raises(EndpointError, match=r"rune-hub keys make NAME --role"):
+        with pytest.raises(EndpointError, match=r"rune-hub keys make NAME --role") as refusal:
             use(text)
+        assert len(str(refusal.value).split()) <= 25
 
 
 @given(st.text(max_size=60))
