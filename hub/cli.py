@@ -120,26 +120,27 @@ def run_command(options: argparse.Namespace) -> int:
 
         hubs = hub_sockets.running()
         if len(hubs) > 1:  # no time to choose: all of them stop
-            return halt_each(hubs, lambda hub: _inspect(options, hub), as_json=options.json)
+            return halt_each(hubs, lambda hub: _inspect(options, hub))
     return _inspect(options)
 
 
-def _inspect(options: argparse.Namespace, hub: str = "") -> int:
-    """Carry out a command that inspects a hub; empty: that of the options."""
+def _inspect(options: argparse.Namespace, hub: hub_sockets.RunningHub | None = None) -> int:
+    """Carry out a command that inspects a hub; None: that of the options."""
     from hub.inspection import message_commands
 
+    endpoint = options.hub if hub is None else hub.endpoint
     with message_commands.failures_explained(options.command):
-        client = message_commands.connect(hub or options.hub, options.command, options.keys)
+        client = message_commands.connect(endpoint, options.command, options.keys)
         try:
-            return _run_inspection(client, options)
+            return _run_inspection(client, options, hub="" if hub is None else hub.name)
         except KeyboardInterrupt:
             leave()
         finally:
             client.close()
 
 
-def _run_inspection(client: Client, options: argparse.Namespace) -> int:
-    """Carry out a command that inspects a running hub."""
+def _run_inspection(client: Client, options: argparse.Namespace, *, hub: str) -> int:
+    """Carry out a command that inspects a running hub; `hub` names it if there are several."""
     from hub.inspection import message_commands
 
     if options.command in ("status", "trace", "close", "log-level"):
@@ -149,7 +150,7 @@ def _run_inspection(client: Client, options: argparse.Namespace) -> int:
     if options.command == "halt":
         from hub.inspection import halt_command
 
-        return halt_command.halt(client, as_json=options.json)
+        return halt_command.halt(client, as_json=options.json, hub=hub)
     if options.command == "mission":
         return order_mission(client, options)
     if options.command in _OF_MODULES:

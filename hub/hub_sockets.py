@@ -153,9 +153,10 @@ class HubFolder:
         self._lock: IO[str] | None = None
         for hub in running():
             if hub.name == self.path.name:
+                process = process_at(hub.endpoint)
                 text = (
-                    f"a hub of the name {name} runs already (process {process_of(name)}); end "
-                    "it, or give this one another name with --as"
+                    f"a hub of the name {name} runs already (process {process}); end it, or give "
+                    "this one another name with --as"
                 )
                 raise EndpointError(text)
         for old in self.path.parent.glob(f"*/{PROCESS}"):
@@ -238,10 +239,16 @@ def _is_own(folder: Path) -> bool:
     return own and stat.S_ISDIR(found.st_mode) and not found.st_mode & others
 
 
-def process_of(name: str) -> str:
-    """The process id of the running hub of this name; empty: it is not known."""
-    for hub in running():
-        if hub.name == folder_name(name):
-            with contextlib.suppress(OSError):
-                return hub.path.with_name(PROCESS).read_text()[:10].strip()
-    return ""
+def process_at(endpoint: str) -> str:
+    """The process id of the running hub that an endpoint means; empty: none runs here.
+
+    Raises:
+        EndpointError: Several hubs run, and none of them is meant.
+    """
+    folder = Path(address_of(endpoint).removeprefix("ipc://")).parent
+    if not runs(folder):
+        return ""
+    try:
+        return (folder / PROCESS).read_text()[:10].strip()
+    except OSError:
+        return "not known"

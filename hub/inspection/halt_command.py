@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Callable, Sequence
 
@@ -87,10 +88,15 @@ class Halt:
         return f"the robot {what} after {self._limit:.0f} s ({speeds}); use its emergency stop"
 
 
-def halt(client: Client, *, as_json: bool) -> int:
+def halt(client: Client, *, as_json: bool, hub: str = "") -> int:
     """Stop the robot until a neutral command.
 
     Sends stops until the robot has reported one, because a single stop may be lost.
+
+    Args:
+        client: Connected to the robot's hub.
+        as_json: Whether to report as JSON.
+        hub: Name of the hub, for what is written; empty: it is the only one.
 
     Returns:
         The exit code: 1 if the robot does not report in time that it stands, and where a recording
@@ -128,30 +134,39 @@ def halt(client: Client, *, as_json: bool) -> int:
         report = course.report
         speeds = (report.linear, report.angular) if report else (None, None)
         facts = dict(zip(("linear", "angular"), speeds, strict=True))
-        put_json({"stands": course.stands, "seconds": round(lasted, 3), **facts})
+        named = {"hub": hub} if hub else {}
+        put_json({**named, "stands": course.stands, "seconds": round(lasted, 3), **facts})
+    prefix = f"{hub}: " if hub else ""
     if not course.stands:
-        print_error(course.problem())
+        print_error(prefix + course.problem())
         return 1
     if not as_json:
-        put(f"the robot stands, {lasted:.1f} s after the first stop; it waits for neutral")
+        text = f"the robot stands, {lasted:.1f} s after the first stop; it waits for neutral"
+        put(prefix + text)
     return 0
 
 
-def halt_each(hubs: Sequence[RunningHub], halt_one: Callable[[str], int], *, as_json: bool) -> int:
-    """Stop the robots of several hubs; the largest exit code.
+def halt_each(hubs: Sequence[RunningHub], halt_one: Callable[[RunningHub], int]) -> int:
+    """Stop the robots of several hubs at the same time; the largest exit code.
+
+    A hub that does not answer must not delay the stop of another robot.
 
     Args:
         hubs: The hubs.
-        halt_one: Stops the robot of the hub at an endpoint; returns the exit code.
-        as_json: Whether each reports a line of JSON.
+        halt_one: Stops the robot of a hub; returns the exit code.
     """
-    codes = []
-    for hub in hubs:
-        if not as_json:
-            put(f"{hub.name}:")
+    codes: list[int] = []
+
+    def stop(hub: RunningHub) -> None:
         try:
-            codes.append(halt_one(hub.endpoint))
-        except HubError as error:  # the others have to stop too
-            print_error(str(error))
+            codes.append(halt_one(hub))
+        except HubError as error:
+            print_error(f"{hub.name}: {error}")
             codes.append(ExitCode.NO_HUB)
-    return max(codes)
+
+    threads = [threading.Thread(target=stop, args=(hub,), daemon=True) for hub in hubs]
+    for each in threads:
+        each.start()
+    for each in threads:
+        each.join()
+    return max(codes) if len(codes) == len(hubs) else ExitCode.FAULT

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 from hub.command_output import print_error, put, put_json
 from hub.errors import (
+    CentralUnreachableError,
     HubError,
     NoHandlerError,
     QueryError,
@@ -38,6 +39,8 @@ T = TypeVar("T")
 _ANSWER_S = 2.0
 _STOP_CONNECTS_S = 8.0
 """Longest time for the connection of a stop, which is tried on slow links too [s]."""
+_STOP_SILENT_S = 1.0
+"""Time without a hub's answer after which a stop says that the robot is not stopped yet [s]."""
 _BETWEEN_S = 0.05
 """Time between two messages, so that a receiver sees both and not only the newer one [s]."""
 
@@ -51,11 +54,23 @@ def connect(endpoint: str, command: str, keys: Path | None) -> Client:
     name = f"rune-hub-{command}-{os.getpid()}"
     client = Client(name, endpoint, keys=read_client_keys(keys) if keys else None)
     try:
-        client.wait_connected(_STOP_CONNECTS_S if command == "halt" else _ANSWER_S)
+        if command == "halt":
+            _connect_stop(client)
+        else:
+            client.wait_connected(_ANSWER_S)
     except HubError:
         client.close()
         raise
     return client
+
+
+def _connect_stop(client: Client) -> None:
+    """Connect for a stop, and say early that the robot may go on."""
+    try:
+        client.wait_connected(_STOP_SILENT_S)
+    except CentralUnreachableError as error:
+        print_error(f"the robot is NOT stopped yet; use its emergency stop: {error}")
+        client.wait_connected(_STOP_CONNECTS_S - _STOP_SILENT_S)
 
 
 @contextlib.contextmanager

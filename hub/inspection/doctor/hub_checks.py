@@ -28,7 +28,7 @@ def hub(robot: RobotDescription) -> list[Finding]:
     try:
         there = modules_of_hub(robot.name)
     except HubError as error:
-        process = hub_sockets.process_of(robot.name) or "not known"
+        process = hub_sockets.process_at(NAMED + robot.name) or "not known"
         why = type(error).__name__
         text = f"{robot.name} runs here (process {process}), and does not answer ({why})"
         return [problem(text, "end its process, and start it again")]

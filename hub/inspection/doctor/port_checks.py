@@ -112,4 +112,4 @@ def _taken(what: str, port: int, fault: int, advice: str) -> Finding:
 def _is_of_running_hub(name: str, port: int) -> bool:
     """Whether the owner of a port is the hub of this name, as far as the system shows it."""
     found = owner(port)
-    return found is not None and str(found.pid) == hub_sockets.process_of(name)
+    return found is not None and str(found.pid) == hub_sockets.process_at(hub_sockets.NAMED + name)

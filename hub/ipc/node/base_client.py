@@ -14,7 +14,7 @@ from hub.errors import (
     CentralUnreachableError,
     HubError,
 )
-from hub.hub_sockets import NAMED
+from hub.hub_sockets import NAMED, process_at
 from hub.ipc import endpoints
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.node.connection import LOST_S
@@ -148,23 +148,37 @@ class BaseClient:
             NotAllowedError: Central refuses the key.
             NameTakenError: Another live module has the name.
         """
-        why = f"no hub answers at {self.endpoint}; is rune-hub running there?"
-        if self.endpoint.startswith("tcp://"):
-            why += " It answers only to a token or a key: give its file with --keys"
-        elif self.endpoint.startswith(NAMED):
-            why = (
-                f"no hub answers ({endpoints.shown(self.endpoint)}); start it with `rune-hub "
-                "run ROBOT`, or go to a robot elsewhere with ssh, or with --hub and --keys"
-            )
+        self._wait(
+            lambda: self.connected or give_up(),
+            timeout,
+            self._silence,
+            lambda: _raise([self.refusal]),
+        )
+
+    def _silence(self) -> str:
+        """A sentence for a hub that does not answer: whether it runs, and what to do."""
         if self._keys is not None:
             # A hub gives no answer to the key of another hub.
-            why = (
+            return (
                 f"no hub answers at {self.endpoint} to the key in {self._keys.path}; is that its "
                 "gateway's port, and was the key made on that robot?"
             )
-        self._wait(
-            lambda: self.connected or give_up(), timeout, why, lambda: _raise([self.refusal])
-        )
+        if self.endpoint.startswith("tcp://"):
+            return (
+                f"no hub answers at {self.endpoint}; is rune-hub running there? It answers only "
+                "to a token or a key: give its file with --keys"
+            )
+        if process := process_at(self.endpoint):
+            return (
+                f"the hub runs and does not answer ({endpoints.shown(self.endpoint)}, process "
+                f"{process}); end its process, and start it again"
+            )
+        if self.endpoint.startswith(NAMED):
+            return (
+                f"no hub answers ({endpoints.shown(self.endpoint)}); start it with `rune-hub "
+                "run ROBOT`, or go to a robot elsewhere with ssh, or with --hub and --keys"
+            )
+        return f"no hub answers at {self.endpoint}; is rune-hub running there?"
 
     def wait_defined(self, timeout: float, *, give_up: Callable[[], bool] = _never) -> None:
         """Serve until central has confirmed all definitions, or `give_up` says to stop waiting.
@@ -249,7 +263,7 @@ class BaseClient:
         self,
         done: Callable[[], object],
         timeout: float,
-        why: str,
+        why: str | Callable[[], str],
         refresh: Callable[[], None] = lambda: None,
     ) -> None:
         """Serve until `done` is true.
@@ -262,7 +276,7 @@ class BaseClient:
             refresh()
             left = deadline - self._clock()
             if left <= 0:
-                raise CentralUnreachableError(why)
+                raise CentralUnreachableError(why if isinstance(why, str) else why())
             self.listen(min(left, 0.1))
 
     def _attend(self) -> None:

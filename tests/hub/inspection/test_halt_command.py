@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import socket
+import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -10,9 +13,11 @@ from typing import Any
 
 import pytest
 
+from hub.command_line import ExitCode
+from hub.errors import CentralUnreachableError
 from hub.gcm.control import CONTROL_STATE, PLAYED, ControlState
 from hub.gcm.navigation import ROBOT_STATE, STOP, MotionState
-from hub.hub_sockets import HubFolder
+from hub.hub_sockets import HubFolder, RunningHub
 from hub.inspection import halt_command
 from hub.inspection.halt_command import Halt
 from hub.ipc.broker.central import Central
@@ -197,8 +202,42 @@ def test_without_a_name_the_robots_of_all_hubs_stop(
             stack.enter_context(closing(Robot(folder.endpoint)))
         done = rune_hub("halt")
     assert done.returncode == 0
-    assert done.stdout.count("the robot stands") == 2
-    assert [line for line in done.stdout.splitlines() if line.endswith(":")] == [
-        "blimp:",
-        "magellan:",
+    assert sorted(line.split(" stands")[0] for line in done.stdout.splitlines()) == [
+        "blimp: the robot",
+        "magellan: the robot",
     ]
+
+
+def test_a_hub_that_does_not_answer_delays_no_stop_of_another_robot(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    stopped = threading.Event()
+
+    def stop(hub: RunningHub) -> int:
+        if hub.name == "a":
+            assert stopped.wait(10.0), "b waited for a"
+            text = "no hub answers"
+            raise CentralUnreachableError(text)
+        stopped.set()
+        return 0
+
+    hubs = [RunningHub(name=name, path=Path(name)) for name in ("a", "b")]
+    assert halt_command.halt_each(hubs, stop) == ExitCode.NO_HUB
+    assert "a: no hub answers" in capsys.readouterr().err
+
+
+def test_a_frozen_hub_is_said_early_and_not_called_absent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "run").mkdir(mode=0o700)
+    monkeypatch.setenv("RUNE_RUNTIME_DIR", str(tmp_path / "run"))
+    with closing(HubFolder("magellan")) as folder, closing(socket.socket(socket.AF_UNIX)) as hub:
+        hub.bind(folder.endpoint.removeprefix("ipc://"))
+        hub.listen()
+        done = rune_hub("halt")
+    assert done.returncode == ExitCode.NO_HUB
+    first, last = done.stderr.splitlines()
+    assert "the robot is NOT stopped yet; use its emergency stop: the hub runs" in first
+    assert "the robot was NOT stopped; use its emergency stop: the hub runs and does not" in last
+    assert f"process {os.getpid()}" in last
+    assert "start it with" not in last
