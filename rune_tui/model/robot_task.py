@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from hub.gcm.autonomy import AUTONOMY_STATE, AutonomyState, Behaviour, Phase
 from hub.gcm.navigation import NAVIGATION_STATUS, Cause, NavigationStatus, Task
@@ -147,6 +148,13 @@ def task_of(robot: RobotState) -> RobotTask | None:
     """The robot's present or last task; None: none yet."""
     found = [task for task in (autonomy_task(robot), operator_task(robot)) if task is not None]
     return min(found, key=_newest, default=None)
+
+
+def tasks_heard(robot: RobotState) -> Received[Any] | None:
+    """The newest report of what the robot does by itself; None: none came."""
+    reports = (robot.newest(NAVIGATION_STATUS), robot.newest(AUTONOMY_STATE))
+    found = [each for each in reports if each is not None]
+    return max(found, key=lambda each: each.measured, default=None)
 
 
 def _newest(task: RobotTask) -> tuple[bool, float]:

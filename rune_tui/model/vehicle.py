@@ -50,6 +50,11 @@ def problems_of(robot: RobotState) -> Iterator[Received[DiagnosticStatus]]:
     return iter(sorted(found, key=lambda each: each.value.level is not Severity.ERROR))
 
 
+def hears_problems(robot: RobotState, now: float) -> bool:
+    """Whether a module has reported of late what is wrong with it, or that nothing is."""
+    return any(each.age(now) < GONE_S for each in robot.diagnostics.values())
+
+
 def remarks_of(robot: RobotState) -> Iterator[Received[DiagnosticStatus]]:
     """What the robot's modules report besides problems."""
     for each in robot.diagnostics.values():

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
+from hub.gcm.diagnostics import Diagnostics
 from hub.gcm.navigation import ROBOT_STATE
 from hub.gcm.ranges import RANGES, RangeReadings, scan_of
 from hub.gcm.vision import CAMERA_STATE
@@ -98,12 +99,15 @@ def robot_of(
 ) -> RobotState:
     """A robot of which its description and these newest messages are known.
 
-    Without ranges, it is in the open, and they are as old as its state.
+    Without ranges, it is in the open, and without diagnostics it has no problems; both are as old
+    as its state.
     """
     known = {ROBOT_DESCRIPTION.name: described(parts["name"]), **(messages or {})}
     if navigation is not None:
         known[ROBOT_STATE.name] = navigation
         known.setdefault(RANGES.name, dataclasses.replace(navigation, value=IN_THE_OPEN))
+        well = dataclasses.replace(navigation, value=Diagnostics())
+        parts.setdefault("diagnostics", {1: well})
     if ranges is not None:
         known[RANGES.name] = ranges
     if camera is not None:

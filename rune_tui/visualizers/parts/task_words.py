@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from hub.gcm.autonomy import Phase
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
-from rune_tui.model.robot_task import RobotTask, task_of
+from rune_tui.model.robot_task import RobotTask, task_of, tasks_heard
 from rune_tui.visualizers.parts.severity import Part, Severity
 
 SHOWN_S = {Phase.DONE: 30.0, Phase.BLOCKED: 120.0, Phase.LOST: 120.0, Phase.REFUSED: 30.0}
@@ -64,7 +64,9 @@ def task_rows(robot: RobotState, now: float) -> Iterator[Part]:
     """All words, a row each."""
     task = task_of(robot)
     if task is None:
-        yield Part("nothing yet: the robot has done nothing by itself", 0, Severity.FAINT)
+        nothing = "nothing yet: the robot has done nothing by itself"
+        unknown = "not known: the robot reports no tasks"
+        yield Part(nothing if tasks_heard(robot) else unknown, 0, Severity.FAINT)
         return
     short = f"{task.kind.upper()} WAITS" if task.phase is Phase.WAITING else ""
     yield Part(head(task), 9, _SEVERITIES.get(task.phase, Severity.PLAIN), short=short)
@@ -109,6 +111,8 @@ def goal_word(task: RobotTask, now: float) -> tuple[str, Severity]:
 
 
 def duration(seconds: float) -> str:
-    """A time in whole seconds, from two minutes on in minutes."""
-    whole = int(max(0.0, seconds)) if math.isfinite(seconds) else 0
+    """A time in whole seconds, from two minutes on in minutes; "?" where it is not known."""
+    if not math.isfinite(seconds):
+        return "?"
+    whole = int(max(0.0, seconds))
     return f"{whole} s" if whole < 120 else f"{whole // 60} min {whole % 60} s"

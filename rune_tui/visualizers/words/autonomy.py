@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from hub.gcm.autonomy import AUTONOMY_STATE
 from hub.gcm.navigation import NAVIGATION_STATUS
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import Received, RobotState
-from rune_tui.model.robot_task import task_of
+from rune_tui.model.robot_task import task_of, tasks_heard
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.fitting import write_fitted
@@ -53,7 +53,9 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     return tuple(part for part in rows if not is_in_banner(part, robot, state))
 
 
-def _task_report(robot: RobotState) -> Received[None] | None:
-    """Time of the written report."""
+def _task_report(robot: RobotState) -> Received[Any] | None:
+    """The report that is written; without a task the newest one, which says so."""
     task = task_of(robot)
-    return None if task is None else Received(value=None, measured=task.measured, number=0)
+    if task is None:
+        return tasks_heard(robot)
+    return Received(value=None, measured=task.measured, number=0)

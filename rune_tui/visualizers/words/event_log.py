@@ -58,7 +58,7 @@ class EventLog:
         """Write the notices that fit, those that need the operator first."""
         canvas.fill(state.theme.panel)
         rows = self._chosen(merged(self._notices(robot, state)), canvas.width, canvas.rows, state)
-        nothing = fitting_form(canvas.width, "nothing has happened yet", "no events")
+        nothing = fitting_form(canvas.width, "no events yet", "no events")
         for index, row in enumerate(rows or [TextRow(nothing, Severity.FAINT)]):
             canvas.text(0, index, cut(row.text, canvas.width), ink_of(row.severity, state.theme))
 

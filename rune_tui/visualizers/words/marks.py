@@ -35,7 +35,7 @@ class Marks(MessageGauge[InterestPoints, tuple[str, tuple[_Cells, ...]]]):
         message=INTEREST_POINTS.name,
     )
     definition = INTEREST_POINTS
-    subject = "marks"
+    subject = "list of marks"
 
     def reading(self, value: InterestPoints, _robot: RobotState) -> tuple[str, tuple[_Cells, ...]]:
         """The head line, and the cells of each mark."""

@@ -16,9 +16,9 @@ from rune_tui.model.body import pressed_bumpers
 from rune_tui.model.console_state import Banner, ConsoleState, Notice
 from rune_tui.model.control import Standing, standing
 from rune_tui.model.mission import mission_of
-from rune_tui.model.robot_state import LackKind, RobotState
+from rune_tui.model.robot_state import LackKind, LinkPhase, RobotState
 from rune_tui.model.robot_task import task_of
-from rune_tui.model.vehicle import autopilot_of, problems_of
+from rune_tui.model.vehicle import autopilot_of, hears_problems, problems_of
 from rune_tui.visualizers.parts.autopilot_words import ARMED, never_words, unsafe_words
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import Staleness, age_text, pause_of, staleness
@@ -156,6 +156,14 @@ def _more(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
             yield Part(text, 8, Severity.ALARM, cause="bumper")
         if navigation.assistance is Assistance.OFF:
             yield Part("ASSISTANCE OFF: it drives into walls", 5, Severity.WARNING)
+        late = state.now - robot.link.since >= START_S
+        if (
+            late
+            and robot.link.phase is LinkPhase.CONNECTED
+            and not hears_problems(robot, state.now)
+        ):
+            text = "its problems are not known: no module reports them"
+            yield Part(text, 5, Severity.WARNING, short="problems not known", cause="diagnostics")
     yield from _diagnosed(robot, state.now)
     yield from _of_autopilot(robot, state.now)
     mission = mission_of(robot)

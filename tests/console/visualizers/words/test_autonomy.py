@@ -67,6 +67,7 @@ def said(robot: RobotState) -> list[Part]:
     return [part for part in parts if part.text.startswith(words)]
 
 
+IDLE = {"task": Task.NONE, "why": "", "x": NAN, "y": NAN}
 UNDER_WAY = [
     ({"autonomy": {}}, "EXPLORING 42 %"),
     ({"autonomy": {}, "status": {"sender": 5}}, "EXPLORING 42 %"),
@@ -148,9 +149,15 @@ def test_the_pane_says_all_of_it(draw: Any) -> None:
         "no way",
         "took 7 s, ended 44 s ago",
     ]
-    assert words(draw("visualizeAutonomy", robot(), (60, 2), state=STATE)) == [
-        "nothing yet: the robot has done nothing by itself"
-    ]
+    for task, said in (
+        (robot(), "not known: the robot reports no tasks"),
+        (robot(status=IDLE), "nothing yet: the robot has done nothing by itself"),
+        (robot(status=IDLE, age=9.0), "STALE 9.0 s"),
+    ):
+        assert said in " ".join(words(draw("visualizeAutonomy", task, (60, 3), state=STATE)))
+    unknown = {"phase": Phase.DONE, "seconds": NAN, "ended_s": 44.0}
+    text = words(draw("visualizeAutonomy", robot(unknown), (60, 6), state=STATE))
+    assert "took ?, ended 44 s ago" in text
 
 
 def test_the_pane_changes_with_its_words_and_its_age() -> None:

@@ -7,12 +7,14 @@ import math
 
 import pytest
 
+from hub.gcm.diagnostics import Diagnostics
 from hub.gcm.navigation import Assistance, MotionState
 from hub.gcm.vision import ImageCoding
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.display_state import DisplayState
 from rune_tui.model.robot_state import LinkPhase, PictureFlow
 from rune_tui.model.theme import DARK, LIGHT
+from rune_tui.model.vehicle import GONE_S
 from rune_tui.visualizers.words.status_words import START_S
 from rune_tui.visualizers.words.troubles import troubles
 from tests.console.states import ABSENT, BROKEN, COMING
@@ -154,7 +156,7 @@ def test_the_log_of_one_robot_leaves_out_the_others(log) -> None:
 
 
 def test_an_empty_log_says_so(log) -> None:
-    assert log((60, 12), ()) == ["nothing has happened yet"]
+    assert log((60, 12), ()) == ["no events yet"]
 
 
 def test_the_logs_token_changes_with_its_notices_only(made) -> None:
@@ -220,6 +222,16 @@ def test_a_lost_link_and_a_wanted_capability_that_is_missing_are_told(made, alar
 
 def test_a_capability_that_the_robot_is_made_without_is_no_alarm(made, alarms) -> None:
     assert alarms(link=made.link(lacking={"PRO_MAP": ABSENT})) == ["magellan: all well"]
+
+
+def test_a_robot_whose_problems_are_not_reported_is_not_called_well(made, draw) -> None:
+    for heard in ({}, {1: made.received(Diagnostics(), GONE_S)}):
+        for since, said in (
+            (NOW - START_S, "! its problems are not known: no module reports them"),
+            (NOW - 0.9 * START_S, "magellan: all well"),
+        ):
+            robot = made.robot(diagnostics=heard, link=made.link(since=since))
+            assert rows(draw("visualizeAlarms", robot, (60, 4))) == [said]
 
 
 def test_a_module_that_starts_is_an_alarm_only_if_it_takes_long(made, alarms) -> None:

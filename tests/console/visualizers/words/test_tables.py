@@ -24,7 +24,7 @@ from tests.console.visualizers.known import (
 )
 
 LISTS: dict[str, tuple[Any, Any, str]] = {
-    "visualizeMarks": (INTEREST_POINTS, points(point(1)), "marks"),
+    "visualizeMarks": (INTEREST_POINTS, points(point(1)), "list of marks"),
     "visualizeModules": (MODULE_REPORTS, modules(module("driver")), "module list"),
     "visualizeCapabilities": (
         CAPABILITY_REPORTS,
