@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any, Final
 
 import pytest
 
 from hub.gcm.autonomy import Phase
-from hub.gcm.body import ROBOT_DESCRIPTION
+from hub.gcm.body import ROBOT_DESCRIPTION, HoldKind
 from hub.gcm.mapping import INTEREST_POINTS
 from hub.gcm.mission import MISSION_STATE, MissionState
+from hub.gcm.navigation import MotionState
 from hub.gcm.supervision import (
     CAPABILITY_REPORTS,
     MODULE_REPORTS,
     CapabilityPhase,
     ModulePhase,
 )
+from hub.gcm.vehicle import VEHICLE_STATE, Arming, HoldPhase, HoldState, VehicleState
 from hub.ipc.definition import MessageDefinition
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, Notice
@@ -74,6 +76,13 @@ def _all_of(role: str, name: str, age: float, *, ended: bool) -> RobotState:
             )
         ),
         INTEREST_POINTS: known.points(*points),
+        VEHICLE_STATE: VehicleState(
+            activity="",
+            arming=Arming.ARMED,
+            holds=(
+                HoldState(kind=HoldKind.HEADING, phase=HoldPhase.HOLDING, target=0.5, error=0.01),
+            ),
+        ),
     }
     seen = robot(
         role,
@@ -83,26 +92,50 @@ def _all_of(role: str, name: str, age: float, *, ended: bool) -> RobotState:
         phase=LinkPhase.LOST if age > 20.0 else LinkPhase.CONNECTED,
         since=NOW - 30.0,
         battery_fraction=0.08,
+        motion=MotionState.MOVING,
+        linear=0.37,
     )
     messages = {each.name: received(value, age) for each, value in reports.items()}
     messages[ROBOT_DESCRIPTION.name] = described(name)
     return seen.with_(messages={**seen.messages, **messages})
 
 
-DECIDING: Final[dict[str, Callable[[bool], tuple[str, ...]]]] = {
-    "visualizeMission": lambda _: (f"{MARKS} marks",),
-    "visualizeMarks": lambda _: ("-16.25, 12.50",),
-    "visualizeControl": lambda _: ("you have control",),
-    "visualizeAutonomy": lambda ended: ("EXPLORING 62 % BLOCKED" if ended else "EXPLORING 62 %",),
-    "visualizeModules": lambda _: ("vision",),
-    "visualizeCapabilities": lambda _: ("VIS_VID",),
-    "visualizeEventLog": lambda _: ("victim 12 marked", "victim 12 is marked"),
-    "visualizeBattery": lambda _: ("8%",),
-    "visualizeHeading": lambda _: ("090", "000"),
-    "visualizeLink": lambda _: ("linked", "LINK LOST 30 s", "30 s old"),
+DECIDING: Final[dict[str, tuple[str, ...]]] = {
+    "visualizeMission": (f"{MARKS} marks",),
+    "visualizeMarks": ("-16.25, 12.50",),
+    "visualizeControl": ("you have control",),
+    "visualizeAutonomy": ("EXPLORING 62 %",),
+    "visualizeModules": ("vision",),
+    "visualizeCapabilities": ("VIS_VID",),
+    "visualizeEventLog": ("victim 12 marked", "victim 12 is marked"),
+    "visualizeBattery": ("8%",),
+    "visualizeHeading": ("090", "000"),
+    "visualizeLink": ("linked",),
+    "visualizeStatus": ("MOVING",),
+    "visualizeTeam": ("rover !!", "!! BATTERY"),
+    "visualizeAttention": ("BATTERY CRITICAL",),
+    "visualizeAlarms": ("BATTERY CRITICAL 8%", "nothing else"),
+    "visualizeVehicle": ("heading",),
+    "visualizeSpeed": ("+0.37",),
+    "visualizePlot": ("0.37",),
 }
-"""By the visualizer's function, the words of which one must be there; whether a task has ended."""
-_CLOCK: Final = len("14:06 ")
+"""By the visualizer's function, the words of which one must be there."""
+ENDED: Final = {"visualizeAutonomy": ("EXPLORING 62 % BLOCKED",)}
+"""The same after the robot's task has ended."""
+OLD: Final = {
+    "visualizeLink": ("LINK LOST 30 s", "30 s old"),
+    "visualizeStatus": ("was MOVING", "LINK LOST"),
+    "visualizeTeam": ("rover !!", "!! LINK LOST"),
+    "visualizeAttention": ("LINK LOST 30 s",),
+    "visualizeAlarms": ("LINK LOST 30 s", "not known"),
+}
+"""The same of a robot whose link is lost."""
+BESIDE: Final = {
+    "visualizeEventLog": len("14:06 "),
+    "visualizeAttention": len(": … +2"),
+    "visualizeStatus": len("…"),
+}
+"""Columns that a pane needs beside these words."""
 
 
 def _panes(
@@ -133,9 +166,11 @@ def test_what_decides_is_whole_in_every_pane_that_has_room_for_it(name: str) -> 
         for age, ended in ((0.1, False), (0.1, True), (30.0, False)):
             called = NAMES[(number + ended) % len(NAMES)]
             for function, said, room in _panes(layout, size, called, age, ended=ended):
-                forms = DECIDING[function](ended) if function in DECIDING else ()
-                needed = min(map(len, forms), default=0)
-                needed += _CLOCK * (function == "visualizeEventLog")
+                situation = OLD if age > 1.0 else ENDED if ended else {}
+                forms = situation.get(function) or DECIDING.get(function, ())
+                needed = min(map(len, forms), default=0) + BESIDE.get(function, 0)
+                if function == "visualizeStatus" and "Space STOP" in said:
+                    needed += len("Space STOP  ")  # how to stop comes first
                 if needed <= room[0] and forms and not any(form in said for form in forms):
                     missing.append((size, function, room, age, said))
     assert missing == []

@@ -17,7 +17,8 @@ NARROW = 60
 
 _TROUBLE = frozenset({Severity.WARNING, Severity.ALARM})
 _ELLIPSIS = "…"
-_LEAST_TEXT = 12
+LEAST_TEXT = 12
+"""Room that free text in the last column of a table needs [cells]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +95,7 @@ def flowing(words: Iterable[TextRow], columns: int) -> Iterator[tuple[TextRow, .
 
 
 def kept_columns(
-    cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int
+    cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int, least: int = LEAST_TEXT
 ) -> dict[int, int]:
     """The width [cells] of each column of a table that has room, by its number.
 
@@ -104,12 +105,13 @@ def kept_columns(
         cells: The cells of each row.
         weights: The weight of each column.
         columns: The room [cells].
+        least: Room that the last column needs for the words that decide [cells].
     """
     widths = [max(len(printable_text(cell)) for cell in column) for column in zip(*cells)]  # noqa: B905
     last = len(widths) - 1
 
     def room(index: int) -> int:
-        return min(widths[index], _LEAST_TEXT) if index == last else widths[index]
+        return min(widths[index], least) if index == last else widths[index]
 
     kept = [index for index, width in enumerate(widths) if width]
     while len(kept) > 1 and sum(map(room, kept)) + GAP * (len(kept) - 1) > columns:
@@ -117,9 +119,11 @@ def kept_columns(
     return {index: widths[index] for index in kept}
 
 
-def tabled(cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int) -> tuple[str, ...]:
+def tabled(
+    cells: Sequence[Sequence[str]], weights: Sequence[int], columns: int, least: int = LEAST_TEXT
+) -> tuple[str, ...]:
     """Rows of cells in aligned columns, as `kept_columns` says; the last one is cut."""
-    kept = kept_columns(cells, weights, columns).items()
+    kept = kept_columns(cells, weights, columns, least).items()
     return tuple(
         cut(
             (" " * GAP).join(printable_text(row[i]).ljust(width) for i, width in kept).rstrip(),

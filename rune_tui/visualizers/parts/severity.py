@@ -36,8 +36,8 @@ class Part:
         severity: Its severity.
         short: The same in fewer words, if room is short; empty: none.
         gauge: Whether a gauge shows it too: speed, battery, link.
-        cause: The cause of a robot's problem, which stays while its words change; empty: it is
-            none, or one that the operator made.
+        cause: The cause of a robot's problem, or the subject, which stays while its words change;
+            empty: it is none, or one that the operator made.
     """
 
     text: str

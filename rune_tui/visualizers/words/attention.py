@@ -12,7 +12,7 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import TextRow, cut, tabled
+from rune_tui.visualizers.parts.rows import LEAST_TEXT, TextRow, cut, kept_columns, tabled
 from rune_tui.visualizers.parts.severity import Severity, ink_of
 from rune_tui.visualizers.parts.task_words import duration
 from rune_tui.visualizers.visualizer import PlainVisualizer
@@ -20,6 +20,10 @@ from rune_tui.visualizers.words.alarms import Alarms
 
 _WEIGHTS: Final = (9, 10, 3, 11)
 """Importance of mark, robot, age and words."""
+_ROBOT: Final = 1
+"""The column of the robot."""
+_LEAST_WORDS: Final = len("BATTERY CRITICAL…")
+"""Columns in which the words of an alarm still say what it is."""
 
 
 class Attention(PlainVisualizer):
@@ -69,7 +73,10 @@ class Attention(PlainVisualizer):
 
 def _rows(state: ConsoleState, columns: int) -> list[tuple[TextRow, bool]]:
     """Each entry in words, and whether it waits for the operator."""
-    lines = tabled(list(_cells(state)), _WEIGHTS, columns)
+    cells = list(_cells(state))
+    # Mark and age make room for the words that decide; the robot does not.
+    named = not cells or _ROBOT in kept_columns(cells, _WEIGHTS, columns, _LEAST_WORDS)
+    lines = tabled(cells, _WEIGHTS, columns, _LEAST_WORDS if named else LEAST_TEXT)
     return [
         (TextRow(line, _severity(entry)), not (entry.answered or entry.over))
         for entry, line in zip(state.attention, lines, strict=True)

@@ -20,7 +20,7 @@ from rune_tui.raster.canvas import Canvas, printable_text
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.rows import cut
 from rune_tui.visualizers.parts.severity import Part, Severity, ink_of
-from rune_tui.visualizers.words.status_words import status_parts
+from rune_tui.visualizers.words.status_words import MOTION, NAME, status_parts
 from rune_tui.visualizers.words.troubles import is_in_banner
 
 _GAP = 2
@@ -86,7 +86,7 @@ class Status:
     def draw(self, canvas: Canvas, robot: RobotState, state: ConsoleState) -> None:
         """Write the parts that fit into the first row."""
         canvas.fill(state.theme.bar)
-        parts = fitting(self._shown_parts(robot, state), canvas.width)
+        parts = fitting(_deciding(self._shown_parts(robot, state), canvas.width), canvas.width)
         column = 0 if _width(parts) + 2 > canvas.width else 1
         for part in parts:
             canvas.text(
@@ -113,6 +113,15 @@ class Status:
                 or is_in_banner(part, robot, state)
             )
         )
+
+
+def _deciding(parts: Sequence[Part], columns: int) -> Sequence[Part]:
+    """The parts, without the robot's name where its motion has no room beside it."""
+    pair = [part for part in parts if part.cause in (NAME, MOTION)]
+    narrow = [dataclasses.replace(part, text=part.short or part.text) for part in pair]
+    if len(pair) < 2 or _width(narrow) <= columns:
+        return parts
+    return [part for part in parts if part.cause != NAME]
 
 
 def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:

@@ -44,6 +44,10 @@ from rune_tui.visualizers.words.motion_words import (
 
 START_S: Final = 10.0
 """Time after the start of a link in which a starting module is no problem [s]."""
+NAME: Final = "name"
+"""Cause of the part that names the robot."""
+MOTION: Final = "motion"
+"""Cause of the part that says how the robot moves."""
 LOW_BATTERY = 0.2
 CRITICAL_BATTERY = 0.1
 OFF_CENTRE_DEG = 5.0
@@ -90,7 +94,7 @@ def _parts(robot: RobotState, state: ConsoleState) -> tuple[Part, ...]:
     return (
         *_stop_key(robot, state),
         *_peek(robot, state),
-        Part(state.title(robot.name), 2 if len(state.robots) == 1 else 8),
+        Part(state.title(robot.name), 2 if len(state.robots) == 1 else 8, cause=NAME),
         _link(robot, state.now),
         *_permission(robot),
         *control_parts(robot, state),
@@ -153,7 +157,7 @@ def _motion(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     stale = staleness(age) is Staleness.STALE
     lost = robot.link.phase is LinkPhase.CONNECTED and navigation.motion is MotionState.NO_DRIVER
     for part in (*_moving(robot, navigation, state), *_battery(navigation)):
-        if stale and lost and part.cause == "motion":  # nothing newer comes, and this is so now
+        if stale and lost and part.cause == MOTION:  # nothing newer comes, and this is so now
             yield Part(_UNKNOWN_MOTION, part.weight, part.severity, "NO DRIVER", cause=part.cause)
         else:
             yield _past(part) if stale else part
@@ -186,7 +190,8 @@ def _obstacles(robot: RobotState, now: float, *, silent: bool) -> Iterator[Part]
 def _past(part: Part) -> Part:
     """The words of an outdated report."""
     short = f"was {part.short}" if part.short else ""
-    return Part(f"was {part.text}", min(part.weight, 4), Severity.FAINT, short, part.gauge)
+    weight = min(part.weight, 4)
+    return Part(f"was {part.text}", weight, Severity.FAINT, short, part.gauge, part.cause)
 
 
 def _moving(robot: RobotState, navigation: NavigationState, state: ConsoleState) -> Iterator[Part]:
@@ -199,7 +204,7 @@ def _moving(robot: RobotState, navigation: NavigationState, state: ConsoleState)
     by_itself = tuple(task_parts(robot, state))
     if motion is not MotionState.GOING or not by_itself:
         severity = Severity.ALARM if motion in _FAULTS else Severity.PLAIN
-        yield Part(text, 7, severity, short=short_motion(text), cause="motion")
+        yield Part(text, 7, severity, short=short_motion(text), cause=MOTION)
     yield from by_itself
     turning = turn_words(-math.degrees(navigation.angular))
     speed = f"{signed(navigation.linear, 2)} m/s"
