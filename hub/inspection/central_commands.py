@@ -9,6 +9,7 @@ from typing import Any
 from hub.command_output import put, put_json
 from hub.errors import NotAllowedError, UnknownModuleError
 from hub.inspection import value_text
+from hub.inspection.hub_watch import HubWatch
 from hub.inspection.kept import not_kept
 from hub.inspection.message_commands import find
 from hub.inspection.output import span, table
@@ -93,8 +94,9 @@ def trace(client: Client, names: Sequence[str], *, with_data: bool, count: int) 
 
     learn()
     client.directory.watch(lambda _: client.post(learn))
+    watch = HubWatch(client)
     while count == 0 or written < count:
-        client.listen(0.2)
+        watch.listen(0.2)
     return 0
 
 

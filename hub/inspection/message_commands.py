@@ -23,6 +23,7 @@ from hub.gcm.catalog import BY_NAME
 from hub.gcm.common import CommonResult
 from hub.gcm.control import CONTROL_STATE, is_restricted
 from hub.inspection import value_text
+from hub.inspection.hub_watch import HubWatch
 from hub.inspection.output import outcome
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -119,8 +120,9 @@ def echo(client: Client, name: str, *, count: int, as_json: bool) -> int:
         _show(definition, value, as_json=as_json, reception=reception)
 
     client.subscribe(definition, show)
+    watch = HubWatch(client)
     while count == 0 or shown < count:
-        client.listen(0.2)
+        watch.listen(0.2)
     return 0
 
 
@@ -140,8 +142,9 @@ def rate(client: Client, name: str, *, seconds: float, as_json: bool) -> int:
 
     client.subscribe(definition, note)
     end = time.monotonic() + seconds if seconds else float("inf")
+    watch = HubWatch(client)
     while time.monotonic() < end:
-        _serve_for(client, min(1.0, end - time.monotonic()))
+        _serve_for(watch, min(1.0, end - time.monotonic()))
         put(_rate_line(name, arrivals, ages, missed, as_json=as_json))
         del arrivals[:-1], ages[:-1]
     return 0
@@ -177,8 +180,9 @@ def send(
         sys.stderr.write(f"rune-hub: nobody listens to {name} at {client.endpoint}; {text}\n")
     if rate_hz > 0:
         client.every(1.0 / rate_hz, lambda: client.publish(definition, value))
+        watch = HubWatch(client)
         while True:
-            client.listen(0.2)
+            watch.listen(0.2)
     return 0 if heard and not owner else 1
 
 
@@ -226,7 +230,7 @@ def find(client: Client, name: str) -> MessageDefinition[Any]:
     return from_listing(listed[name])
 
 
-def _serve_for(client: Client, seconds: float) -> None:
+def _serve_for(client: Client | HubWatch, seconds: float) -> None:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         client.listen(0.05)

@@ -20,6 +20,7 @@ from hub.gcm import supervision
 from hub.gcm.common import COMMON_RESULT
 from hub.gcm.supervision import CapabilityPhase, ModuleOrder
 from hub.inspection import value_text
+from hub.inspection.hub_watch import HubWatch
 from hub.inspection.output import report, span, table
 from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition
@@ -112,9 +113,11 @@ def want(client: Client, wanted: Sequence[str], *, seconds: float) -> int:
     client.every(_RENEW_S, lambda: client.publish(supervision.CAPABILITY_WANTS, wants))
     client.publish(supervision.CAPABILITY_WANTS, wants)
     end = time.monotonic() + (seconds or math.inf)
+    watch = HubWatch(client)
     while time.monotonic() < end:
-        client.listen(min(0.5, end - time.monotonic()))
-    return 0 if said and all("is running" in text for text in said.values()) else 1
+        watch.listen(min(0.5, end - time.monotonic()))
+    known = watch.answers and bool(said)
+    return 0 if known and all("is running" in text for text in said.values()) else 1
 
 
 def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
@@ -124,8 +127,9 @@ def logs(client: Client, module: str, *, lines: int, follow: bool) -> int:
     if not shown.text:
         sys.stderr.write(f"rune-hub: {module} has written nothing since this hub was started\n")
     next_line = shown.next
+    watch = HubWatch(client)
     while follow:
-        client.listen(_FOLLOW_S)
+        watch.listen(_FOLLOW_S)
         try:
             shown = _lines(client, module, next_line, _MOST_LINES)
         except HandlerFailedError:
