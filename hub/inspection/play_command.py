@@ -42,6 +42,7 @@ from hub.ipc.client import Client
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.security.publish_rights import ROBOMON
+from hub.recording.holes import said_of_holes
 from hub.recording.live.player import Player, robots_of
 from hub.recording.recording_set import RecordingSet
 
@@ -73,6 +74,8 @@ def play(options: argparse.Namespace) -> int:
                     print_error(fault)
 
         say_faults()
+        for text in said_of_holes(log.holes):
+            print_error(text)
         robot = _robot(robots, options.robot)
         empty = _why_empty(log, robot, options)
         say_faults()
@@ -140,6 +143,7 @@ class _Playback:
             robot,
             chosen=functools.partial(_chooses, options=options),
             clock=time.monotonic,
+            holes=log.holes,
         )
         self._player.rate, self._player.paused = options.rate, options.paused
         self._gate = ControlGate(client)

@@ -24,6 +24,8 @@ _EARLIEST: Final = 10**18
 """Stamps before this, 2001, are no dates [ns since 1970]."""
 _LATEST: Final = 4_102_444_800 * 10**9
 """Stamps from this on, 2100, are none either."""
+_GROWS_OLD_NS: Final = 5 * 10**9
+"""Time at the begin of a hole in which one sees that all grows old [ns]."""
 
 
 class Part(NamedTuple):
@@ -47,7 +49,7 @@ class TimeLine(NamedTuple):
         start: Its begin [ns].
         end: Its end [ns].
         holes: Times without messages in it: begin and end of each [ns].
-        faults: What is left out, and which holes there are, in sentences.
+        faults: What is left out, in sentences.
     """
 
     start: int
@@ -72,8 +74,21 @@ def time_line(recording: OpenRecording) -> TimeLine:
     holes = [(a.end, b.start) for a, b in itertools.pairwise(shown)]
     far = "are far from all others, and left out"
     faults = [f"{_number(each)} at {_date(each.start)} {far}" for each in left_out]
-    faults += [f"no message from {_date(begin)} to {_date(end)}" for begin, end in holes]
     return TimeLine(shown[0].start, shown[-1].end, tuple(holes), tuple(faults))
+
+
+def said_of_holes(holes: Sequence[tuple[int, int]]) -> list[str]:
+    """A sentence for each hole; begin and end of each [ns]. A hole is no fault of a file."""
+    return [f"no message from {_date(begin)} to {_date(end)}" for begin, end in holes]
+
+
+def beyond_hole(holes: Sequence[tuple[int, int]], stamp: int, *, backwards: bool = False) -> int:
+    """A time [ns]; in a hole, its end, or backwards the time at which all has grown old in it."""
+    for begin, end in holes:
+        old = begin + _GROWS_OLD_NS
+        if old < stamp < end:
+            return old if backwards else end
+    return stamp
 
 
 def _parts(recording: OpenRecording) -> list[Part]:

@@ -71,9 +71,10 @@ class RecordingSet(OpenRecording):
         self._time_faults: Sequence[str] = ()
 
     def drop_outliers(self) -> None:
-        """Leave out messages whose stamps are far from all others, and find holes; see `faults`.
+        """Leave out messages whose stamps are far from all others, and find holes.
 
-        `newest` still knows those before the start: what is said once holds on.
+        `faults` names what is left out. `newest` still knows those before the start: what is said
+        once holds on.
         """
         self.start, self.end, self.holes, self._time_faults = time_line(self)
 

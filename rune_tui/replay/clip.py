@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol, cast
 import numpy as np
 from PIL import Image
 
+from hub.recording.holes import beyond_hole
 from hub.values import dataclass
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.picture import image
@@ -18,7 +19,6 @@ from rune_tui.errors import LogError, PictureFileError
 from rune_tui.replay import screen
 from rune_tui.replay.desk import SECOND, Desk
 from rune_tui.replay.player import Player
-from rune_tui.replay.source import beyond_hole
 
 if TYPE_CHECKING:
     from av import VideoStream

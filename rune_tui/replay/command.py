@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
+from hub.recording.holes import said_of_holes
 from rune_tui.replay.app import ReplayApp
 from rune_tui.replay.clip_writer import ClipWriter
 from rune_tui.replay.opening import player_of
@@ -69,11 +70,12 @@ def show(
     ):
         growing = still_written(options.files, time.time())
         player.source.check(_CHECK_S)
-        damage = next(iter(player.source.faults), "")
+        holes = said_of_holes(player.source.holes)
+        damage = next(iter((*player.source.faults, *holes)), "")
         traits, answers, took = ask_terminal()
         trip = took if answers.complete else 0.0
         app = ReplayApp(player, traits, trip, notes=ReviewNotes(first), clips=clips)
         if growing or damage:
             app.desk.say(growing or damage)
         app.run()
-        return [*player.source.faults]
+        return [*player.source.faults, *holes]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from hub import files
 from hub.plain_text import plain
+from hub.recording.holes import said_of_holes
 from rune_tui.compositor.picture import SUFFIXES as PICTURES
 from rune_tui.compositor.picture import PictureFile
 from rune_tui.errors import LogError, PictureFileError
@@ -75,7 +76,7 @@ def export(options: Namespace, opened: Callable[[], ReplaySource]) -> list[str]:
                 lossless=options.lossless,
             )
             write_clip(player, path, clip, _progress(f"writing {path.name}"))
-        return [*source.faults, *faults]
+        return [*source.faults, *said_of_holes(source.holes), *faults]
 
 
 def _write(path: Path, text: str) -> None:

@@ -20,10 +20,11 @@ from collections.abc import Callable, Iterator
 from itertools import chain
 from typing import Final
 
+from hub.recording.holes import beyond_hole
 from rune_tui.compositor.cells import Cells
 from rune_tui.replay.background import THIN_NS, WARM_NS, BackgroundReader
 from rune_tui.replay.drawing import FrameDrawer
-from rune_tui.replay.source import Overview, ReplayFrame, ReplaySource, beyond_hole
+from rune_tui.replay.source import Overview, ReplayFrame, ReplaySource
 from rune_tui.replay.view_copies import EVERY_NS, ViewCopies
 
 SLOWEST: Final = 0.1

@@ -112,19 +112,6 @@ def with_notes(overview: Overview, notes: Sequence[ReplayEvent]) -> Overview:
     return dataclasses.replace(overview, events=events)
 
 
-_GROWS_OLD_NS = 5_000_000_000
-"""Time at the begin of a hole in which one sees that all grows old [ns]."""
-
-
-def beyond_hole(holes: Sequence[tuple[int, int]], stamp: int, *, backwards: bool = False) -> int:
-    """A time [ns]; in a hole, its end, or backwards the time at which all has grown old in it."""
-    for begin, end in holes:
-        old = begin + _GROWS_OLD_NS
-        if old < stamp < end:
-            return old if backwards else end
-    return stamp
-
-
 class ReplaySource(Protocol):
     """A recording, or several on one time line, as frames.
 

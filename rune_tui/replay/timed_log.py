@@ -11,13 +11,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Final, Protocol
 
 from hub.recording.anchor import TimeAnchor
+from hub.recording.holes import beyond_hole
 from hub.recording.reader import LoggedMessage
 from hub.recording.recording_set import RecordingSet
 from rune_tui.errors import LogError
 from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
-from rune_tui.replay.source import Overview, ReplayFrame, beyond_hole
+from rune_tui.replay.source import Overview, ReplayFrame
 from rune_tui.replay.survey import survey
 
 PERIOD_NS: Final = 50_000_000

@@ -204,6 +204,17 @@ def test_ten_times_as_fast_takes_a_tenth_of_the_time_and_it_ends_by_itself(file:
         assert time.monotonic() - begun >= 1.3
 
 
+def test_a_long_hole_is_skipped_and_said_and_is_no_fault(tmp_path: Path) -> None:
+    writer = RecordingWriter(tmp_path / "a.mcap", ANCHOR, {}, WriterLimits(least_free=0))
+    for second in (0.0, 1.0, 180_000.0, 180_001.0):
+        put(writer, GROUND_TRUTH, truth(second), second)
+    writer.close()
+    with closing(PlayProcess(tmp_path / "a.mcap", "--rate", "20")) as player:
+        assert exit_code(player.process, 20.0) == ExitCode.OK
+        assert player.process.stderr is not None
+        assert "no message from 2023-11-1" in player.process.stderr.read()
+
+
 def test_what_cannot_be_played_is_said(file: Path, tmp_path: Path) -> None:
     (tmp_path / "bad.mcap").write_bytes(b"no recording at all")
     for arguments, text in (

@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from hub.errors import CodecError, HandlerFailedError, HubError, RecordingError
@@ -29,6 +29,7 @@ from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.wire import control
 from hub.ipc.wire.definition_listing import from_listing
 from hub.recording.chunks import LoggedMessage
+from hub.recording.holes import beyond_hole
 from hub.recording.live.bus_tap import DEFINITION
 from hub.recording.open_recording import OpenRecording
 from hub.recording.topics import RecordedTopic, topic_of
@@ -69,6 +70,7 @@ class Player:
         *,
         chosen: Callable[[str], bool],
         clock: Callable[[], float],
+        holes: Sequence[tuple[int, int]] = (),
     ) -> None:
         """Stand at the start.
 
@@ -78,8 +80,9 @@ class Player:
             robot: Which robot.
             chosen: Whether a topic of this name is played.
             clock: Monotonic time [s].
+            holes: Long times without messages, which are skipped: begin and end of each [ns].
         """
-        self._client, self._log, self._clock = client, log, clock
+        self._client, self._log, self._clock, self._holes = client, log, clock, holes
         self.rate, self.paused = 1.0, False
         self.now, self.published = log.start, 0
         self.left_out: dict[str, str] = {}
@@ -105,6 +108,7 @@ class Player:
 
     def seek(self, stamp: int) -> None:
         """Go to a moment [ns]: first comes the newest message of each topic before it."""
+        stamp = beyond_hole(self._holes, stamp, backwards=stamp < self.now)
         stamp = max(self._log.start, min(self._log.end, stamp))
         self.now, self._at = stamp, self._clock()
         self._pictures.clear()
@@ -120,7 +124,8 @@ class Player:
         now = self._clock()
         passed, self._at = now - self._at, now
         if not self.paused:
-            self.now = min(self._log.end, self.now + round(passed * self.rate * 1e9))
+            due = self.now + round(passed * self.rate * 1e9)
+            self.now = min(self._log.end, beyond_hole(self._holes, due))
         while True:
             message = self._next or next(self._left, None)
             if message is None:

@@ -129,7 +129,7 @@ def test_a_video_skips_a_long_hole(tmp_path: Path) -> None:
         assert 10 <= count <= 20, (
             "two drives of 2 s, and 5 s in which one sees the end of the first"
         )
-        assert any(each.startswith("no message from ") for each in player.source.faults)
+        assert list(player.source.faults) == []
         player.playing = True
         for now_s in range(12):
             player.tick(float(now_s))
