@@ -123,7 +123,8 @@ class RecordState:
         left_s: Time until the disk is too full, at the present rate [s]; NaN: not known.
         marks: Marks since the start of the recorder.
         mark: Text of the last mark; empty: none, or without words.
-        lost: Messages since the start of the recorder that are in no file.
+        lost: Messages that are in no file: of this or the last recording; before the first one,
+            since the start of the recorder.
         lost_by_topic: The same by topic, those with the most first.
         fault: What is not recorded, and the reason; empty: everything is.
     """

@@ -38,7 +38,7 @@ def not_kept(client: Client, peers: Sequence[control.ListedPeer]) -> list[str]:
 
 def _recording_lacks(client: Client) -> list[str]:
     state = client.last_value(RECORD_STATE, timeout=_ANSWER_S)
-    lost = f"{counted(state.lost, 'message')} since the recorder began are in no file"
+    lost = f"{counted(state.lost, 'message')} of it are in no file"
     return [*filter(None, [state.fault]), *([lost] if state.lost else [])]
 
 

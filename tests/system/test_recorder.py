@@ -261,7 +261,9 @@ def test_what_a_full_disk_does_not_keep_is_not_said_to_be_kept(
     observer.wait(lambda: state_of(observer).messages > 10, 20.0)
     assert ask(observer, action=RecordAction.MARK, text="before").text == "mark 1 is kept: before"
     # From here on no file of the recorder may grow, as on a full disk.
-    resource.prlimit(hub.pids["recorder"], resource.RLIMIT_FSIZE, (1, 1))
+    pid = hub.pids["recorder"]
+    usual = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, (1, usual[1]))
     marked = ask(observer, action=RecordAction.MARK, text="after")
     assert (marked.done, "mark 2 is not kept: " in marked.text) == (0, True), marked.text
     observer.wait(lambda: state_of(observer).fault and state_of(observer).lost, 20.0)
@@ -274,6 +276,11 @@ def test_what_a_full_disk_does_not_keep_is_not_said_to_be_kept(
     assert done.returncode == 1
     assert "the recording is ended, and lacks " in done.stderr
     assert "cannot be made: File too large" in done.stderr
+    assert state_of(observer).lost > 0, "those of the last recording"
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, usual)
+    assert ask(observer, action=RecordAction.START, name="next").done
+    observer.wait(lambda: state_of(observer).path.endswith("next.mcap"), 20.0)
+    assert (state_of(observer).lost, state_of(observer).lost_by_topic) == (0, ())
 
 
 def command(hub: HubProcess, *arguments: str) -> subprocess.Popen[str]:

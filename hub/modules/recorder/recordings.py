@@ -7,7 +7,7 @@ import math
 import time
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from hub.errors import RecordingError
 from hub.gcm.recording import RECORD_MARK, RecordMark, RecordState
@@ -30,6 +30,8 @@ from hub.robots.description import RobotDescription
 from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
+_DISK_S: Final = 2.0
+"""Longest wait for the disk at the end of a recording [s]."""
 
 
 @dataclass(slots=True)
@@ -102,12 +104,13 @@ class Recordings:
             RecordingError: None runs; or one is ended that lacks messages.
         """
         running = self._demand_running()
+        bus = self._attach()
         self._running = None
         self._detach(running.series)
-        state = running.series.close()
-        self._lost.update(state.lost)
+        state = running.series.close(_DISK_S)
+        self._lost = bus.lost(running.series)
         note_running(self._folder.running, None, "")
-        return said_of_end(state)
+        return said_of_end(state, self._lost.total())
 
     def keep_mark(self, mark: RecordMark) -> str:
         """Write a mark into each file that is written; returns the result, for people.
@@ -188,7 +191,7 @@ class Recordings:
     def state(self, marks: int, mark: str) -> RecordState:
         """What is recorded, with the marks of this recorder."""
         series = [each.state for each in self._all()]
-        lost = self._lost + self._bus.lost() if self._bus is not None else self._lost
+        lost = self._lost | self._bus.lost() if self._bus is not None else self._lost
         fault = next((each.fault for each in series if each.fault), self._fault)
         facts: dict[str, Any] = {}
         if self._running is not None:
@@ -299,6 +302,8 @@ class Recordings:
             text = f"nothing is recorded: {series.state.fault}"
             raise RecordingError(text)
         bus.take_now()
+        self._lost.clear()
+        bus.count_anew()
         bus.series.append(series)
         self._running = _RunningRecording(series, by, begun, time.monotonic())
 

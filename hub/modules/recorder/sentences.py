@@ -38,15 +38,18 @@ def said_of_mark(series: Sequence[RecordingSeries], mark: RecordMark) -> str:
     return f"{text}; only in a part of the files: {why}" if without else text
 
 
-def said_of_end(state: SeriesState) -> str:
+def said_of_end(state: SeriesState, lost: int) -> str:
     """The result of a recording that is closed.
+
+    Args:
+        state: Its state.
+        lost: Number of messages that it lacks.
 
     Raises:
         RecordingError: It lacks messages, or its end.
     """
     text = f"{state.messages} messages ({state.bytes / 1e6:.1f} MB) are in {state.path}"
     text += f" and {state.files - 1} files before it" if state.files > 1 else ""
-    lost = sum(state.lost.values())
     if lost or state.fault:
         why = f": {state.fault}" if state.fault else ""
         text = f"the recording is ended, and lacks {lost} messages{why}; {text}"

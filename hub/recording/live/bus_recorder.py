@@ -69,6 +69,7 @@ class BusRecorder:
         self._definitions: dict[str, MessageDefinition[Any]] = {}
         self._latched: set[str] = set()
         self._answered: dict[str, RecordedTopic] = {}
+        self._before: dict[RecordingSeries | None, Counter[str]] = {}  # losses that do not count
 
         def taps(name: str) -> bool:
             return name not in added and self._wants(name)
@@ -86,14 +87,25 @@ class BusRecorder:
         """Number of messages that it is subscribed to."""
         return len(self._tap.names)
 
-    def lost(self) -> Counter[str]:
-        """Number of messages that are in no file, by topic, largest of all series."""
+    def lost(self, *ended: RecordingSeries) -> Counter[str]:
+        """Number of messages that are in no file since `count_anew`, by topic, largest of all.
+
+        Args:
+            ended: Series that are none of `series` any more, and count too.
+        """
         lost: Counter[str] = Counter()
-        for each in self.series:
-            lost |= Counter(each.state.lost)
-        for name, count in self._tap.lost.items():
-            lost[f"/{self._robot}/{name}"] += count
-        return lost
+        for each in (*self.series, *ended):
+            lost |= Counter(each.state.lost) - self._before.get(each, Counter())
+        return lost + (self._unheard() - self._before.get(None, Counter()))
+
+    def count_anew(self) -> None:
+        """Count losses from now on."""
+        self._before = {each: Counter(each.state.lost) for each in self.series}
+        self._before[None] = self._unheard()
+
+    def _unheard(self) -> Counter[str]:
+        """Number of messages that did not reach the tap, by topic."""
+        return Counter({f"/{self._robot}/{name}": each for name, each in self._tap.lost.items()})
 
     def look(self) -> None:
         """Split, delete and retry what is due."""

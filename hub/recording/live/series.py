@@ -282,14 +282,22 @@ class RecordingSeries:
         """The complete files with anything from `begin` to `end` [s], in order."""
         return [each.path for each in self._kept if each.ended >= begin and each.begun <= end]
 
-    def close(self) -> SeriesState:
-        """Complete the last file; returns the final state."""
+    def close(self, patience: float = 60.0) -> SeriesState:
+        """Complete the last file; returns the final state.
+
+        Args:
+            patience: Longest wait for the disk [s]; then it is a fault that files are not complete.
+        """
         self._closed = True
         if self._writer is not None:
             self._end_file(self._clock())
+        until = time.monotonic() + patience
         for ending in self._closing:
-            ending.thread.join()
+            ending.thread.join(max(0.0, until - time.monotonic()))
         self._reap()
+        if self._closing:
+            path = self._closing[0].writer.path
+            self._fault = f"{path} has no end yet: the disk has not taken it for {patience:g} s"
         return self.state
 
     def _open(self) -> None:

@@ -1,4 +1,4 @@
-"""What the recorder says of a mark: which files have it, and why others have not."""
+"""What the recorder says of a mark and of an end: what the files have, and why others have not."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from hub.errors import RecordingError
 from hub.gcm.recording import RecordMark
-from hub.modules.recorder.sentences import said_of_mark
+from hub.modules.recorder.sentences import said_of_end, said_of_mark
 from hub.recording.live.series import SeriesState
 
 MARK = RecordMark(number=3, text="", by="", stamp=1.0)
@@ -60,3 +60,14 @@ def test_a_mark_in_a_part_of_the_files_is_said_to_be_there_only(disk: Disk) -> N
     part = [disk.series(0.01), disk.series(0.0, fault="the disk is full")]
     said = "mark 3 is kept; only in a part of the files: the disk is full"
     assert said_of_mark(part, MARK) == said
+
+
+def test_an_end_that_lacks_messages_is_no_success(disk: Disk) -> None:
+    whole = disk.series(0.0).state
+    assert said_of_end(whole, 0) == "0 messages (0.0 MB) are in a"
+    for state, lost, said in (
+        (whole, 7, "is ended, and lacks 7 messages; 0 messages"),
+        (disk.series(0.0, fault="the disk hangs").state, 0, "lacks 0 messages: the disk hangs;"),
+    ):
+        with pytest.raises(RecordingError, match=said):
+            said_of_end(state, lost)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import random
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -176,6 +177,22 @@ def test_a_full_disk_costs_messages_and_the_series_goes_on_with_room(
     blocked.add()
     state = blocked.series.close()
     assert (state.messages, dict(state.lost)) == (1, {TOPIC.name: 3})
+
+
+def test_a_disk_that_hangs_at_the_end_is_waited_for_no_longer_than_is_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers = threading.Event()
+    # The edge of the hardware: a disk that does not say that it has the data.
+    monkeypatch.setattr("os.fdatasync", lambda _: answers.wait(20.0))
+    rig = Rig(tmp_path)
+    rig.add()
+    state = rig.series.close(0.05)
+    assert not answers.is_set()
+    assert state.fault.endswith("a.mcap has no end yet: the disk has not taken it for 0.05 s")
+    answers.set()
+    until(lambda: rig.series.settled, 10.0)
+    assert rig.numbers() == {"a.mcap": [1]}
 
 
 def test_a_disk_that_stays_full_gets_no_more_files(
