@@ -17,6 +17,8 @@ from hub.robots.xml_text import XmlElement, xml_root
 
 Points = npt.NDArray[np.float64]
 """Places in the frame of the mesh, in its own unit, shape (n, 3)."""
+FetchedFiles = Mapping[str, bytes | str]
+"""Files of a robot: content, or why there is none, by the names in its URDF."""
 
 _MOST_BYTES: Final = 50_000_000
 _MOST_TEXT_BYTES: Final = 20_000_000
@@ -78,16 +80,43 @@ def mesh_points(path: Path) -> Points:
     Raises:
         ValueError: It cannot be read; the text says why.
     """
-    kind = path.suffix.lower()
+    try:
+        raw = read_regular(path, _MOST_BYTES)
+    except OSError as fault:
+        reason = f"it cannot be read: {fault.strerror}"
+        raise ValueError(reason) from fault
+    return _points_in(path.name, raw)
+
+
+def mesh_in(files: FetchedFiles, name: str) -> Points:
+    """The points of a file of a robot; of one on this machine where the robot gives none.
+
+    Raises:
+        ValueError: It cannot be read; the text says why.
+    """
+    found = files.get(name, "it is not fetched")
+    if isinstance(found, bytes):
+        return _points_in(name, found)
+    try:
+        return mesh_points(mesh_file(name, None))
+    except ValueError as fault:
+        reason = f"{fault}; the robot does not give it: {found}"
+        raise ValueError(reason) from fault
+
+
+def _points_in(name: str, raw: bytes) -> Points:
+    """The points in the content of a file.
+
+    Raises:
+        ValueError: It cannot be read; the text says why.
+    """
+    kind = PurePosixPath(name).suffix.lower()
     reader = _READERS.get(kind)
     if reader is None:
         reason = f"files {kind[:20] or 'without a suffix'} are not read, but .stl, .obj and .dae"
         raise ValueError(reason)
     try:
-        points = reader(read_regular(path, _MOST_BYTES))
-    except OSError as fault:
-        reason = f"it cannot be read: {fault.strerror}"
-        raise ValueError(reason) from fault
+        points = reader(raw)
     except (IndexError, TypeError, np.linalg.LinAlgError) as fault:
         reason = "its numbers make no sense"
         raise ValueError(reason) from fault

@@ -7,6 +7,7 @@ above; where a link has none that can be read, around its visual ones. Poses cou
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Container, Mapping
 from pathlib import Path
 
@@ -18,7 +19,8 @@ from hub.gcm.body import BodyFrame
 from hub.gcm.orientation import angles
 from hub.gcm.standard import BASE_LINK
 from hub.plain_text import is_plain
-from hub.robots.urdf_outline import Matrix, origin_of, outline_of
+from hub.robots.meshes import FetchedFiles, mesh_file, mesh_in, mesh_points
+from hub.robots.urdf_outline import Matrix, ReadMesh, mesh_names, origin_of, outline_of
 from hub.robots.xml_text import XmlElement, xml_root
 from hub.values import dataclass
 
@@ -57,11 +59,16 @@ def read_urdf(path: Path) -> UrdfModel:
     except (OSError, ValueError) as fault:
         reason = f"cannot be read: {fault.strerror}" if isinstance(fault, OSError) else str(fault)
         raise RobotFileError(str(path), [reason]) from fault
-    return _model_in(raw, str(path), path)
+    return _model_in(raw, str(path), lambda name: mesh_points(mesh_file(name, path)))
 
 
-def urdf_model(text: str, name: str) -> UrdfModel:
-    """The model in the text of a file; errors name it by `name`.
+def urdf_model(text: str, name: str, files: FetchedFiles) -> UrdfModel:
+    """The model in the text of a robot.
+
+    Args:
+        text: Its URDF.
+        name: Names it in errors.
+        files: The files of its meshes.
 
     Raises:
         RobotFileError: It is no URDF.
@@ -69,12 +76,21 @@ def urdf_model(text: str, name: str) -> UrdfModel:
     raw = text.encode(errors="replace")
     if len(raw) > _MOST_BYTES:
         raise RobotFileError(name, [f"has {len(raw)} bytes, more than {_MOST_BYTES}"])
-    return _model_in(raw, name, None)
+    return _model_in(raw, name, functools.partial(mesh_in, files))
 
 
-def _model_in(raw: bytes, name: str, beside: Path | None) -> UrdfModel:
+def meshes_named(text: str) -> tuple[str, ...]:
+    """The files of meshes that the outline of a URDF needs, each once; none: it is no URDF."""
     try:
-        return _model(_parsed(raw), beside)
+        root = _parsed(text.encode(errors="replace")[:_MOST_BYTES])
+    except ValueError:
+        return ()
+    return tuple(dict.fromkeys(mesh_names(root.iterfind("link"))))
+
+
+def _model_in(raw: bytes, name: str, mesh: ReadMesh) -> UrdfModel:
+    try:
+        return _model(_parsed(raw), mesh)
     except ValueError as error:
         raise RobotFileError(name, [str(error)]) from error
 
@@ -87,7 +103,7 @@ def _parsed(raw: bytes) -> XmlElement:
     return root
 
 
-def _model(root: XmlElement, beside: Path | None) -> UrdfModel:
+def _model(root: XmlElement, mesh: ReadMesh) -> UrdfModel:
     links: dict[str, XmlElement] = {}
     for link in root.iterfind("link"):
         name = _name(link)
@@ -114,7 +130,7 @@ def _model(root: XmlElement, beside: Path | None) -> UrdfModel:
         for name, pose in placed.items()
         if name not in {base, BASE_LINK} and len(name) <= 64 and is_plain(name)
     }
-    outline = outline_of(links, placed, beside)
+    outline = outline_of(links, placed, mesh)
     return UrdfModel(
         frames=frames, footprint=outline.corners, fault=outline.fault, reach=outline.reach
     )

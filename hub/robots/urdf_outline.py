@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Final
 
 import numpy as np
@@ -14,12 +13,16 @@ from hub.gcm.body import MOST_CORNERS
 from hub.gcm.orientation import rotation
 from hub.plain_text import plain
 from hub.robots.footprint import footprint_fault
-from hub.robots.meshes import mesh_file, mesh_points
+from hub.robots.meshes import Points
 from hub.robots.xml_text import XmlElement
 from hub.values import dataclass
 
 Matrix = npt.NDArray[np.float64]
 """A pose as a matrix, shape (4, 4)."""
+ReadMesh = Callable[[str], Points]
+"""Reads the points of the mesh of this name; raises ValueError with the reason why not."""
+_KINDS: Final = ("collision", "visual")
+"""Shapes of a link; the second are needed where it has none of the first."""
 
 _LONGEST_M: Final = 100.0
 _RIM: Final = math.tau * np.arange(MOST_CORNERS) / MOST_CORNERS
@@ -40,15 +43,25 @@ class UrdfOutline:
     reach: float
 
 
+def mesh_names(links: Iterable[XmlElement]) -> Iterator[str]:
+    """The files of meshes that the outline of links needs."""
+    for link in links:
+        for kind in _KINDS:
+            shapes = [*link.iterfind(f"{kind}/geometry/*")]
+            yield from (each.get("filename", "") for each in shapes if each.tag == "mesh")
+            if shapes:
+                break
+
+
 def outline_of(
-    links: Mapping[str, XmlElement], placed: Mapping[str, Matrix], beside: Path | None
+    links: Mapping[str, XmlElement], placed: Mapping[str, Matrix], mesh: ReadMesh
 ) -> UrdfOutline:
     """The outline of links.
 
     Args:
         links: By name.
         placed: The pose of each on the robot.
-        beside: The URDF file, for the names of meshes; None: it came from a robot.
+        mesh: Reads the points of a mesh.
 
     Raises:
         ValueError: A shape makes no sense.
@@ -57,13 +70,13 @@ def outline_of(
     left_out, reaches = [], 0.0
     for name, link in links.items():
         faults: list[str] = []
-        for kind in ("collision", "visual"):
+        for kind in _KINDS:
             shapes = [
                 (shape, placed[name] @ origin_of(body))
                 for body in link.iterfind(kind)
                 for shape in body.iterfind("geometry/*")
             ]
-            unread = [fault for each in shapes if (fault := _add(*each, beside, reach))]
+            unread = [fault for each in shapes if (fault := _add(*each, mesh, reach))]
             faults += unread
             if shapes and not unread:
                 faults.clear()
@@ -85,10 +98,10 @@ def outline_of(
     return UrdfOutline(corners=corners, fault=fault, reach=reaches)
 
 
-def _add(shape: XmlElement, pose: Matrix, beside: Path | None, reach: Matrix) -> str:
+def _add(shape: XmlElement, pose: Matrix, mesh: ReadMesh, reach: Matrix) -> str:
     """Widen an outline by a shape at a pose; returns why that cannot be done, in words."""
     try:
-        points = _seen_from_above(shape, pose, beside)
+        points = _seen_from_above(shape, pose, mesh)
     except _UnreadError as fault:
         return str(fault)
     for begin in range(0, len(points), _AT_ONCE):
@@ -133,11 +146,11 @@ def origin_of(element: XmlElement) -> Matrix:
     return pose
 
 
-def _seen_from_above(shape: XmlElement, pose: Matrix, beside: Path | None) -> Matrix:
+def _seen_from_above(shape: XmlElement, pose: Matrix, mesh: ReadMesh) -> Matrix:
     """Points whose hull encloses a shape at a pose, seen from above [m], shape (n, 2)."""
     turn = np.eye(3) if shape.tag == "sphere" else pose[:3, :3]
     if shape.tag == "mesh":
-        points = _mesh(shape, beside)
+        points = _mesh(shape, mesh)
     elif shape.tag == "capsule":
         length = _numbers(shape, "length", "", 1, 0.0)[0]
         ends = np.array([(0.0, 0.0, -length / 2), (0.0, 0.0, length / 2)]) @ turn.T
@@ -150,11 +163,11 @@ def _seen_from_above(shape: XmlElement, pose: Matrix, beside: Path | None) -> Ma
     return np.asarray((points @ turn.T + pose[:3, 3])[:, :2])
 
 
-def _mesh(shape: XmlElement, beside: Path | None) -> Matrix:
+def _mesh(shape: XmlElement, mesh: ReadMesh) -> Matrix:
     """The points of a mesh [m], shape (n, 3)."""
     name, scale = shape.get("filename", ""), _numbers(shape, "scale", "1 1 1", 3)
     try:
-        points = mesh_points(mesh_file(name, beside)) * scale
+        points = mesh(name) * scale
         farthest = np.abs(points).max()
     except ValueError as fault:
         reason = f"{plain(name)[:120]}: {fault}"

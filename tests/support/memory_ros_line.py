@@ -19,6 +19,7 @@ from hub.robots.ros.line import (
     RosMessage,
     RosService,
     RosTopic,
+    TakeAnswer,
     TakeParameters,
 )
 from hub.values import dataclass
@@ -41,6 +42,8 @@ class MemoryLine:
     reconnects: list[str] = field(default_factory=list)
     encodings: str = "cdr"
     full: bool = False
+    files: dict[str, bytes] = field(default_factory=dict)
+    fetched: list[str] = field(default_factory=list)
 
     @property
     def graph(self) -> RosGraph:
@@ -113,6 +116,11 @@ class MemoryLine:
         self, _names: tuple[str, ...], answered: TakeParameters, _timeout: float
     ) -> None:
         answered({})
+
+    def fetch(self, name: str, answered: TakeAnswer, _timeout: float) -> None:
+        self.fetched.append(name)
+        found = self.files.get(name)
+        answered(found, "" if found is not None else "there is no such file")
 
     def reconnect(self, why: str) -> None:
         self.reconnects.append(why)

@@ -16,7 +16,7 @@ from hub.values import dataclass
 
 Payload = bytes | memoryview
 TakeAnswer = Callable[[Payload | None, str], None]
-"""Takes the answer of a service and ""; or None and the reason why there is none."""
+"""Takes the answer of a service, or a file, and ""; or None and the reason why there is none."""
 TakeParameters = Callable[[Mapping[str, object]], None]
 """Takes the parameters that there are, perhaps none."""
 
@@ -196,6 +196,15 @@ class RosLine(Protocol):
         Args:
             names: Their names; none: all.
             answered: Takes their values.
+            timeout: Longest time until then [s].
+        """
+
+    def fetch(self, name: str, answered: TakeAnswer, timeout: float) -> None:
+        """Read a file of the robot that its description names, such as "package://base/hull.stl".
+
+        Args:
+            name: As the description writes it.
+            answered: Takes its content.
             timeout: Longest time until then [s].
         """
 

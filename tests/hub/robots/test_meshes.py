@@ -108,13 +108,13 @@ def test_a_package_is_found_above_the_file_and_in_the_folders_of_ros(
     (package / "meshes" / "p.stl").write_bytes(binary_stl(CORNERS))
     text = robot("package://carrier/meshes/p.stl")
     assert read(package / "meshes", text).fault == ""
-    assert "'carrier' is not on this machine" in urdf_model(text, "robot_description").fault
+    assert "'carrier' is not on this machine" in urdf_model(text, "robot_description", {}).fault
     monkeypatch.setenv("AMENT_PREFIX_PATH", f"/nowhere:{tmp_path}")
-    assert urdf_model(text, "robot_description").fault == ""
+    assert urdf_model(text, "robot_description", {}).fault == ""
     for escaping in ("carrier/../../etc/p.stl", "../p.stl", "/etc/p.stl"):
-        model = urdf_model(robot(f"package://{escaping}"), "robot_description")
+        model = urdf_model(robot(f"package://{escaping}"), "robot_description", {})
         assert "no file of a package" in model.fault, escaping
-    assert "on the robot" in urdf_model(robot("file:///etc/p.stl"), "robot_description").fault
+    assert "on the robot" in urdf_model(robot("file:///etc/p.stl"), "robot_description", {}).fault
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from typing import Final
 
 from hub.errors import RosMessageError
 from hub.plain_text import is_plain
+from hub.robots.meshes import FetchedFiles
 from hub.robots.ros.address import RosAddress
 from hub.robots.ros.line import RosGraph, RosTopic
 from hub.robots.ros_table import ros_name
@@ -54,6 +55,7 @@ class RosFindings:
         parameters: Its parameters by name.
         takes: Whether it takes messages of others.
         notes: Sentences of the bridge.
+        files: The files that its URDF names.
         refusals: Why the bridge does not serve a topic that was tried, by its name.
         namespace: Only what is below this name counts; empty: all does.
         others: What is below these namespaces does not count: they are other robots.
@@ -66,6 +68,7 @@ class RosFindings:
     parameters: Mapping[str, object]
     takes: bool = True
     notes: tuple[str, ...] = ()
+    files: FetchedFiles = field(default_factory=dict)
     refusals: Mapping[str, str] = field(default_factory=dict)
     namespace: str = ""
     others: tuple[str, ...] = ()

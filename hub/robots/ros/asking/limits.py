@@ -93,7 +93,7 @@ def model(found: RosFindings) -> tuple[UrdfModel | None, str]:
     if not text:
         return None, ""
     try:
-        made = urdf_model(text, "robot_description")
+        made = urdf_model(text, "robot_description", found.files)
         return made, made.fault
     except RobotFileError as fault:
         return None, str(fault)

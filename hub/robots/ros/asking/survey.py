@@ -7,7 +7,8 @@
 | looking | after 0.7 s, since lines learn of nodes one by one | parameters are asked for |
 | looking | the graph changes | topics of possible parts are subscribed to |
 | looking | a message of a slow or large topic | that topic is left |
-| looking | all parts were seen, and the parameters; or the time is over | the end |
+| looking | the robot's URDF names meshes | they are fetched, one after the other |
+| looking | all parts and meshes were seen, and the parameters; or the time is over | the end |
 
 Nothing is sent that moves the robot. The topic of velocities is advertised, to learn whether the
 bridge takes messages, and given up again.
@@ -16,20 +17,24 @@ bridge takes messages, and given up again.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import time
 from collections.abc import Mapping, Sequence
 from typing import Final
 
 from hub.errors import RosSilentError
+from hub.plain_text import is_plain
 from hub.robots.refusals import REFUSED_S
 from hub.robots.ros.address import RosAddress
 from hub.robots.ros.asking.findings import HeardTopic, RosFindings
+from hub.robots.ros.asking.limits import description
 from hub.robots.ros.asking.parts import TRANSFORMS, parts_of
 from hub.robots.ros.asking.robots import namespaces_of
-from hub.robots.ros.line import RosLine, RosMessage
+from hub.robots.ros.line import Payload, RosLine, RosMessage
 from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.topic_reader import TopicReader
+from hub.robots.urdf import meshes_named
 from hub.ros.frame_tree import FrameTree
 from hub.ros.values import RosValue
 
@@ -47,6 +52,12 @@ _PAUSE_S: Final = 0.01
 _MOST_TOPICS: Final = 64
 _MOST_BYTES: Final = 1 << 25
 """Longest message that is read [bytes]: a picture, a map, a description of the robot."""
+_FILE_S: Final = 10.0
+"""Longest wait for a file [s]."""
+_MOST_FILES: Final = 64
+_MOST_FILE_BYTES: Final = 1 << 27
+"""Size of fetched files after which no more are asked for [bytes]; the last may exceed it."""
+_LONGEST_NAME: Final = 500
 _MOST_CAMERAS: Final = 8
 _MOST_TREES: Final = 8
 _MOST_ODOMETRIES: Final = 4
@@ -80,6 +91,9 @@ class RosSurvey:
         self._values: dict[str, RosValue] = {}
         self._ages: dict[str, float] = {}
         self._parameters: Mapping[str, object] | None = None
+        self._files: dict[str, bytes | str] = {}
+        self._fetching = self._described = ""
+        self._meshes: tuple[str, ...] = ()
         self._asked = self._takes = False
         self._command = ""
         self.begun = math.inf
@@ -94,6 +108,7 @@ class RosSurvey:
             heard={name: self._heard(name, arrived) for name, arrived in self._read.items()},
             frames=self._frames,
             parameters=self._parameters or {},
+            files=self._files,
             takes=self._takes,
             notes=self._line.state.notes,
             refusals=dict(self._line.state.refusals),
@@ -129,7 +144,10 @@ class RosSurvey:
         waits = any(name not in explained for name in quiet)
         least = _LEAST_S if self._line.graph.whole else _NODES_S
         seen = bool(self._line.graph.topics) and self._parameters is not None
-        return now - self.begun >= least and seen and not waits
+        if now - self.begun < least or not seen or waits:
+            return False
+        self._fetch()
+        return not self._fetching
 
     def _learn(self, parameters: Mapping[str, object]) -> None:
         self._parameters = parameters
@@ -160,6 +178,34 @@ class RosSurvey:
             if name and name not in self._read and len(self._read) < _MOST_TOPICS:
                 self._read[name] = []
                 self._reader.read(name, self._take, each=True, most=_MOST_BYTES)
+
+        self._fetch()
+
+    def _fetch(self) -> None:
+        """Ask for the next mesh of the robot's URDF, if none is under way."""
+        if self._fetching:
+            return
+        text = description(self.findings)
+        if text != self._described:
+            self._described, self._meshes = text, meshes_named(text)
+        for name in self._meshes:
+            if self._fetching:  # else the line refused the one before at once
+                return
+            if name in self._files:
+                continue
+            size = sum(map(len, self._files.values()))
+            if len(self._files) >= _MOST_FILES or size > _MOST_FILE_BYTES:
+                self._files[name] = f"it has too many, or too large ones ({size} bytes before it)"
+            elif len(name) > _LONGEST_NAME or not is_plain(name):
+                self._files[name] = "its name is too long, or no text"
+            else:
+                self._fetching = name
+                self._line.fetch(name, functools.partial(self._keep, name), _FILE_S)
+
+    def _keep(self, name: str, content: Payload | None, why: str) -> None:
+        """Keep a file, or the reason why there is none."""
+        self._fetching = ""
+        self._files[name] = why if content is None else bytes(content)
 
     def _take(self, value: RosValue, message: RosMessage) -> None:
         name, kind = message.topic.name, message.topic.schema_name

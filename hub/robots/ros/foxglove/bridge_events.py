@@ -141,12 +141,12 @@ class BridgeData:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ServiceAnswer:
-    """The answer of a service.
+class BridgeAnswer:
+    """The answer of a service, or a file that was asked for.
 
     Attributes:
         call: The number of the request.
-        payload: The answer; None: there is none.
+        payload: The answer, or the content of the file; None: there is none.
         why: The reason why there is none.
     """
 
@@ -166,5 +166,5 @@ BridgeEvent = (
     | BridgeParameters
     | BridgeGraph
     | BridgeData
-    | ServiceAnswer
+    | BridgeAnswer
 )

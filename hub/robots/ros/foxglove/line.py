@@ -157,6 +157,17 @@ class FoxgloveLine:
         self._questions.add(name, lambda values, _: answered(values or {}), self._now + timeout)
         self._say(wire.get_parameters(names, name))
 
+    def fetch(self, name: str, answered: TakeAnswer, timeout: float) -> None:
+        """Read a file of the robot."""
+        if not self._can(wire.FILES):
+            answered(None, "its bridge gives no files (capability assets)")
+        elif self._calls.full:
+            answered(None, "too many questions wait for their answers")
+        else:
+            number = next(self._numbers)
+            self._calls.add(number, answered, self._now + timeout)
+            self._say(wire.fetch_file(name, number))
+
     def reconnect(self, why: str) -> None:
         """Drop the connection with all that waits in it, and make a new one at once."""
         self._connection.lose(why, at_once=True)
@@ -214,7 +225,7 @@ class FoxgloveLine:
         match event:
             case events.BridgeInfo():
                 self._greet(event)
-            case events.ServiceAnswer():
+            case events.BridgeAnswer():
                 self._calls.end(event.call, event.payload, event.why)
             case events.BridgeParameters():
                 self._questions.end(event.question, event.values)
@@ -299,5 +310,6 @@ class FoxgloveLine:
         self._statuses.clear()
         self._refusals.clear()
         self._called.clear()
-        self._calls.fail("the line was lost")
-        self._questions.fail("the line was lost")
+        why = ": ".join(filter(None, ("the line was lost", self._connection.why)))
+        self._calls.fail(why)
+        self._questions.fail(why)

@@ -7,6 +7,7 @@ what they are:
 | --- | --- | --- |
 | client | 1 data | u32 subscription, u64 time [ns], payload |
 | client | 3 answer of a service | u32 service, u32 call, u32 length, encoding, payload |
+| client | 4 file | u32 request, u8 fault or 0, u32 length, reason of the fault, file |
 | bridge | 1 data | u32 channel, payload |
 | bridge | 2 request of a service | u32 service, u32 call, u32 length, encoding, payload |
 
@@ -23,6 +24,7 @@ from typing import Any, Final, TypeGuard
 from hub.errors import RosMessageError
 from hub.plain_text import is_plain, plain
 from hub.robots.ros.foxglove.bridge_events import (
+    BridgeAnswer,
     BridgeChannels,
     BridgeData,
     BridgeEvent,
@@ -34,7 +36,6 @@ from hub.robots.ros.foxglove.bridge_events import (
     GoneChannels,
     GoneServices,
     GoneStatuses,
-    ServiceAnswer,
 )
 from hub.robots.ros.line import Payload, RosService, RosTopic
 from hub.ros.panel_door_name import is_panel_door
@@ -47,6 +48,7 @@ PUBLISHING: Final = "clientPublish"
 GRAPH: Final = "connectionGraph"
 SIMULATED_TIME: Final = "time"
 PARAMETERS: Final = "parameters"
+FILES: Final = "assets"
 """Capabilities of bridges."""
 ENCODINGS: Final = ("cdr", "ros1")
 """Encodings of messages that a line sends, the preferred first."""
@@ -66,9 +68,12 @@ _MOST_NODES: Final = 100
 _DATA = struct.Struct("<BIQ")
 _OWN_DATA = struct.Struct("<BI")
 _SERVICE = struct.Struct("<BIII")
+_FILE = struct.Struct("<BIBI")
 _DATA_OP: Final = 1
 _REQUEST_OP: Final = 2
 _ANSWER_OP: Final = 3
+_FILE_OP: Final = 4
+_NO_REASON: Final = "the robot gives no reason"
 
 Refuse = Callable[[str], None]
 
@@ -89,8 +94,15 @@ def read_binary(data: Payload) -> BridgeEvent | None:
     if op == _ANSWER_OP and len(view) >= _SERVICE.size:
         _, _, call, length = _SERVICE.unpack_from(view)
         if length <= len(view) - _SERVICE.size:
-            return ServiceAnswer(call=call, payload=view[_SERVICE.size + length :].toreadonly())
-    if op in (0, _DATA_OP, _ANSWER_OP):
+            return BridgeAnswer(call=call, payload=view[_SERVICE.size + length :].toreadonly())
+    if op == _FILE_OP and len(view) >= _FILE.size:
+        _, call, fault, length = _FILE.unpack_from(view)
+        begin = _FILE.size + length
+        if not fault and begin <= len(view):
+            return BridgeAnswer(call=call, payload=view[begin:].toreadonly())
+        why = _cut(bytes(view[_FILE.size : begin]).decode(errors="replace"))
+        return BridgeAnswer(call=call, payload=None, why=why or _NO_REASON)
+    if op in (0, _DATA_OP, _ANSWER_OP, _FILE_OP):
         text = f"a binary message of {len(view)} bytes is too short for its kind, {op}"
         raise RosMessageError(text)
     return None
@@ -228,13 +240,13 @@ def _graph(values: dict[str, Any], refuse: Refuse) -> BridgeGraph:
     )
 
 
-def _service_failure(values: dict[str, Any], _: Refuse) -> ServiceAnswer:
+def _service_failure(values: dict[str, Any], _: Refuse) -> BridgeAnswer:
     call = _id(values.get("callId"), 32)
     if call is None:
         text = "the failure of a service has no number"
         raise RosMessageError(text)
-    why = _cut(values.get("message")) or "the robot gives no reason"
-    return ServiceAnswer(call=call, payload=None, why=why)
+    why = _cut(values.get("message")) or _NO_REASON
+    return BridgeAnswer(call=call, payload=None, why=why)
 
 
 _READERS: Final[Mapping[str, Callable[[dict[str, Any], Refuse], BridgeEvent]]] = {
@@ -325,6 +337,11 @@ def unadvertise(number: int) -> bytes:
 def get_parameters(names: tuple[str, ...], question: str) -> bytes:
     """Ask for parameters; no names: for all."""
     return _text("getParameters", parameterNames=names, id=question)
+
+
+def fetch_file(name: str, question: int) -> bytes:
+    """Ask for a file by its name, such as "package://base/hull.stl"."""
+    return _text("fetchAsset", uri=name, requestId=question)
 
 
 def subscribe_graph() -> bytes:

@@ -162,6 +162,10 @@ class ZenohLine:
         """Read parameters, such as "/diff_drive_controller.cmd_vel_timeout"; no names: all."""
         ParameterQuestion(self, answered, timeout).ask(names)
 
+    def fetch(self, _name: str, answered: TakeAnswer, _timeout: float) -> None:
+        """Nodes of ROS give no files."""
+        answered(None, "nodes of ROS give no files; a bridge for Foxglove does")
+
     def reconnect(self, why: str) -> None:
         """Drop the session with all that waits in it, and open a new one at once."""
         self._link.leave(why, self._clock())

@@ -82,3 +82,54 @@ def test_what_the_bridge_does_not_serve_is_found_and_not_waited_for() -> None:
     assert survey.advance(3.1)
     assert survey.findings.of("/odom").fault == "no type"
     assert survey.findings.refusals["/cmd_vel"] == "none"
+
+
+class Described(SlowLine):
+    """Its robot has a description."""
+
+    text = ""
+
+    def ask_parameters(
+        self, _names: tuple[str, ...], answered: TakeParameters, _timeout: float
+    ) -> None:
+        answered({"/state.robot_description": f"<robot>{self.text}</robot>"})
+
+
+def looked_at(line: Described, text: str) -> RosSurvey:
+    """A look that has seen all but what is fetched at its end."""
+    line.text = text
+    line.topic("/cmd_vel", "geometry_msgs/msg/Twist")
+    survey = RosSurvey(line, ros_address(ADDRESS))
+    for now in (0.0, 1.0, 3.0):
+        survey.advance(now)
+    return survey
+
+
+def test_meshes_are_fetched_that_the_outline_needs() -> None:
+    def link(name: str, *kinds: str) -> str:
+        shapes = "".join(
+            f'<{kind}><geometry><mesh filename="package://r/{name}-{kind}.stl"/></geometry></{kind}>'
+            for kind in kinds
+        )
+        return f'<link name="{name}">{shapes}</link>'
+
+    line = Described(whole=True, files={"package://r/a-collision.stl": b"solid"})
+    survey = looked_at(line, link("a", "collision", "visual") + link("b", "visual"))
+    assert line.fetched == ["package://r/a-collision.stl", "package://r/b-visual.stl"]
+    assert survey.findings.files == {
+        "package://r/a-collision.stl": b"solid",
+        "package://r/b-visual.stl": "there is no such file",
+    }
+    assert survey.advance(3.1)
+
+
+def test_a_description_with_very_many_meshes_is_not_fetched_whole() -> None:
+    shapes = "".join(
+        f'<collision><geometry><mesh filename="package://r/{each}.stl"/></geometry></collision>'
+        for each in range(200)
+    )
+    line = Described(whole=True)
+    survey = looked_at(line, f'<link name="a">{shapes}</link>')
+    assert len(line.fetched) == 64
+    assert survey.advance(3.1)
+    assert "too many" in str(survey.findings.files["package://r/199.stl"])

@@ -27,6 +27,7 @@ class SdkBridge(ServerListener):
 
     def __init__(self, capabilities=ALL, port=0, encodings=("cdr", "json"), **options):
         self.subscribed, self.advertised, self.received = [], [], []
+        self.parameters = {"/base.cmd_vel_timeout": 0.5, "/base.whole": 2.0, "/base.name": "diff"}
         self.context = Context()
         self.server = foxglove.start_server(
             name="robot",
@@ -64,9 +65,8 @@ class SdkBridge(ServerListener):
         self.received.append(data)
 
     def on_get_parameters(self, client, param_names, request_id=None):
-        known = {"/base.cmd_vel_timeout": 0.5, "/base.whole": 2.0, "/base.name": "diff"}
         return [
             Parameter(name, value=value)
-            for name, value in known.items()
+            for name, value in self.parameters.items()
             if not param_names or name in param_names
         ]

@@ -1,5 +1,6 @@
 """The line to a bridge that Foxglove's own server is."""
 
+import contextlib
 import math
 import time
 from pathlib import Path
@@ -10,10 +11,18 @@ from foxglove.websocket import Capability, StatusLevel
 
 from hub.ipc.transport.loop import Loop
 from hub.robots.ros.address import ros_address
+from hub.robots.ros.asking.proposal import RosProposal
+from hub.robots.ros.asking.survey import look_at
+from hub.robots.ros.line_loop import LineLoop
 from hub.robots.ros.opening import line_to
 from tests.hub.robots.ros.foxglove.sdk_bridge import ALL, STRING, TWIST, SdkBridge
 from tests.support.waiting import until
 
+PLOUGHER = """<robot name="p">
+<link name="base_link"><collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
+<link name="plough"><collision><geometry><mesh filename="package://r/plough.stl"/></geometry>
+</collision></link><joint name="j" type="fixed"><parent link="base_link"/><child link="plough"/>
+<origin xyz="0.5 0 0"/></joint></robot>"""
 TEXT = b"\0\1\0\0\x03\0\0\0hi\0"
 
 
@@ -136,6 +145,56 @@ def test_parameters_are_read_by_name_or_all(line):
     values = found.pop()
     assert values == {"/base.cmd_vel_timeout": 0.5, "/base.whole": 2.0, "/base.name": "diff"}
     assert isinstance(values["/base.whole"], float)
+
+
+def plough(name):
+    """A mesh from 0 to 0.3 m ahead of its link, 0.8 m wide."""
+    corners = [(x, y, z) for x in (0.0, 0.3) for y in (-0.4, 0.4) for z in (0.0, 0.2)]
+    lines = "".join(f"vertex {x} {y} {z}\n" for x, y, z in corners)
+    return f"solid\n{lines}".encode() if name == "package://r/plough.stl" else None
+
+
+@pytest.fixture
+def filed():
+    """A bridge that gives a file of the robot."""
+    bridge = SdkBridge(asset_handler=plough)
+    bridge.parameters["/state.robot_description"] = PLOUGHER
+    yield bridge
+    bridge.server.stop()
+
+
+def test_files_of_the_robot_are_fetched_and_refusals_have_reasons(filed, line):
+    answers = []
+
+    def note(content, why):
+        answers.append((None if content is None else bytes(content), why))
+
+    line.fetch("package://r/plough.stl", note, 5.0)
+    wait(line, lambda: line.state.up)
+    line.fetch("package://r/plough.stl", note, 5.0)
+    none = "its bridge gives no files (capability assets)"
+    assert answers == [(None, none), (None, none)]
+    other = line_to(ros_address(f"ws://127.0.0.1:{filed.port}"))
+    with contextlib.closing(other):
+        wait(other, lambda: other.state.up)
+        other.fetch("package://r/plough.stl", note, 5.0)
+        other.fetch("package://r/none.stl", note, 5.0)
+        wait(other, lambda: len(answers) == 4)
+    assert answers[2] == (plough("package://r/plough.stl"), "")
+    assert answers[3][0] is None
+    assert "not found" in answers[3][1]
+
+
+def test_meshes_of_the_robots_description_widen_its_outline(filed):
+    channel = filed.channel("/cmd_vel", TWIST)
+    address = ros_address(f"ws://127.0.0.1:{filed.port}")
+    with contextlib.closing(LineLoop(line_to(address))) as loop:
+        found = look_at(loop, address, 20.0)
+    channel.close()
+    model, fault = RosProposal(found).outline
+    assert fault == ""
+    assert max(x for x, _ in model.footprint) == pytest.approx(0.8, abs=0.03)
+    assert max(y for _, y in model.footprint) == pytest.approx(0.4, abs=0.03)
 
 
 def test_the_graph_names_the_nodes(bridge, line):

@@ -66,8 +66,22 @@ def test_a_message_keeps_its_bytes(subscription, time_ns, payload):
 def test_an_answer_is_laid_out_as_a_request(call, encoding, payload):
     request = wire.request(5, call, encoding, payload)
     event = wire.read_binary(b"\3" + request[1:])
-    assert isinstance(event, events.ServiceAnswer)
+    assert isinstance(event, events.BridgeAnswer)
     assert (event.call, bytes(event.payload)) == (call, payload)
+
+
+@given(call=U32, reason=st.text(max_size=20), content=st.binary(max_size=50))
+def test_a_file_comes_or_the_reason_why_not(call, reason, content):
+    said = reason.encode()
+    head = struct.pack("<BIBI", 4, call, 0, len(said)) + said
+    event = wire.read_binary(head + content)
+    assert (event.call, bytes(event.payload), event.why) == (call, content, "")
+    event = wire.read_binary(struct.pack("<BIBI", 4, call, 1, len(said)) + said)
+    assert (event.call, event.payload, bool(event.why)) == (call, None, True)
+    cut = wire.read_binary(struct.pack("<BIBI", 4, call, 0, 1000) + said)
+    assert cut.payload is None
+    with pytest.raises(RosMessageError):
+        wire.read_binary(head[:9])
 
 
 @given(number=st.integers(0, 2**63 - 1), topic=NAMES, package=NAMES, kind=NAMES)
