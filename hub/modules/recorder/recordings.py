@@ -201,10 +201,11 @@ class Recordings:
             facts |= {"ring": 1, "ring_s": min(ring.reaches, 1e9), "ring_mb": ring.bytes / 1e6}
         path = str(series[-1].path) if series else ""
         free = free_room(_existing(self._folder.path))
+        room = free - self._settings.least_free
         return RecordState(
             path=path[:1000],
             free_mb=free / 1e6,
-            left_s=self._left(free),
+            left_s=self._rate.time_for(room) if self._running is not None else math.nan,
             marks=marks,
             mark=mark,
             lost=min(lost.total(), 0xFFFF_FFFF),
@@ -303,7 +304,7 @@ class Recordings:
             raise RecordingError(text)
         bus.take_now()
         self._lost.clear()
-        bus.count_anew()
+        bus.reset_losses()
         bus.series.append(series)
         self._running = _RunningRecording(series, by, begun, time.monotonic())
 
@@ -361,13 +362,6 @@ class Recordings:
     def _bytes(self) -> int:
         return sum(each.state.bytes for each in self._all())
 
-    def _left(self, free: int) -> float:
-        """Time until the disk is too full [s]; NaN: it will not be, or it is not known."""
-        room = free - self._settings.least_free
-        if self._running is None or not self._rate.bytes_per_s:
-            return math.nan
-        return min(max(0.0, room / self._rate.bytes_per_s), 1e9)
-
 
 def _existing(folder: Path) -> Path:
     """A folder, or the nearest above it that is there."""
@@ -403,3 +397,7 @@ class _GrowthRate:
             share = min(1.0, (now - self._at) / 30.0) if self.bytes_per_s else 1.0
             self.bytes_per_s += share * (present - self.bytes_per_s)
             self._at, self._bytes = now, size
+
+    def time_for(self, room: int) -> float:
+        """Time in which files fill these bytes [s]; NaN: they do not grow, or it is not known."""
+        return min(max(0.0, room / self.bytes_per_s), 1e9) if self.bytes_per_s else math.nan

@@ -88,7 +88,7 @@ class BusRecorder:
         return len(self._tap.names)
 
     def lost(self, *ended: RecordingSeries) -> Counter[str]:
-        """Number of messages that are in no file since `count_anew`, by topic, largest of all.
+        """Number of messages that are in no file since `reset_losses`, by topic, largest of all.
 
         Args:
             ended: Series that are none of `series` any more, and count too.
@@ -98,7 +98,7 @@ class BusRecorder:
             lost |= Counter(each.state.lost) - self._before.get(each, Counter())
         return lost + (self._unheard() - self._before.get(None, Counter()))
 
-    def count_anew(self) -> None:
+    def reset_losses(self) -> None:
         """Count losses from now on."""
         self._before = {each: Counter(each.state.lost) for each in self.series}
         self._before[None] = self._unheard()
