@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
 import time
@@ -16,10 +17,12 @@ from PIL import Image as PillowImage
 
 from hub.errors import HandlerFailedError
 from hub.gcm import navigation, rle, vision
+from hub.gcm.diagnostics import DIAGNOSTICS
+from hub.gcm.geometry import TwistStamped
 from hub.gcm.supervision import MODULE_INFO
 from hub.gcm.vehicle import VEHICLE_COMMAND, VehicleCommand, VehicleOrder
 from hub.sim.arena import SHIPPED
-from tests.hub.robots.videos import make_video
+from tests.hub.robots.videos import CameraServer, make_video
 from tests.support.waiting import until
 from tests.system.harness import HubProcess, Observer
 
@@ -156,3 +159,63 @@ def test_pictures_say_when_and_where_they_were_taken(hub: HubProcess, stack: Exi
     assert camera.mount_height > 0.1
     narrow = ask(observer, width_px=20, height_px=100).camera
     assert narrow.horizontal_fov < camera.horizontal_fov / 3
+
+
+class NoisyScene:
+    """What a camera sees of a room as the robot turns, behind a coder that adds noise.
+
+    Attributes:
+        turn: Where the robot looked when the picture was taken [rad].
+    """
+
+    def __init__(self) -> None:
+        self.turn = 0.0
+        self._random = np.random.default_rng(3)
+        blocks = self._random.integers(0, 255, (12, 80, 3))
+        self._room = np.kron(blocks, np.ones((8, 8, 1)))
+
+    def draw(self) -> np.ndarray:
+        begin = round(100.0 * self.turn) % 640
+        seen = np.roll(self._room, -begin, axis=1)[:, :128]
+        return np.clip(seen + self._random.normal(0.0, 2.0, seen.shape), 0, 255).astype(np.uint8)
+
+
+def test_a_frozen_camera_behind_a_noisy_coder_is_an_alarm_once_the_robot_has_moved(
+    start_hub: StartHub, stack: ExitStack
+) -> None:
+    pytest.importorskip("av", reason="PyAV is not installed")
+    scene = NoisyScene()
+    server = stack.enter_context(closing(CameraServer(scene.draw)))
+    hub = start_hub(tables=f'[camera]\nsource = "{server.address}"\nfov_deg = 60.0\nheight = 0.5')
+    seen = (navigation.GROUND_TRUTH, navigation.ROBOT_STATE)
+    observer = stack.enter_context(closing(Observer(hub.endpoint, *seen)))
+    problems: list[str] = []
+    observer.client.subscribe(
+        DIAGNOSTICS, lambda value, _: problems.extend(each.message for each in value.status)
+    )
+    turned, before = 0.0, observer.truth.theta
+
+    def turns(radians: float) -> bool:
+        """Turn further; returns whether the robot has turned so far since the start."""
+        nonlocal turned, before
+        for speed in (0.0, 0.6):  # on a busy machine the robot may wait for neutral again
+            observer.client.publish(navigation.VELOCITY_COMMAND, TwistStamped.planar(0.0, speed))
+        with contextlib.suppress(HandlerFailedError):  # no picture has come yet
+            ask(observer)
+        now = observer.truth.theta
+        turned += math.remainder(now - before, math.tau)
+        before = now
+        return turned >= radians
+
+    def looks(radians: float) -> bool:
+        there = turns(radians)
+        scene.turn = turned
+        return there
+
+    observer.wait(lambda: looks(4.0), 60.0, hub.log.read_text())
+    assert not [each for each in problems if "camera" in each]
+    frozen = turned
+    observer.wait(lambda: turns(frozen + 10.0) or any("camera" in each for each in problems), 60.0)
+    assert "it is frozen" in next(each for each in problems if "camera" in each)
+    assert turned - frozen > 0.9, "before, the robot did not move far enough to know it"
+    observer.client.publish(navigation.VELOCITY_COMMAND, TwistStamped())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -19,7 +18,7 @@ from hub.robots.video_camera import VideoCamera
 from hub.robots.video_reader import VideoReader
 from hub.robots.video_source import video_source
 from hub.sim.spatial_pose import SpatialPose
-from tests.hub.robots.videos import frame_of, jpeg_of, make_video
+from tests.hub.robots.videos import CameraServer, frame_of, jpeg_of, make_video
 from tests.support.waiting import until
 
 pytest.importorskip("av", reason="PyAV is not installed: pip install 'robot-user-nexus[camera]'")
@@ -199,51 +198,6 @@ def test_without_pyav_requests_are_told_what_to_install(
     monkeypatch.setitem(sys.modules, "av", None)
     camera = open_camera("/dev/video0")
     until(lambda: r"pip install 'robot-user-nexus[camera]'" in trouble(camera), 10.0)
-
-
-class CameraServer:
-    """A network camera: pictures one after the other in an answer that does not end (MJPEG)."""
-
-    def __init__(self) -> None:
-        self.socket = socket.create_server(("127.0.0.1", 0))
-        self.address = f"http://user:pass@127.0.0.1:{self.socket.getsockname()[1]}/video"
-        self.picture = jpeg_of(frame_of(0))
-        self.sends = threading.Event()
-        self.sends.set()
-        self.stalls = threading.Event()
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._serve, name="camera-server")
-        self._thread.start()
-
-    def _serve(self) -> None:
-        self.socket.settimeout(0.05)
-        while not self._ended.is_set():
-            try:
-                connection, _ = self.socket.accept()
-            except TimeoutError:
-                continue
-            with connection:
-                if self.sends.is_set():
-                    self._answer(connection)
-
-    def _answer(self, connection: socket.socket) -> None:
-        connection.settimeout(5.0)
-        connection.recv(4096)
-        head = b"HTTP/1.0 200 OK\r\nContent-Type: multipart/x-mixed-replace;boundary=B\r\n\r\n"
-        part = b"--B\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n%s\r\n"
-        try:
-            connection.sendall(head)
-            while self.sends.is_set() and not self._ended.wait(0.02):
-                if self.stalls.is_set():
-                    continue
-                connection.sendall(part % (len(self.picture), self.picture))
-        except OSError:
-            return
-
-    def close(self) -> None:
-        self._ended.set()
-        self._thread.join()
-        self.socket.close()
 
 
 def test_a_stream_that_is_lost_is_told_and_comes_back_by_itself() -> None:
