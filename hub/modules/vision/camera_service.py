@@ -9,6 +9,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from typing import Final
 
+from hub.errors import CameraError
 from hub.gcm import vision
 from hub.gcm.body import BodyFrame
 from hub.gcm.camera_info import CameraInfo
@@ -29,8 +30,10 @@ _MOST_SIZES: Final = 4
 """Most sizes of pictures in which repeated ones are found: one for each console."""
 _SAME_S: Final = 5.0
 """Time of equal pictures after which they are reported [s]."""
+_NONE_S: Final = 5.0
+"""Time without pictures after which that is reported [s]: a stream needs some to begin."""
 _RECENT_S: Final = 3.0
-_LONGEST_NAME: Final = 64
+_LONGEST_NAME, _LONGEST_TEXT = 64, 1000
 
 
 class CameraService:
@@ -68,7 +71,8 @@ class CameraService:
         self._kept_size = (0, 0)
         self._due = 0.0
         self._travel, self._head = travel, HeadTravel()
-        self._newness, self._judged_at = Newness(measured=math.nan), -math.inf
+        self._newness, self._asked_at = Newness(measured=math.nan), -math.inf
+        self._fault, self._fault_since = "", math.inf
         self._watches: OrderedDict[tuple[int, ...], PictureWatch] = OrderedDict()
         self.camera = camera
 
@@ -122,7 +126,13 @@ class CameraService:
         """A new picture and the camera's state then; within the limit's time the last ones."""
         if self._kept is not None and most_per_s and now < self._due and self._kept_size == size:
             return self._kept
-        taken = self.camera.take(*size, now)
+        self._asked_at = now
+        try:
+            taken = self.camera.take(*size, now)
+        except CameraError as fault:
+            self._fault, self._fault_since = str(fault), min(self._fault_since, now)
+            raise
+        self._fault, self._fault_since = "", math.inf
         self._newness = self._judged(taken)
         taken = dataclasses.replace(taken, measured=self._newness.measured)
         state = dataclasses.replace(
@@ -139,11 +149,15 @@ class CameraService:
         return taken, state
 
     def problems(self) -> Iterator[DiagnosticStatus]:
-        """Whether its last picture was new, while pictures are taken."""
+        """Whether there are pictures, and new ones, while clients ask for them."""
         newness, now = self._newness, self._clock()
-        if now - self._judged_at > _RECENT_S:
+        if now - self._asked_at > _RECENT_S:
             return
-        if newness.repeated:
+        if now - self._fault_since >= _NONE_S:
+            level, text = Severity.ERROR, f"camera {self.name}: {self._fault}"[:_LONGEST_TEXT]
+        elif self._fault:
+            return  # a stream that begins
+        elif newness.repeated:
             level, age = Severity.ERROR, now - newness.measured
             text = f"camera {self.name} repeats a picture of {age:.0f} s ago: it is frozen"
         elif newness.same_s >= _SAME_S:
@@ -156,7 +170,6 @@ class CameraService:
 
     def _judged(self, taken: Picture) -> Newness:
         """Whether a picture is new, or an old one with a new stamp."""
-        self._judged_at = self._clock()
         if self._travel is None:
             return Newness(measured=taken.measured)
         self._head.moved(self.camera.camera_state(0.0))

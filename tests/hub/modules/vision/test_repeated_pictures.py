@@ -1,12 +1,14 @@
-"""A camera that repeats a picture with new stamps: its pictures get old, and it is said why."""
+"""A camera that repeats a picture with new stamps gets old, and one without pictures is an alarm."""
 
 from __future__ import annotations
 
+import contextlib
 from typing import Any
 
 import numpy as np
 import pytest
 
+from hub.errors import CameraError
 from hub.gcm import vision
 from hub.gcm.body import BodyFrame
 from hub.gcm.diagnostics import Severity
@@ -26,7 +28,7 @@ class FrozenCamera:
     """Gives the same pixels with new stamps."""
 
     def __init__(self) -> None:
-        self.pan = 0.0
+        self.pan, self.fault = 0.0, ""
 
     def advance(self, seconds: float) -> None:
         """It needs no time."""
@@ -35,6 +37,8 @@ class FrozenCamera:
         return camera_state(stamp=stamp, pan=self.pan)
 
     def take(self, width_px: int, height_px: int, now: float) -> Picture:
+        if self.fault:
+            raise CameraError(self.fault)
         assert (height_px, width_px) == FROZEN.shape[:2]
         return Picture(pixels=FROZEN.copy(), measured=now, horizontal_fov=0.8)
 
@@ -59,7 +63,8 @@ class Watched:
         for _ in range(round(10 * seconds)):
             self.now += 0.1
             self.travel.moved(robot_state(linear=linear), self.now)
-            _, measured = self.service.picture(ASKED)
+            with contextlib.suppress(CameraError):
+                _, measured = self.service.picture(ASKED)
         return self.now - measured
 
     @property
@@ -87,6 +92,22 @@ def test_once_the_robot_moves_the_picture_is_as_old_as_the_first(watched: Watche
     assert watched.look(1.0) == pytest.approx(7.0), "it stands again, and the picture is no newer"
     watched.now += 4.0
     assert watched.said == [], "no picture is taken"
+
+
+def test_a_camera_without_pictures_is_an_alarm_until_they_come(watched: Watched) -> None:
+    watched.camera.fault = "no pictures come from it"
+    watched.look(4.8)
+    assert watched.said == [], "a stream needs some time to begin"
+    watched.look(0.5)
+    assert watched.said == [(Severity.ERROR, "camera front: no pictures come from it")]
+    watched.camera.fault = ""
+    watched.look(0.1)
+    assert watched.said == []
+    watched.camera.fault = "it was unplugged"
+    watched.look(6.0)
+    assert watched.said == [(Severity.ERROR, "camera front: it was unplugged")]
+    watched.now += 4.0
+    assert watched.said == [], "no client asks for pictures"
 
 
 def test_a_head_that_turns_shows_it_too(watched: Watched) -> None:
