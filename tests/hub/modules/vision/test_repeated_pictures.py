@@ -1,4 +1,4 @@
-"""A camera that repeats a picture with new stamps gets old, and one without pictures is an alarm."""
+"""A camera that repeats a picture with new stamps gets old; one without pictures is an alarm."""
 
 from __future__ import annotations
 
