@@ -275,6 +275,8 @@ class Recordings:
             latched=bus.latched,
             attached=_attachments(self._robot),
         )
+        if fault := self._ring.state.fault:
+            _logger.error("the ring keeps nothing: %s", fault)
         self._ring.adopt(self._folder.ring)
         bus.series.append(self._ring)
 

@@ -140,7 +140,7 @@ class RecordingSeries:
         anchor: Callable[[], TimeAnchor] = TimeAnchor.now,
         say: Callable[[str], object] = _logger.warning,
     ) -> None:
-        """Begin the first file; `state` has the fault if it cannot be written.
+        """Begin the first file; if it cannot be written, `state` has the fault, and `say` nothing.
 
         Args:
             next_path: The path of the file with a number, from 0; it does not exist.
@@ -170,7 +170,7 @@ class RecordingSeries:
         self._closing: list[_Ending] = []
         self._writer: RecordingWriter | None = None
         self._path = Path()
-        self._retry(self._began)
+        self._retry(self._began, said=True)
 
     @property
     def state(self) -> SeriesState:
@@ -341,14 +341,15 @@ class RecordingSeries:
         for first in self._latched.values():
             self._writer.add(first.topic, first.payload, now, first.measured, first.number)
 
-    def _retry(self, now: float) -> None:
+    def _retry(self, now: float, *, said: bool = False) -> None:
+        """Begin the next file; a fault is said unless it is the last one, or another says it."""
         try:
             self._open()
         except OSError as error:
             reason = error.strerror or str(error)
             place = error.filename or self._next_path(self._files)
             fault = f"{place} cannot be made: {reason}" if error.errno else reason
-            if fault != self._fault:
+            if fault != self._fault and not said:
                 self._say(f"nothing is recorded: {fault}")
             self._fault, self._retry_at = fault, now + self._retry_s
 
