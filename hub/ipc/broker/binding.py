@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import socket as socket_module
+from collections.abc import Callable
 from pathlib import Path
 
 import zmq
@@ -31,10 +32,25 @@ FILE_DOMAIN = "socket file of this machine"
 """ZAP domain of socket files that are bound after TCP; a domain cannot be taken away again."""
 
 
-def bind(socket: sockets.Socket, endpoint: endpoints.TcpEndpoint | endpoints.IpcEndpoint) -> str:
-    """Bind; the address with its real port. At TCP, ZeroMQ asks who may connect."""
-    if isinstance(endpoint, endpoints.TcpEndpoint):
-        socket.plain_server, socket.zap_domain = True, TOKEN_DOMAIN.encode()
+Protect = Callable[[sockets.Socket], None]
+"""Sets what a socket demands of its clients."""
+
+
+def bind(
+    socket: sockets.Socket,
+    endpoint: endpoints.TcpEndpoint | endpoints.IpcEndpoint,
+    protect: Protect | None = None,
+) -> str:
+    """Bind; the address with its real port.
+
+    Args:
+        socket: The socket.
+        endpoint: The address.
+        protect: Demands proof of clients at TCP: ZeroMQ asks who may connect. None: not at TCP.
+    """
+    if protect is not None:
+        protect(socket)
+        socket.zap_domain = TOKEN_DOMAIN.encode()
     elif socket.getsockopt_string(zmq.ZAP_DOMAIN).rstrip("\0"):
         socket.plain_server, socket.zap_domain = False, FILE_DOMAIN.encode()
     if isinstance(endpoint, endpoints.IpcEndpoint):

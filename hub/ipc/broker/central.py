@@ -175,7 +175,8 @@ class Central:
             clock=self._clock,
         )
         ends = [router, *self._planes.ends.values()]
-        self._local = LocalEntrance(ends, endpoints, self._zap, self.faults)
+        epoch = self.registry.epoch
+        self._local = LocalEntrance(ends, endpoints, self._zap, self.faults, epoch)
         self.endpoints += self._local.endpoints
         return self._local.entrance
 

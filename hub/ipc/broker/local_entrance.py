@@ -9,8 +9,8 @@ from hub.errors import EndpointError
 from hub.ipc.broker import binding
 from hub.ipc.broker.gateways import ControlEntrance
 from hub.ipc.broker.zap import ZapHandler, ZapRequest, ZapVerdict
-from hub.ipc.endpoints import TcpEndpoint, parse_endpoint
-from hub.ipc.security.token import Token, own_token
+from hub.ipc.endpoints import IpcEndpoint, TcpEndpoint, parse_endpoint
+from hub.ipc.security.token import RunPassword, Token, keep_token, own_token
 from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 
@@ -31,6 +31,7 @@ class LocalEntrance:
         endpoints: Sequence[str],
         zap: ZapHandler,
         faults: FaultCounter,
+        epoch: int,
     ) -> None:
         """Bind.
 
@@ -39,13 +40,15 @@ class LocalEntrance:
             endpoints: Addresses: ipc://, and at most one of tcp://.
             zap: Answers the handshakes at TCP ports.
             faults: Counts refusals.
+            epoch: Number of this run of central.
 
         Raises:
             EndpointError: An address is malformed, not allowed, or busy.
             KeyFileError: The token of the port cannot be used.
         """
         self._faults = faults
-        self._token: Token | None = None
+        self._epoch = epoch
+        self._proofs: dict[str, Token | RunPassword] = {}
         self._files: list[Path] = []
         self.endpoints: list[str] = []
         wanted = [parse_endpoint(endpoint) for endpoint in endpoints]
@@ -57,20 +60,44 @@ class LocalEntrance:
         zap.decide([binding.FILE_DOMAIN], lambda _: ZapVerdict(status="200", reason=""))
         # A filter of users holds for what a socket binds later: abstract sockets come last.
         for endpoint in sorted(wanted, key=lambda each: str(each).startswith(_ABSTRACT)):
-            bound = [
-                binding.bind(end, binding.sibling(endpoint, index))
-                for index, end in enumerate(ends)
-            ]
-            self.endpoints.append(bound[0])
-            rest = [address.partition("://")[2] for address in bound[1:]]
             if isinstance(endpoint, TcpEndpoint):
-                ports = [int(address.rpartition(":")[2]) for address in rest]
-                self._token = own_token(int(bound[0].rpartition(":")[2]))
+                ports = self._bind_ports(ends, endpoint)
             else:
-                paths = rest if not any(paths) else paths
-                files = [each for each in (endpoint.path, *rest) if not each.startswith("@")]
+                bound = self._bind(ends, endpoint)
+                paths = bound if not any(paths) else paths
+                files = [each for each in (endpoint.path, *bound) if not each.startswith("@")]
                 self._files += map(Path, files)
         self.entrance = ControlEntrance(router=ends[0], ports=tuple(ports), paths=tuple(paths))
+
+    def _bind_ports(self, ends: Sequence[sockets.Socket], endpoint: TcpEndpoint) -> list[int]:
+        """Bind at ports of this machine; those of the planes."""
+        token = own_token(endpoint.port)
+        password = token.of_run(self._epoch)
+        self._proofs = {"CURVE": token, "PLAIN": password}
+        rest = self._bind(ends, endpoint, token.serve, password.serve)
+        file = keep_token(token, int(self.endpoints[-1].rpartition(":")[2]))
+        if not endpoint.port:
+            self._files.append(file)  # no other hub will have this port
+        return [int(address.rpartition(":")[2]) for address in rest]
+
+    def _bind(
+        self,
+        ends: Sequence[sockets.Socket],
+        endpoint: TcpEndpoint | IpcEndpoint,
+        protect_control: binding.Protect | None = None,
+        protect_plane: binding.Protect | None = None,
+    ) -> list[str]:
+        """Bind all at an endpoint and beside it; where those of the planes are."""
+        bound = [
+            binding.bind(
+                end,
+                binding.sibling(endpoint, index),
+                protect_plane if index else protect_control,
+            )
+            for index, end in enumerate(ends)
+        ]
+        self.endpoints.append(bound[0])
+        return [address.partition("://")[2] for address in bound[1:]]
 
     def close(self) -> None:
         """Remove the socket files, after the sockets are closed."""
@@ -79,7 +106,8 @@ class LocalEntrance:
 
     def _judge(self, asked: ZapRequest) -> ZapVerdict:
         """Whether a client may connect to a TCP port."""
-        if asked.mechanism == "PLAIN" and self._token and self._token.admits(asked.credentials):
+        proof = self._proofs.get(asked.mechanism)
+        if proof is not None and proof.admits(asked.credentials):
             return ZapVerdict(status="200", reason="")
         self._faults.count("refused at a TCP port", "a client there shows no token of this hub")
         return ZapVerdict(status="400", reason="no token")

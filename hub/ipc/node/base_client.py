@@ -157,6 +157,12 @@ class BaseClient:
 
     def _silence(self) -> str:
         """A sentence for a hub that does not answer: whether it runs, and what to do."""
+        if isinstance(self._keys, Token):
+            # A hub gives no answer to another token.
+            return (
+                f"no hub answers at {self.endpoint} to the token in {self._keys.path}; is that "
+                "the file of its own token?"
+            )
         if self._keys is not None:
             # A hub gives no answer to the key of another hub.
             return (

@@ -30,7 +30,7 @@ from hub.ipc.endpoints import shown
 from hub.ipc.roles import LOCAL, may_connect
 from hub.ipc.security.client_keys import ClientKeys
 from hub.ipc.security.publish_rights import demand_right
-from hub.ipc.security.token import Token, known_token
+from hub.ipc.security.token import RunPassword, Token, known_token
 from hub.ipc.transport import sockets
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.clock_sync import ClockSync, this_neighbourhood
@@ -139,6 +139,11 @@ class Connection:
         }
         self._open()
 
+    @property
+    def proof(self) -> ClientKeys | RunPassword | None:
+        """What this client shows at the planes of the hub."""
+        return self.keys.of_run(self.joined[0]) if isinstance(self.keys, Token) else self.keys
+
     def may_connect(self, plane: Plane) -> bool:
         """Whether this client may connect to the input of a plane."""
         return self.keys is None or may_connect(self.keys.role, f"{plane.value} in")
@@ -232,7 +237,9 @@ class Connection:
             return hub_sockets.NOWHERE, self.keys
         self.refusal = None if isinstance(self.refusal, EndpointError) else self.refusal
         if address.startswith("tcp://") and self._finds_token:
-            return address, known_token(int(address.rpartition(":")[2]))
+            token = known_token(int(address.rpartition(":")[2]))
+            # Without a token any program at that port could pose as the hub.
+            return (address, token) if token is not None else (hub_sockets.NOWHERE, None)
         return address, self.keys
 
     @property
@@ -281,11 +288,6 @@ class Connection:
                 f"the hub at {self._endpoint} refuses the key {self.keys.principal.name!r}; "
                 "see on the robot with `rune-hub keys list` whether it has it, and in its log"
             )
-            if isinstance(self.keys, Token):
-                text = (
-                    f"the hub at {self._endpoint} refuses the token in {self.keys.path}; give "
-                    "--keys the file of its own token"
-                )
             self.refusal = NotAllowedError(text)
         elif self.publisher == 0 and not self.closed:
             self._shook_hands = self._clock()

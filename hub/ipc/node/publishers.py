@@ -104,7 +104,7 @@ class Publishers:
             if not self._connection.may_connect(plane):
                 continue
             socket = sockets.make_plane(
-                self._transport.context, zmq.XPUB, plane, self._connection.keys
+                self._transport.context, zmq.XPUB, plane, self._connection.proof
             )
             sender_tickets.show(socket, self._connection.ticket)
             self._transport.handshakes.begin(socket)

@@ -128,7 +128,7 @@ class Subscriptions:
             inbox.take_now()
 
     def _connect(self, plane: Plane) -> None:
-        socket = sockets.make_plane(self._transport.context, zmq.SUB, plane, self._connection.keys)
+        socket = sockets.make_plane(self._transport.context, zmq.SUB, plane, self._connection.proof)
         self._transport.handshakes.begin(socket)
         sockets.connect(socket, self._where[plane])
         self.sockets[plane] = socket

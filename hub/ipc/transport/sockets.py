@@ -11,7 +11,7 @@ import zmq
 
 from hub.ipc.definition import Plane
 from hub.ipc.security.client_keys import ClientKeys
-from hub.ipc.security.token import Token
+from hub.ipc.security.token import RunPassword, Token
 from hub.ipc.wire.frames import MAX_FRAME
 
 _EVENT = struct.Struct("=hi")
@@ -19,6 +19,8 @@ _EVENT = struct.Struct("=hi")
 Socket = zmq.Socket[bytes]
 Context = zmq.Context[Socket]
 
+Keys = ClientKeys | Token | RunPassword
+"""What a client shows where it connects."""
 PLANES = tuple(Plane)
 QUEUE = {Plane.STATE: 1000, Plane.COMMAND: 500, Plane.PICTURE: 2}
 """Most messages that wait for one slow peer, by plane; newer ones are dropped and show as gaps."""
@@ -47,7 +49,7 @@ _DIRECT_THREAD = 0b10
 """A client's second I/O thread, for direct messages: a flood at central does not delay them."""
 
 
-def make(context: Context, kind: int, queue: int, keys: ClientKeys | Token | None = None) -> Socket:
+def make(context: Context, kind: int, queue: int, keys: Keys | None = None) -> Socket:
     """A socket with the bus's options, and a client's keys if it has some.
 
     Queues are bounded; closing never waits. The system's keep-alive frees the connections of a dead
@@ -74,9 +76,7 @@ def make(context: Context, kind: int, queue: int, keys: ClientKeys | Token | Non
     return made
 
 
-def make_plane(
-    context: Context, kind: int, plane: Plane, keys: ClientKeys | Token | None = None
-) -> Socket:
+def make_plane(context: Context, kind: int, plane: Plane, keys: Keys | None = None) -> Socket:
     """A socket of one plane: at central XSUB and XPUB, at a client XPUB to send, SUB to receive."""
     made = make(context, kind, QUEUE[plane], keys)
     # Subscriptions run against the messages, so the other queue of each socket holds only them.
