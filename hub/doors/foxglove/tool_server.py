@@ -22,6 +22,7 @@ from websockets.typing import Subprotocol
 
 from hub.doors.foxglove import panel_wire as wire
 from hub.doors.foxglove.asked import Asked
+from hub.doors.foxglove.entrance import Entrance
 from hub.doors.foxglove.handshake import DoorRules
 from hub.doors.foxglove.viewer import Viewer
 from hub.doors.panels.sentence_log import SentenceLog
@@ -193,10 +194,15 @@ class ToolServer:
         # What programs send wrong is answered to them; here it would flood the log.
         quiet = logging.getLogger("hub.doors.foxglove.websockets")
         quiet.setLevel(logging.CRITICAL)
-        return await serve(
-            self._follow,
+        why = "more connections than may wait without a request"
+        self._entrance = Entrance(
             "127.0.0.1" if settings.host == "localhost" else settings.host,
             settings.port,
+            lambda: self._faults.count("refused connection", why),
+        )
+        return await serve(
+            self._follow,
+            sock=self._entrance,
             ssl=tls,
             process_request=self._admit,
             subprotocols=[Subprotocol(each) for each in wire.SUBPROTOCOLS],
@@ -229,6 +235,7 @@ class ToolServer:
 
     async def _follow(self, connection: ServerConnection) -> None:
         """Serve one program until it leaves."""
+        self._entrance.admit(connection.remote_address)
         viewer = Viewer(next(self._viewer_numbers), connection)
         self._viewers[viewer.number] = viewer
         info = wire.server_info(self._settings.name, self._session, drive=self._settings.drive)

@@ -11,10 +11,12 @@ from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from urllib.parse import urlsplit
 
+import psutil
 import pytest
 from websockets import Subprotocol
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
+from hub.doors.foxglove.entrance import MOST_YOUNG
 from hub.doors.foxglove.handshake import DoorRules
 from hub.doors.foxglove.tool_server import ServerSettings, ToolServer
 from hub.doors.panels.wishes import CMD_VEL
@@ -192,6 +194,33 @@ def test_half_requests_and_programs_that_do_not_read_keep_nobody_out(server: Too
         )
         other.send(json.dumps({"op": "advertise", "channels": [channel]}))
         until(lambda: server.take_wishes().panels, 10.0)
+
+
+def test_half_requests_are_bounded_in_number_and_the_newest_counts() -> None:
+    settings = ServerSettings(name="Rune: rover", handshake_s=600.0)
+    with closing(ToolServer(settings, lambda: None)) as server, ExitStack() as stack:
+        before = _descriptors()
+        programs = [_program(server, stack) for _ in range(3)]
+        for number in range(1000):
+            client = stack.enter_context(socket.create_connection(("127.0.0.1", server.port)))
+            client.sendall(request(server, "/")[: number % 100])
+        until(lambda: server.refused >= 1000 - MOST_YOUNG, 20.0)
+        until(lambda: _descriptors() - before <= 1000 + MOST_YOUNG + 20, 20.0)
+        programs.append(_program(server, stack))
+        server.say("still here")
+        for each in programs:
+            until(lambda each=each: b"still here" in _text(each.recv(10.0)).encode(), 10.0)
+
+
+def _program(server: ToolServer, stack: ExitStack) -> ClientConnection:
+    protocol = Subprotocol(SUBPROTOCOL)
+    opened = connect(server.address, subprotocols=[protocol], close_timeout=0.1)
+    return stack.enter_context(opened)
+
+
+def _descriptors() -> int:
+    """How many this process has open, those of its clients too."""
+    return psutil.Process().num_fds()
 
 
 def _text(frame: str | bytes) -> str:
