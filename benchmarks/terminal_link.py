@@ -25,8 +25,8 @@ from benchmarks.figures import report, say
 from hub.gcm import navigation
 from hub.gcm.geometry import TwistStamped
 from rune_tui.layout.spec import RobotSpec
+from rune_tui.link.hub_tunnel import tunnel_to
 from rune_tui.link.robot_link import RobotLink
-from rune_tui.link.tunnel import Tunnel
 from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.robot_state import RobotState
 from rune_tui.startup.opening import open_layout
@@ -170,7 +170,7 @@ def report_ssh() -> None:
         stack.enter_context(closing(ThinLink(f":{server.port}", rate=1e6, ports=1)))
         running = stack.enter_context(hub())
         target = server.target.replace("127.0.0.1", ADDRESS)
-        tunnel = stack.enter_context(closing(Tunnel(target, running.endpoint)))
+        tunnel = stack.enter_context(closing(tunnel_to(target, running.endpoint)))
         tunnel.open()
         seen, _ = watched(RobotLink(robot(), tunnel.endpoint, near=False, way=tunnel, clock=clock))
     report("link.ssh_fps", len(seen) / SECONDS, "1/s", better="higher", note=note)

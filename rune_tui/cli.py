@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from rune_tui.layout.spec import LayoutSpec
     from rune_tui.layout.watching import LayoutArrivals, LayoutSource
     from rune_tui.link.fleet_mirrors import FleetMirrors
+    from rune_tui.link.hub_tunnel import Tunnel
     from rune_tui.link.robot_links import RobotLinks
-    from rune_tui.link.tunnel import Tunnel
 
 _WITHOUT_TERMINAL = "`rune joytest --list` lists what is plugged in"
 _COLLECT_AFTER = 10_000
@@ -446,7 +446,7 @@ def _links(
 def _tunnels(
     options: argparse.Namespace, layout: LayoutSpec
 ) -> AbstractContextManager[list[Tunnel]]:
-    from rune_tui.link.tunnel import open_tunnels
+    from rune_tui.link.hub_tunnel import open_tunnels
 
     _refuse_ssh_with_keys(options)
     if options.ssh and "demo" in options and options.demo:

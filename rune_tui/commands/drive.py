@@ -37,7 +37,8 @@ from rune_tui.commands.demo import AUTO
 from rune_tui.commands.own_hub import OwnHub
 from rune_tui.commands.robots_hub import NOT_INSTALLED, RobotsHub
 from rune_tui.errors import DriveAddressError
-from rune_tui.link.tunnel import PortTunnel, SshTunnel, Tunnel
+from rune_tui.link.hub_tunnel import tunnel_to
+from rune_tui.link.tunnel import PortTunnel, SshTunnel
 
 MAVLINK, ROS = "mavlink", "ros"
 """The kinds of links to robots without a hub, as `rune-hub adopt` names them."""
@@ -206,7 +207,7 @@ def _through_ssh(stack: ExitStack, address: str, options: argparse.Namespace, lo
 
     def endpoint() -> str:
         hub = str(there.listening()["hub"])
-        return stack.enter_context(_open(Tunnel(robot, hub))).endpoint
+        return stack.enter_context(_open(tunnel_to(robot, hub))).endpoint
 
     return 0, found, endpoint
 

@@ -33,7 +33,7 @@ from rune_tui.controls.remote_pad.pad_audience import Audience
 from rune_tui.controls.remote_pad.pad_sender import PadSender
 from rune_tui.errors import DeviceChoiceError
 from rune_tui.layout.spec import JoystickSpec
-from rune_tui.link.tunnel import Tunnel
+from rune_tui.link.hub_tunnel import Tunnel, tunnel_to
 
 CONNECT_S = 5.0
 """Longest wait for the hub at the start [s]; later losses have no limit."""
@@ -241,7 +241,7 @@ def run(
         plane = pad.PAD_STATE.plane.value
         demand_right(own_keys.principal, "rune pad", pad.PAD_STATE.name, plane)
     with contextlib.ExitStack() as stack:
-        tunnel = stack.enter_context(contextlib.closing(Tunnel(ssh, hub))) if ssh else None
+        tunnel = stack.enter_context(contextlib.closing(tunnel_to(ssh, hub))) if ssh else None
         if tunnel is not None:
             tunnel.open()
         # A process number is not unique across machines.

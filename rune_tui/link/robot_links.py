@@ -8,8 +8,8 @@ from pathlib import Path
 from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.errors import HubChoiceError
 from rune_tui.layout.spec import LayoutSpec, RobotSpec
+from rune_tui.link.hub_tunnel import Tunnel
 from rune_tui.link.robot_link import RobotLink
-from rune_tui.link.tunnel import Tunnel
 from rune_tui.link.way import FleetWays, Way
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import re
-import shlex
 import shutil
 import signal
 import socket
@@ -16,24 +15,16 @@ import subprocess
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
-from hub.errors import EndpointError
-from hub.hub_sockets import NAMED, SOCKET, SOCKETS
-from hub.ipc.endpoints import DEFAULT_ENDPOINT, IpcEndpoint, parse_endpoint
 from hub.plain_text import plain
-from rune_tui.errors import HubChoiceError, TunnelError
-from rune_tui.layout.spec import LayoutSpec
-from rune_tui.link import far_hub
+from rune_tui.errors import TunnelError
 
-_ENDS: Final = tuple(each.removeprefix(SOCKET) for each in SOCKETS)
 OPEN_WITHIN_S: Final = 60.0
 """Time for a connection, and for the operator to type a password [s]."""
 _END_WITHIN_S: Final = 3.0
-_ANSWER_S: Final = 15.0
-"""Longest wait for the answer of a command on the robot [s]."""
 _LOOK_S: Final = 0.05
 _LOOPBACK: Final = "127.0.0.1"
 _RETRY_S, _LONGEST_RETRY_S = 1.0, 15.0
@@ -71,7 +62,7 @@ exit $code
 """Runs ssh, and ends it after a line on standard input, or when that ends, as it does when the
 console is killed; then the folder, which is the script's name, goes too.
 """
-_MOST_WORDS: Final = 500
+MOST_WORDS: Final = 500
 """Longest excerpt of ssh's last words [characters]."""
 _DESTINATION: Final = re.compile(r"([^\s:@-][^\s:]*?)(?::([0-9]{1,5}))?")
 
@@ -263,84 +254,7 @@ class SshTunnel:
         except OSError:
             said = []
         words = [line.strip() for line in said if line.strip()]
-        return plain(words[-1])[:_MOST_WORDS].rstrip(".") if words else "it says nothing of why"
-
-
-class Tunnel(SshTunnel):
-    """A tunnel to one robot's hub.
-
-    A hub that is named is looked for at each connection, through a second use of the same
-    connection: the operator types a password once.
-
-    Attributes:
-        endpoint: Where the hub is found on this machine.
-    """
-
-    def __init__(self, destination: str, hub: str = DEFAULT_ENDPOINT) -> None:
-        """Prepare.
-
-        Args:
-            destination: Destination of ssh, [USER@]HOST[:PORT].
-            hub: Name of the hub on the robot (`hub://NAME`), or its ipc:// endpoint there.
-
-        Raises:
-            TunnelError: This is no destination, or no such hub, or there is no ssh.
-        """
-        self._hub = hub
-        known = [""] * len(SOCKETS) if hub.startswith(NAMED) else _far_ends(hub)
-
-        def ends(folder: Path) -> dict[str, str]:
-            near = (f"{folder}/{name}" for name in SOCKETS)
-            return dict(zip(near, known, strict=True))
-
-        super().__init__(destination, ends)
-        self.endpoint = f"ipc://{self._folder}/{SOCKET}"
-
-    def _command(self, *options: str) -> list[str]:
-        if not self._hub.startswith(NAMED):
-            return super()._command(*options)
-        self._shared.unlink(missing_ok=True)
-        self._found = False
-        return ssh_command(self.destination, "-N", "-M", *options, shared=self._shared)
-
-    @property
-    def _shared(self) -> Path:
-        return self._folder / "ssh"
-
-    def _prepare(self) -> None:
-        """Once the connection is there, find the hub and forward its sockets."""
-        if not self._hub.startswith(NAMED) or self._found or not self._shared.exists():
-            return
-        answer = self._ask(["sh", "-c", shlex.quote(far_hub.SCRIPT)])
-        path = far_hub.chosen(far_hub.paths_in(answer), self._hub)
-        self._ends = dict(zip(self._ends, (f"{path}{end}" for end in _ENDS), strict=True))
-        self._found = True
-        forwards = [f"-L{near}:{far}" for near, far in self._ends.items()]
-        self._ask([], "-O", "forward", *forwards)
-
-    def _ask(self, words: list[str], *options: str) -> str:
-        """What a command says that goes through the connection.
-
-        Raises:
-            TunnelError: It fails.
-        """
-        command = ssh_command(self.destination, *options, shared=self._shared)
-        try:
-            done = subprocess.run(
-                [*command, *words],
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                timeout=_ANSWER_S,
-                check=False,
-            )
-        except subprocess.TimeoutExpired as error:
-            text = f"ssh to {self.destination} failed: it gives no answer within {_ANSWER_S:.0f} s"
-            raise TunnelError(text) from error
-        if done.returncode and options:
-            said = plain(done.stderr.decode(errors="replace").strip())[-_MOST_WORDS:]
-            text = f"ssh to {self.destination} forwards no sockets: {said}"
-            raise TunnelError(text)
-        return done.stdout.decode(errors="replace")
+        return plain(words[-1])[:MOST_WORDS].rstrip(".") if words else "it says nothing of why"
 
 
 class PortTunnel(SshTunnel):
@@ -379,51 +293,3 @@ def _is_there(end: str) -> bool:
         return Path(end).exists()
     with socket.socket() as probe:
         return probe.connect_ex((_LOOPBACK, int(end))) == 0
-
-
-@contextlib.contextmanager
-def open_tunnels(
-    destinations: Sequence[str], layout: LayoutSpec, hubs: Sequence[str] = ()
-) -> Iterator[list[Tunnel]]:
-    """Tunnels to the robots of a layout, open inside the `with`.
-
-    Args:
-        destinations: Destinations of ssh, in the order of the robots; empty: no tunnels.
-        layout: Which robots.
-        hubs: Endpoints on the robots, instead of those in the layout.
-
-    Raises:
-        HubChoiceError: There are not as many destinations, or hubs, as robots.
-        TunnelError: One cannot be opened.
-    """
-    count = len(layout.robots)
-    if destinations and {len(destinations), len(hubs) or count} != {count}:
-        given = f"--ssh is given {len(destinations)} times, --hub {len(hubs)} times"
-        text = f"{layout.path} names {count} robots, and {given}; give each once for each robot"
-        raise HubChoiceError(text)
-    known = hubs or [robot.hub for robot in layout.robots]
-    with contextlib.ExitStack() as stack:
-        tunnels = []
-        for destination, hub in zip(destinations, known, strict=False):
-            tunnels.append(stack.enter_context(contextlib.closing(Tunnel(destination, hub))))
-            tunnels[-1].open()
-        yield tunnels
-
-
-def _far_ends(hub: str) -> list[str]:
-    """Where a hub's sockets are on the robot: files.
-
-    Raises:
-        TunnelError: It is no endpoint of such sockets.
-    """
-    try:
-        endpoint = parse_endpoint(hub)
-    except EndpointError:
-        endpoint = None
-    if not isinstance(endpoint, IpcEndpoint):
-        text = (
-            f"{hub!r} leads to no hub through ssh; give --hub its name on the robot, or the "
-            "ipc:// address of its socket there"
-        )
-        raise TunnelError(text)
-    return [f"{endpoint.path}{end}" for end in _ENDS]

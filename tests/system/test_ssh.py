@@ -17,8 +17,8 @@ from hub.hub_sockets import HubFolder
 from hub.ipc.broker.central import Central
 from rune_tui.errors import HubChoiceError, TunnelError
 from rune_tui.layout.spec import LayoutSpec
+from rune_tui.link.hub_tunnel import open_tunnels, tunnel_to
 from rune_tui.link.robot_links import RobotLinks
-from rune_tui.link.tunnel import Tunnel, open_tunnels
 from rune_tui.model.robot_state import LinkPhase
 from rune_tui.startup.opening import open_layout
 from tests.support.waiting import until
@@ -118,7 +118,7 @@ def test_the_way_is_made_again_also_by_who_has_signals_blocked(
 ) -> None:
     def opened_and_killed() -> None:
         signal.pthread_sigmask(signal.SIG_BLOCK, signal.valid_signals())
-        with closing(Tunnel(server.target, f"ipc://{tmp_path}/nobody")) as tunnel:
+        with closing(tunnel_to(server.target, f"ipc://{tmp_path}/nobody")) as tunnel:
             tunnel.open()
             (first,) = server.running()
             os.kill(first, signal.SIGKILL)
@@ -151,14 +151,14 @@ def test_two_robots_have_a_way_each(server: SshServer, tmp_path: Path, stack: Ex
 def test_what_ssh_says_is_told_in_one_sentence(server: SshServer) -> None:
     server.use_key("other")
     with (
-        closing(Tunnel(server.target)) as refused,
+        closing(tunnel_to(server.target)) as refused,
         pytest.raises(TunnelError, match=r"^ssh to .* failed: .*Permission denied \(publickey\)$"),
     ):
         refused.open()
     server.use_key("key")
     server.close()
     with (
-        closing(Tunnel(server.target)) as closed,
+        closing(tunnel_to(server.target)) as closed,
         pytest.raises(TunnelError, match=r"failed: .*Connection refused$"),
     ):
         closed.open()
@@ -180,9 +180,9 @@ def test_the_command_line_tells_it_and_ends_with_3(server: SshServer, tmp_path: 
 @pytest.mark.parametrize("wrong", ["", "-oProxyCommand=x", "a b", "robot:port", "me@robot:1:2"])
 def test_what_is_no_destination_is_refused(wrong: str) -> None:
     with pytest.raises(TunnelError, match="is no USER@HOST"):
-        Tunnel(wrong)
+        tunnel_to(wrong)
 
 
 def test_a_hub_that_the_robot_has_elsewhere_is_refused() -> None:
     with pytest.raises(TunnelError, match="give --hub its name on the robot"):
-        Tunnel("robot", "tcp://192.0.2.1:1481")
+        tunnel_to("robot", "tcp://192.0.2.1:1481")
