@@ -1,4 +1,4 @@
-"""Pauses of this process: it was suspended, got no processor, or its machine slept; pure.
+"""Pauses of this process: it was suspended, got no processor, or its machine slept.
 
 Old input waits to be read after a pause. The times at which it was given are not known, so it must
 not drive.
@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import math
 
+from hub.machine_sleep import MachineSleep
+
 
 class OwnPauses:
     """Detects pauses of the process that it runs in; the first look finds none.
@@ -21,15 +23,18 @@ class OwnPauses:
         seen: Time of the last look [s].
     """
 
-    def __init__(self, longest_s: float, *, stale_s: float = 0.0) -> None:
+    def __init__(
+        self, longest_s: float, *, stale_s: float = 0.0, sleep: MachineSleep | None = None
+    ) -> None:
         self._longest_s = longest_s
         self._stale_s = stale_s
         self.seen = math.inf
+        self._sleep = sleep or MachineSleep()
         self._stale_until = -math.inf
 
     def look(self, now: float) -> float:
         """How long the process paused just before `now` [s]; 0: it did not."""
-        away = now - self.seen
+        away = now - self.seen + self._sleep.look()
         self.seen = now
         if away <= self._longest_s:
             return 0.0

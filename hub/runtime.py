@@ -117,6 +117,14 @@ def publish_on_request(
     client.subscribe(REQUEST_DATA, requested)
 
 
+def stop_after_sleep(client: Client, stop: Callable[[str], None]) -> None:
+    """Call `stop` with the reason after each sleep of this machine, before input is read.
+
+    What was commanded before is older than the sleep, which no monotonic clock shows.
+    """
+    client.when_slept(lambda time: stop(f"the robot's computer slept for {time:.1f} s"))
+
+
 def _parser(name: str, purpose: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=f"python -m hub.modules.{name}",

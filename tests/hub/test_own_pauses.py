@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hub.machine_sleep import MachineSleep
 from hub.own_pauses import OwnPauses
 
 LONGEST_S, STALE_S = 0.3, 0.2
@@ -34,3 +35,14 @@ def test_a_pause_is_reported_once() -> None:
     made = pauses()
     made.look(0.0)
     assert [made.look(now) > 0.0 for now in (5.0, 5.01, 5.06)] == [True, False, False]
+
+
+def test_a_sleep_of_the_machine_is_a_pause_although_the_monotonic_clock_stood_still() -> None:
+    slept = [0.0]
+    sleep = MachineSleep(lambda: 5.0, lambda: 5.0 + slept[0])
+    made = OwnPauses(LONGEST_S, stale_s=STALE_S, sleep=sleep)
+    assert made.look(0.0) == made.look(0.05) == 0.0
+    slept[0] += 60.0
+    assert made.look(0.1) == 60.05
+    assert made.is_stale(0.1)
+    assert made.look(0.15) == 0.0

@@ -1,5 +1,6 @@
-/* Preloaded, it moves the wall clock of one process by the nanoseconds that the first eight bytes
- * of the file RUNE_WALL_CLOCK hold; they may change while it runs. The monotonic clock stays. */
+/* Preloaded, it moves clocks of one process by the nanoseconds in the file RUNE_WALL_CLOCK; they may
+ * change while it runs. The first eight bytes move the wall clock. The next eight move the clock that
+ * goes on while a machine sleeps: as they grow, the machine slept. The monotonic clock stays. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -18,7 +19,7 @@ __attribute__((constructor)) static void start(void)
     int file = path ? open(path, O_RDONLY | O_CLOEXEC) : -1;
     if (file < 0)
         return;
-    void *mapped = mmap(NULL, sizeof *offset, PROT_READ, MAP_SHARED, file, 0);
+    void *mapped = mmap(NULL, 2 * sizeof *offset, PROT_READ, MAP_SHARED, file, 0);
     offset = mapped == MAP_FAILED ? NULL : mapped;
     close(file);
 }
@@ -29,8 +30,10 @@ int clock_gettime(clockid_t which, struct timespec *now)
     if (!real)
         real = (int (*)(clockid_t, struct timespec *))dlsym(RTLD_NEXT, "clock_gettime");
     int result = real(which, now);
-    if (!result && offset && (which == CLOCK_REALTIME || which == CLOCK_REALTIME_COARSE)) {
-        int64_t moved = (int64_t)now->tv_sec * 1000000000 + now->tv_nsec + *offset;
+    int wall = which == CLOCK_REALTIME || which == CLOCK_REALTIME_COARSE;
+    if (!result && offset && (wall || which == CLOCK_BOOTTIME)) {
+        int64_t by = offset[wall ? 0 : 1];
+        int64_t moved = (int64_t)now->tv_sec * 1000000000 + now->tv_nsec + by;
         now->tv_sec = moved / 1000000000;
         now->tv_nsec = moved % 1000000000;
     }

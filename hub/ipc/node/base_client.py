@@ -247,6 +247,10 @@ class BaseClient:
         """Call `work` once at each time that the caller sets as the timer's `due` [s]."""
         return self.loop.alarm(work)
 
+    def when_slept(self, work: Callable[[float], None]) -> None:
+        """Call `work` with the time [s] after each sleep of this machine, before input is read."""
+        self.loop.when_slept(work)
+
     def post(self, work: Callable[[], None]) -> None:
         """Let the loop call `work`; the only method that any thread may call."""
         self.loop.post(work)

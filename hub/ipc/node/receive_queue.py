@@ -5,6 +5,8 @@
 | all are kept, no priority, empty queue | as it is read |
 | any other | after all sockets are read; higher priority first |
 | older than its lifespan, ahead of the clock with a lifespan, or repeated | never, and is counted |
+
+A sleep of this machine, in which its clock stands still, counts for the age of what is older.
 """
 
 from __future__ import annotations
@@ -92,10 +94,16 @@ class ReceiveQueue:
         self.reader = FrameReader(faults, no_ring)
         self._decoded = self.reader.decoded
         self.topics: dict[bytes, Subscription] = {}
+        self._woke, self._slept = -math.inf, 0.0
         self._waits = 0
         self._opened: list[_Opened] = []
         self._bundled: deque[tuple[bytes, bool]] = deque()
         self._queues: dict[int, deque[_Opened]] = {0: deque()}
+
+    def stood_still(self, time: float) -> None:
+        """Note that the clock stood still for `time` [s] until now, as this machine slept."""
+        if time > 0.0:
+            self._woke, self._slept = self._clock(), time
 
     @property
     def pending(self) -> bool:
@@ -322,6 +330,8 @@ class ReceiveQueue:
                 self._faults.count("stamp ahead of the clock", text)
                 return
             age, measured = 0.0, now
+        elif measured < self._woke:
+            age, measured = age + self._slept, measured - self._slept
         if age > subscription.oldest:
             subscription.oldest = age
         if age > subscription.lifespan_s:

@@ -139,8 +139,10 @@ class Session:
         if now >= self._next_check:
             self._check(now)
 
-    def stalled(self, time: float) -> None:
-        """Drop old messages in the sockets, but keep events, after a stall of `time` [s]."""
+    def stalled(self, time: float, slept: float) -> None:
+        """Drop old messages in the sockets, but keep events, after a stall; see `Participant`."""
+        self.subscriptions.receive_queue.stood_still(slept)
+        self.connection.hub_time.stood_still(slept)
         if time > LOST_S and self.connection.publisher:
             self.subscriptions.take_events()
             self.connection.start_over(f"{self._name} did not listen for {time:.1f} s")

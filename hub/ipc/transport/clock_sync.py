@@ -101,6 +101,14 @@ class ClockSync:
         farthest = 0.0 if self._shared else _FARTHEST
         self.least, self.most = -farthest, farthest
 
+    def stood_still(self, time: float) -> None:
+        """Note that this client's clock stood still for `time` [s], as its machine slept.
+
+        No age is known before the next round trip.
+        """
+        if time > 0.0 and not self._shared:
+            self.most = _FARTHEST
+
     def note(self, sent: float, hub_time: float, received: float) -> None:
         """Add a round trip: `sent`, answered at `hub_time`, `received` [s]."""
         round_trip = received - sent

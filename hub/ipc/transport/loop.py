@@ -20,6 +20,7 @@ from typing import Any, Protocol
 import zmq
 
 from hub.ipc.transport.timers import CallQueue, Timer, Timers
+from hub.machine_sleep import MachineSleep
 
 Serve = Callable[[], bool]
 """Reads a socket; whether there may be more."""
@@ -67,8 +68,11 @@ class Participant(Protocol):
     def turn(self) -> None:
         """Do the work that is due; all sockets are read."""
 
-    def stalled(self, time: float) -> None:
-        """The loop paused for `time` [s] more than it intended; nothing is read yet."""
+    def stalled(self, time: float, slept: float) -> None:
+        """The loop paused for `time` [s] more than it intended; nothing is read yet.
+
+        For `slept` [s] of that the machine slept, and its clock stood still.
+        """
 
 
 class Loop:
@@ -78,8 +82,13 @@ class Loop:
         clock: Monotonic time [s].
     """
 
-    def __init__(self, *, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, *, clock: Callable[[], float] = time.monotonic, sleep: MachineSleep | None = None
+    ) -> None:
         self.clock = clock
+        self._sleep = sleep or MachineSleep()
+        self._sleep.look()
+        self._wakers: list[Callable[[float], None]] = []
         self._poller = _poller()
         self._served: dict[int, Serve] = {}
         self._ready: set[int] = set()
@@ -145,6 +154,10 @@ class Loop:
         """Call `work` once at each time that the caller sets as the timer's `due` [s]."""
         return self._timers.alarm(work)
 
+    def when_slept(self, work: Callable[[float], None]) -> None:
+        """Call `work` with the time [s] after each sleep of this machine, before input is read."""
+        self._wakers.append(work)
+
     def post(self, work: Callable[[], None]) -> None:
         """Let the loop call `work`; the only method that any thread may call."""
         self._posted.add(work)
@@ -177,11 +190,15 @@ class Loop:
         ready = self._ready
         for file, _ in self._poller.poll(wait):
             ready.add(file)
+        slept = self._sleep.look()
         now = self.clock()
         stall_time, self._last_turn = now - self._last_turn - wait - waited, now
-        if stall_time > _STALL_S:
+        if slept > 0.0:
+            for work in self._wakers:
+                work(slept)
+        if slept > 0.0 or stall_time > _STALL_S:
             for participant in tuple(self._participants):
-                participant.stalled(stall_time)
+                participant.stalled(stall_time + slept, slept)
         self._posted.run()
         if ready:
             self._read(ready)

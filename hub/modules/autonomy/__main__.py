@@ -24,7 +24,7 @@ from hub.ipc.message_info import MessageInfo
 from hub.modules.autonomy.autonomy_driver import AutonomyDriver
 from hub.modules.autonomy.novelty import Limits
 from hub.robots.description import RobotDescription
-from hub.runtime import publish_on_request, run_module
+from hub.runtime import publish_on_request, run_module, stop_after_sleep
 from hub.vehicle_watch import VehicleWatch
 
 _logger = logging.getLogger(__name__)
@@ -60,7 +60,8 @@ class Autonomy:
         self._gate = ControlGate(client, self._on_owner_change)
         self._vehicle = VehicleWatch(client, self._not_followed)
         client.subscribe(autonomy.AUTONOMY_COMMAND, self._command)
-        client.subscribe(navigation.STOP, self._stop)
+        client.subscribe(navigation.STOP, lambda message, _: self._stop(message.reason))
+        stop_after_sleep(client, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._stick)
         client.subscribe(navigation.ROBOT_STATE, self._robot)
         client.subscribe(navigation.NAVIGATION_STATUS, self._navigation)
@@ -81,8 +82,8 @@ class Autonomy:
         _logger.info("asked for %s", command.behaviour.name)
         self._act()
 
-    def _stop(self, message: navigation.Stop, _reception: MessageInfo) -> None:
-        self._pilot.see_stop(message.reason, self._clock())
+    def _stop(self, reason: str) -> None:
+        self._pilot.see_stop(reason, self._clock())
         self._act()
 
     def _on_owner_change(self, state: ControlState, before: int) -> None:

@@ -39,7 +39,7 @@ from hub.modules.driver.watchdog import CommandWatchdog
 from hub.robots.description import RobotDescription
 from hub.robots.interfaces import BodyWakes, Sensors
 from hub.robots.registry import kind_of
-from hub.runtime import run_module
+from hub.runtime import run_module, stop_after_sleep
 
 _PERIOD = 1.0 / navigation.DRIVE_STATE.rate_hz
 """Time between two reports of the hardware [s]."""
@@ -100,6 +100,7 @@ class Driver:
             stopped=self._stopped,
             changed=self._control_changed,
         )
+        stop_after_sleep(client, self._slept)
         self._paused = False
         if robot.simulated:
             client.subscribe(SIMULATION_PAUSE, self._pause)
@@ -186,6 +187,13 @@ class Driver:
     def _stop(self) -> None:
         self._report_change(time.monotonic(), neutral=True)
         self._body.command(Twist())
+
+    def _slept(self, _: str) -> None:
+        """Stop: the commands until now are older than the sleep of the robot's computer."""
+        try:
+            self._halt()
+        finally:
+            self._orders.stop()
 
     def _halt(self) -> None:
         """Stop the wheels, and wait for a neutral command."""

@@ -27,7 +27,7 @@ from hub.errors import RobotFileError
 from hub.gcm.autopilot import MAVLINK_REQUEST, MavlinkRequest
 from hub.gcm.body import HoldKind, JointBody
 from hub.gcm.control import ControlState
-from hub.gcm.navigation import STOP, Stop
+from hub.gcm.navigation import STOP
 from hub.gcm.vehicle import (
     VEHICLE_COMMAND,
     Arming,
@@ -108,7 +108,7 @@ class VehicleOrders:
         self._silence = client.alarm(self._watch)
         self._gate = ControlGate(client, self._on_owner_change)
         client.subscribe(VEHICLE_COMMAND, self._command)
-        client.subscribe(STOP, self._on_stop)
+        client.subscribe(STOP, lambda *_: self.stop())
         if isinstance(body, BodyModes):
             client.subscribe(MAVLINK_REQUEST, self._pass_on)
 
@@ -238,7 +238,8 @@ class VehicleOrders:
             for name in names:
                 stack.callback(self._turn, name, 0.0)
 
-    def _on_stop(self, _message: Stop, _reception: MessageInfo) -> None:
+    def stop(self) -> None:
+        """Stop what the body does besides driving, as a stop from any client does."""
         with contextlib.ExitStack() as stack:
             stack.callback(self._after_stop)
             stack.callback(self._stopped)

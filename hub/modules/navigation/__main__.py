@@ -29,7 +29,7 @@ from hub.modules.navigation.speed_governor import HELD, SpeedGovernor
 from hub.paths import for_pose
 from hub.pose import wrapped
 from hub.robots.description import RobotDescription
-from hub.runtime import publish_on_request, run_module
+from hub.runtime import publish_on_request, run_module, stop_after_sleep
 from hub.vehicle_watch import VehicleWatch
 
 _NOT_BEGUN = {MotionState.NO_DRIVER: Cause.DRIVER, MotionState.MOVING: Cause.STICK}
@@ -76,7 +76,8 @@ class Navigation:
         self._assistance = Assistance.ON
         self._gate = ControlGate(client, self._on_owner_change)
         self._vehicle = VehicleWatch(client, self._not_followed)
-        client.subscribe(navigation.STOP, self._stop)
+        client.subscribe(navigation.STOP, lambda message, _: self._stop(message.reason))
+        stop_after_sleep(client, self._stop)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command, late=self._command_late)
         client.subscribe(navigation.DRIVE_STATE, self.reported)
         client.subscribe(OWN_NAVIGATION, self._own.reported)
@@ -129,13 +130,14 @@ class Navigation:
             self._late = (reception.age, self._clock())
             self._look_for_problems()
 
-    def _stop(self, message: navigation.Stop, _reception: MessageInfo) -> None:
-        why = f"stopped: {message.reason or 'no reason given'}"
+    def _stop(self, reason: str) -> None:
+        """Stop the robot and end its task, for this reason (empty: none was given)."""
+        why = f"stopped: {reason or 'no reason given'}"
         self.pilot.task.end(Task.CANCELLED, why, Cause.STOP, self._clock())
         self._governor.stop()
         self._drive()
         self._update()
-        _logger.warning("stopped: %s", message.reason or "no reason given")
+        _logger.warning("%s", why)
 
     def _on_owner_change(self, state: ControlState, before: int) -> None:
         """Another client has control than before."""

@@ -82,6 +82,9 @@ class ExtremesBus:
     def every(self, _: float, work: Callable[[], None]) -> None:
         self.timers.append(work)
 
+    def when_slept(self, work: Callable[[float], None]) -> None:
+        """This machine never sleeps."""
+
     def alarm(self, work: Callable[[], None]) -> SimpleNamespace:
         self.timers.append(work)
         return SimpleNamespace(due=math.inf)

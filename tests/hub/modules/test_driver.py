@@ -176,6 +176,19 @@ def test_the_wheels_stop_when_the_silence_has_lasted_long_enough(scene: Scene) -
     ]
 
 
+def test_the_wheels_stop_after_a_sleep_of_the_robots_computer_and_wait_for_neutral(
+    scene: Scene,
+) -> None:
+    scene.command(NEUTRAL)
+    scene.command(FORWARD)
+    scene.bus.sleep(0.02)
+    scene.command(FORWARD)
+    assert [velocity for _, velocity in scene.wheels.orders] == [0.4, 0.0]
+    scene.command(NEUTRAL)
+    scene.command(FORWARD)
+    assert [velocity for _, velocity in scene.wheels.orders] == [0.4, 0.0, 0.4]
+
+
 def test_commands_keep_the_wheels_moving(scene: Scene) -> None:
     scene.command(NEUTRAL)
     for _ in range(20):

@@ -35,6 +35,7 @@ class TimedBus:
         self._handlers: dict[str, Callable[..., None]] = {}
         self._late: dict[str, Callable[..., None]] = {}
         self._numbers: dict[str, int] = {}
+        self._wakers: list[Callable[[float], None]] = []
         self.alarm = self._timers.alarm
         monkeypatch.setattr(time, "monotonic", lambda: self.now)
 
@@ -76,6 +77,14 @@ class TimedBus:
         return faults
 
     def define(self, *_: object) -> None: ...
+
+    def when_slept(self, work: Callable[[float], None]) -> None:
+        self._wakers.append(work)
+
+    def sleep(self, seconds: float) -> None:
+        """Let the robot's computer sleep: its clock stands still."""
+        for work in self._wakers:
+            work(seconds)
 
     def every(self, period: float, work: Callable[[], None]) -> Timer:
         return self._timers.add(self.now, period, work)

@@ -36,3 +36,32 @@ def test_it_commands_zero_at_once_and_not_with_the_next_cycle(
     assert moving[0] == commanded
     assert stopped == pytest.approx(commanded + SILENCE_S, abs=1e-9)
     assert max(moving) < stopped
+
+
+def test_after_a_sleep_of_its_computer_the_robot_stands_until_neutral_and_says_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    bus = TimedBus(monkeypatch)
+    robot, _ = read_description(find_robot_file("magellan"))
+    Navigation(bus, robot)  # type: ignore[arg-type]
+
+    def drive(speed: float) -> list[bool]:
+        """Send a command; whether each of the driver's is neutral."""
+        bus.published.clear()
+        bus.send(DRIVE_STATE, AT_ORIGIN, "driver")
+        bus.send(VELOCITY_COMMAND, TwistStamped.planar(speed, 0.0), "console")
+        bus.wait(0.1)
+        return [twist.neutral for _, name, twist in bus.published if name == DRIVE_COMMAND.name]
+
+    drive(0.0)
+    assert not any(drive(0.4))
+    bus.published.clear()
+    bus.sleep(12.0)
+    told = [twist.neutral for _, name, twist in bus.published if name == DRIVE_COMMAND.name]
+    assert told
+    assert all(told)
+    assert "stopped: the robot's computer slept for 12.0 s" in caplog.text
+    assert all(drive(0.4)), "a key that was held through the sleep does not drive"
+    drive(0.0)
+    assert not any(drive(0.4))
