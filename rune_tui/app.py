@@ -87,7 +87,7 @@ class Console(CoveredApp, inherit_bindings=False):
             pixels_per_cell=painter.pixels_per_cell,
             aspect=traits.aspect,
         )
-        self.inputs = InputEvents(self, current, painter, links.pads, self._state, self._execute)
+        self.inputs = InputEvents(self, current, painter, links, self._state, self._execute)
         self.effects = EffectRunner(
             self, source, current, self.inputs, links, self._pane, self._state, self._leave
         )

@@ -31,6 +31,7 @@ from rune_tui.model.effects import (
 from rune_tui.model.limited_effects import within
 from rune_tui.model.own_keys import own_key
 from rune_tui.model.page import scrolled, turned
+from rune_tui.model.robot_state import RobotState
 from rune_tui.widgets.driving import DrivingWidgets
 from rune_tui.widgets.listeners import (
     Listener,
@@ -82,6 +83,8 @@ class Dispatch:
     def __init__(self, layout: LayoutSpec) -> None:
         self.listeners = Listeners(layout)
         self._widgets = self.listeners.widgets
+        takers = (each for each in self._widgets if each.rule.purpose is Purpose.TAKE_CONTROL)
+        self._takers = [cast("TakingWidget", each) for each in takers]
         self._buttons: set[str] = set()
         self._failed: set[int] = set()
         self._changes = ControlChanges()
@@ -274,12 +277,16 @@ class Dispatch:
         return tuple(effects)
 
     def look(self, state: ConsoleState) -> list[Effect]:
-        """Release held inputs of robots whose control changed or that stopped.
+        """Release held inputs of robots whose control changed or that stopped."""
+        return self.end_holds(self.stopped_robots(state.robots.values()), state)
 
-        Runs before a key counts as a press or a repeat.
-        """
-        stopped = self._changes.look(state.robots.values())
-        return [effect for name in stopped for effect in self._stop(name, state)]
+    def stopped_robots(self, robots: Iterable[RobotState]) -> list[str]:
+        """Names of robots whose control changed or that stopped since the last call."""
+        return self._changes.look(robots)
+
+    def end_holds(self, robots: Iterable[str], state: ConsoleState) -> list[Effect]:
+        """Release held inputs of these robots."""
+        return [effect for name in robots for effect in self._stop(name, state)]
 
     def _stop(self, robot: str, state: ConsoleState) -> list[Effect]:
         """Release what drives a robot; its keys must go up before they drive again."""
@@ -300,10 +307,7 @@ class Dispatch:
     ) -> list[Effect]:
         """A widget's effects that this console may execute; `fresh`: caused by a new press."""
         by_hand = frozenset(
-            commanded(each, state)
-            for each in self._widgets
-            if each.rule.purpose is Purpose.TAKE_CONTROL
-            and not cast("TakingWidget", each).takes_by_driving()
+            commanded(each, state) for each in self._takers if not each.takes_by_driving()
         )
         robot = refused(asked, state, by_hand)
         if robot is None:

@@ -258,15 +258,14 @@ class EffectRunner:
         | NextLayoutEffect,
     ) -> None:
         """Execute an effect on robots, files, joysticks or the layout."""
-        state = self._state()
         match effect:
             case SendEffect() | ControlEffect() | MissionEffect() | RobotRecordEffect():
                 self._send(effect)
             case ScreenshotEffect() | RecordEffect() | ExportEffect():
-                cells, pictures = self._pane.cells, self._pane.pictures
+                state, cells, pictures = self._state(), self._pane.cells, self._pane.pictures
                 self.file_writer.do(effect, self._current.layout, state, cells, pictures)
             case CalibrateEffect(joystick=name, control=control):
-                self._inputs.joysticks.calibrate(name, control, state.now)
+                self._inputs.joysticks.calibrate(name, control, time.monotonic())
             case NextLayoutEffect():
                 if not self.layouts.next():
                     self.notify(Outcome(text="the console was started with no other layout"))
@@ -292,6 +291,6 @@ class EffectRunner:
                 link.recorder.order(effect.command)
         else:
             link.send(effect.definition, effect.value)
-            if effect.controlled:
+            if effect.controlled and self._team.awaits_command(self._current.console.chosen):
                 state = self._state()
                 self._record_team(self._team.command(effect.robot, state), state.now)

@@ -82,6 +82,10 @@ class TeamWatch:
                 yield TeamEvent(kind=TeamEventKind.PEEKED, robot=state.peeked, after_s=after)
         yield from self._alarms(state)
 
+    def awaits_command(self, chosen: str) -> bool:
+        """Whether the chosen robot has got no command since its choice."""
+        return chosen != self._chosen or not self._commanded
+
     def command(self, robot: str, state: ConsoleState) -> Iterator[TeamEvent]:
         """The events, with that of a command to a robot if it is the first since its choice."""
         yield from self.look(state)

@@ -30,10 +30,10 @@ from rune_tui.controls.joystick.calibration_store import CalibrationStore
 from rune_tui.controls.joystick_set import Joysticks
 from rune_tui.controls.joystick_sources import Sources
 from rune_tui.controls.keyboard import KeyboardHold
-from rune_tui.controls.remote_pad.far_pads import FarPads
 from rune_tui.files.recorder import Recorder
 from rune_tui.layout.key_notes import unreported_keys
 from rune_tui.layout.names import JOYSTICK, MOUSE, WAY_OUT
+from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify
 from rune_tui.model.own_records import InputOutcome
@@ -73,7 +73,7 @@ class InputEvents:
         app: CoveredApp,
         current: CurrentLayout,
         painter: Painter,
-        pads: FarPads,
+        links: RobotLinks,
         state: Callable[[], ConsoleState],
         execute: Callable[[Iterable[Effect]], None],
     ) -> None:
@@ -83,19 +83,22 @@ class InputEvents:
             app: The console's app.
             current: The open layout with its widgets.
             painter: Says whether the terminal answers.
-            pads: Joysticks of other machines.
+            links: Links to the robots; they bring joysticks of other machines too.
             state: Returns the console's state now.
             execute: Executes effects.
         """
         self._app = app
         self._current = current
         self._painter = painter
+        self._links = links
         self._state = state
         self._execute = execute
         self.names = KeyNames(current)
         self.keyboard = KeyboardHold(self.names.drives)
         self.joysticks = Joysticks(
-            current.layout.joysticks, Sources(local_devices.reader(), pads), CalibrationStore()
+            current.layout.joysticks,
+            Sources(local_devices.reader(), links.pads),
+            CalibrationStore(),
         )
         self._pauses = OwnPauses(PAUSE_S, stale_s=STALE_S)
         self.recorder: Recorder | None = None
@@ -159,6 +162,11 @@ class InputEvents:
             moved = self.keyboard.down(key, now, repeat=repeat, fine=fine, stale=stale)
             self._handle(moved)
             self._name_unbound(key)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether reports of the terminal wait to be handled."""
+        return self._app.message_queue_size > 0
 
     def _name_unbound(self, key: str) -> None:
         if text := self.names.unbound(key):
@@ -231,13 +239,14 @@ class InputEvents:
         """Release expired keys, and report changes of joysticks; runs 20 times a second."""
         dispatch = self._current.dispatch
         self.keyboard.answers = self._painter.answers_itself
-        expired, state = tuple(self.keyboard.expire(now)), self._state()
-        self._record_held(state, now)
-        effects = dispatch.handle_all(expired, state)
-        for each in expired:
-            self._note(each, effects, state, now)
-        self._execute(effects)
-        self.names.follow(state)
+        self._record_held(now)
+        if expired := self.keyboard.expire(now):
+            state = self._state()
+            effects = dispatch.handle_all(expired, state)
+            for each in expired:
+                self._note(each, effects, state, now)
+            self._execute(effects)
+        self.names.follow(link.state for link in self._links.values())
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._current.dispatch.button_held and unheard:
             self.release_all()  # a cut line brings no release
@@ -249,7 +258,9 @@ class InputEvents:
         now = time.monotonic()
         if self._pauses.look(now):
             self.release_all()
-        self._execute(self._current.dispatch.look(self._state()))
+        dispatch = self._current.dispatch
+        if stopped := dispatch.stopped_robots(link.state for link in self._links.values()):
+            self._execute(dispatch.end_holds(stopped, self._state()))
         return now
 
     def unused_for(self, now: float) -> float:
@@ -333,10 +344,10 @@ class InputEvents:
             event = ControlEvent(name=name, pressed=True, repeat=repeat)
             self.recorder.note_input(input_record(event, (), (), self._state(), read))
 
-    def _record_held(self, state: ConsoleState, now: float) -> None:
+    def _record_held(self, now: float) -> None:
         """Let a recording that begins have the inputs that are down."""
         path = self.recorder.path if self.recorder is not None else ""
         if path != self._recorded:
-            self._recorded = path
+            self._recorded, state = path, self._state()
             for event in self._down.values():
                 self._record(dataclasses.replace(event, repeat=True), (), state, now)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from textual import events
 
 from rune_tui.controls.keyboard import name_of_key, without_shift
 from rune_tui.controls.keyboard_layouts import us_key
 from rune_tui.layout.names import SHIFT, canonical_key
-from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, standing
 from rune_tui.model.own_keys import own_key
+from rune_tui.model.robot_state import RobotState
 from rune_tui.ui.current_layout import CurrentLayout
 
 _MOST_NAMED = 8
@@ -25,9 +27,8 @@ class KeyNames:
         self._takes_control = True
         self._named: set[str] = set()
 
-    def follow(self, state: ConsoleState) -> None:
+    def follow(self, robots: Iterable[RobotState]) -> None:
         """Note whether a key that drives may take control of a robot."""
-        robots = state.robots.values()
         self._takes_control = any(standing(each) is Standing.FREE for each in robots)
 
     def named(self, key: str, character: str | None, base: str = "") -> tuple[str, bool]:

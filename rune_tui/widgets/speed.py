@@ -289,7 +289,7 @@ class SetSpeed:
         if late < -_EARLY_S:
             return ()
         effects = self._send(state.now)
-        if late < self._period():
+        if late < self._due - state.now:
             # Counted on from when it was due, so that a jittering clock does not lower the rate.
             self._due -= late
         return effects
@@ -309,9 +309,6 @@ class SetSpeed:
     def _holds(self, control: str) -> bool:
         return any(spec.control == control for spec in self._held)
 
-    def _period(self) -> float:
-        return NEUTRAL_PERIOD_S if self.velocity().neutral else ACTIVE_PERIOD_S
-
     def _go_on(self, seconds: float) -> None:
         """Count the steps commanded in this time; command at most the rest of them."""
         for spec, step in self._steps.items():
@@ -323,8 +320,9 @@ class SetSpeed:
     def _send(self, now: float) -> tuple[Effect, ...]:
         self._go_on(now - self._sent)
         self._sent = now
-        self._due = now + self._period()
-        command = TwistStamped.of(self.velocity())
+        velocity = self.velocity()
+        self._due = now + (NEUTRAL_PERIOD_S if velocity.neutral else ACTIVE_PERIOD_S)
+        command = TwistStamped.of(velocity)
         return (SendEffect(robot=self.robot, definition=VELOCITY_COMMAND, value=command),)
 
 
