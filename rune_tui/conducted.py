@@ -80,9 +80,9 @@ class ConductedConsole(Console, inherit_bindings=True):
     def on_key_moved(self, event: KeyMoved) -> None:
         """The same on a terminal that reports releases."""
         down, repeat = event.move is not KeyMove.RELEASE, event.move is KeyMove.REPEAT
-        if down and self._wanted(event.key, event.character, repeat=repeat):
-            event.stop()
-            event.prevent_default()
+        if not (down and self._wanted(event.key, event.character, repeat=repeat)):
+            super().on_key_moved(event)
+        event.prevent_default()  # Textual calls the method of each class
 
     def _wanted(self, key: str, character: str | None, *, repeat: bool = False) -> bool:
         name = name_of_key(key, character)

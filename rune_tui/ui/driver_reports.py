@@ -8,7 +8,14 @@ from textual.message import Message
 from rune_tui.terminal.input_stream import CursorReport, KeyMove
 
 
-class FrameAnswered(Message):
+class UrgentReport(Message):
+    """A report that the app's method handles without Textual's queue, which would delay it.
+
+    It keeps its place among all messages of the driver.
+    """
+
+
+class FrameAnswered(UrgentReport):
     """The terminal answers the question after a frame.
 
     Attributes:
@@ -23,7 +30,7 @@ class FrameAnswered(Message):
         self.when = when
 
 
-class KeyMoved(Message):
+class KeyMoved(UrgentReport):
     """A press, repeat or release of a key, on a terminal that reports releases.
 
     Attributes:

@@ -18,7 +18,11 @@ from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.driver import Driver
 from textual.keys import Keys
+from textual.message import Message
 from textual.strip import Strip
+
+from rune_tui.ui.driver_reports import UrgentReport
+from rune_tui.ui.waking import waker
 
 _TRIES: Final = 1000
 """Most tries to enter a terminal; each try stops the process, unless the terminal is lost."""
@@ -64,6 +68,12 @@ def is_understood(sequence: str) -> bool:
     """Whether Textual understands an escape sequence."""
     known = sequence in ANSI_SEQUENCES_KEYS or sequence in _xterm_parser.SPECIAL_SEQUENCES
     return known or any(pattern.fullmatch(sequence) for pattern in _UNDERSTOOD)
+
+
+def queue_is_idle(app: App[Any]) -> bool:
+    """Whether an app has handled all its messages, and waits for the next one."""
+    queue: Any = app._message_queue
+    return bool(queue.empty()) and any(not each.done() for each in queue.ready_event._waiters)
 
 
 class KeyParser(XTermParser):
@@ -143,15 +153,33 @@ with contextlib.suppress(ImportError):  # not on Windows
         """Whether another program has the terminal, or a change is under way."""
         _called_back: bool = False
 
+        def __init__(self, app: App[Any], **options: Any) -> None:  # noqa: ANN401 - Textual's
+            super().__init__(app, **options)
+            self._hand_over = waker(self._loop, self._handle)
+
         def start_application_mode(self) -> None:
             """Enter the terminal."""
             if not isinstance(self._file, _Sink):
                 self._file = _Sink(self._file)  # type: ignore[assignment,arg-type]
             super().start_application_mode()  # type: ignore[no-untyped-call]
 
+        def send_message(self, message: Message) -> None:
+            """Have the app handle a message, in order; Textual's way there delays each key."""
+            self._hand_over(message)
+
         def write_bytes(self, data: bytes) -> None:
             """Write bytes in UTF-8."""
             self.write(data)  # type: ignore[arg-type] # the writer passes it on unchanged
+
+        def _handle(self, message: Message) -> None:
+            """Handle a message in the app's thread: at once, if no earlier one is on its way."""
+            app = self._app
+            urgent = isinstance(message, UrgentReport) and queue_is_idle(app)
+            handler = getattr(app, message.handler_name, None) if urgent else None
+            try:
+                (handler or app.post_message)(message)
+            except Exception as error:  # noqa: BLE001 - ends the app as from Textual's queue
+                app._handle_exception(error)
 
         def discard_output(self) -> None:
             """Discard the output that waits for the terminal."""

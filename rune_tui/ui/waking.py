@@ -6,9 +6,14 @@ import asyncio
 import contextlib
 import contextvars
 from collections.abc import Callable
+from typing import TypeVarTuple
+
+Given = TypeVarTuple("Given")
 
 
-def waker(loop: asyncio.AbstractEventLoop, work: Callable[[], None]) -> Callable[[], None]:
+def waker(
+    loop: asyncio.AbstractEventLoop, work: Callable[[*Given], None]
+) -> Callable[[*Given], None]:
     """A function for other threads that runs some work in the loop's thread at once.
 
     Args:
@@ -17,8 +22,8 @@ def waker(loop: asyncio.AbstractEventLoop, work: Callable[[], None]) -> Callable
     """
     context = contextvars.copy_context()
 
-    def wake() -> None:
+    def wake(*given: *Given) -> None:
         with contextlib.suppress(RuntimeError):
-            loop.call_soon_threadsafe(work, context=context)
+            loop.call_soon_threadsafe(work, *given, context=context)
 
     return wake

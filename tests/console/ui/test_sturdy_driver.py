@@ -11,7 +11,7 @@ from textual.app import App
 from textual.message import Message
 
 from rune_tui.controls.typing_speed import TypingSpeed
-from rune_tui.terminal.input_stream import InputStream
+from rune_tui.terminal.input_stream import InputStream, KeyMove
 from rune_tui.ui.driver_reports import KeyMoved, KeysDropped
 from rune_tui.ui.sturdy_driver import SturdyDriver, SturdyParser, understood
 from tests.support.cases import for_each
@@ -179,3 +179,38 @@ def test_keys_that_act_at_once_wait_for_nothing_and_two_fingers_drive() -> None:
 def test_input_that_cannot_be_read_is_told_as_dropped() -> None:
     assert heard(("\x1b[1;5\x02w", 0)) == ["dropped"]
     assert heard(("\x1b[200~w q\x1b[201~", 0)) == ["Paste"]
+
+
+class Noting(App[None]):
+    """Notes what it handles; a dropped key takes two turns of the loop."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.noted: list[str] = []
+
+    def on_key_moved(self, event: KeyMoved) -> None:
+        self.noted.append(event.key)
+
+    async def on_keys_dropped(self) -> None:
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        self.noted.append("dropped")
+
+
+def test_a_key_is_handled_at_the_next_turn_of_the_loop_and_never_before_earlier_reports():
+    async def play() -> None:
+        app = Noting()
+        async with app.run_test() as pilot:
+            driver = SturdyDriver(app)
+            await pilot.pause()
+            driver.process_message(KeyMoved("w", "w", KeyMove.PRESS))
+            await asyncio.sleep(0)
+            assert app.noted == ["w"]
+            driver.process_message(KeysDropped())
+            driver.process_message(KeyMoved("a", "a", KeyMove.PRESS))
+            await asyncio.sleep(0)  # the first is being handled
+            driver.process_message(KeyMoved("d", "d", KeyMove.PRESS))
+            await pilot.pause()
+            assert app.noted == ["w", "dropped", "a", "d"]
+
+    asyncio.run(play())

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import inspect
 import re
 from pathlib import Path
 
 import textual
 from textual import _ansi_sequences, _xterm_parser
+from textual._queue import Queue
 from textual.app import App
 from textual.driver import Driver
 from textual.drivers import _writer_thread
@@ -32,6 +34,9 @@ NAMES = [
     (LinuxDriver, "_sigcont_application"),
     (LinuxDriver, "run_input_thread"),
     (Strip, "_segments"),
+    (App, "_message_queue"),
+    (App, "_handle_exception"),
+    (asyncio.Event(), "_waiters"),
 ]
 
 
@@ -53,6 +58,9 @@ def test_textual_has_what_the_console_takes_from_its_inside(owner: object, name:
         (_writer_thread.WriterThread.run, "if text is None:"),
         (Driver.suspend_application_mode, "self.stop_application_mode()"),
         (Driver.suspend_application_mode, "self.close()"),
+        (Driver.process_message, "self.send_message(message)"),
+        (Queue.__init__, "self.ready_event = Event()"),
+        (Queue.get, "await self.ready_event.wait()"),
         (Strip, '"_cell_count"'),
         (Strip, '"_render_cache"'),
         (LinuxDriver.start_application_mode, "\\x1b[>{KITTY_PROTOCOL_FLAG}u"),
