@@ -26,7 +26,7 @@ from rune_tui.ui.covered import CoveredApp
 from rune_tui.ui.current_layout import CurrentLayout
 from rune_tui.ui.driver_reports import FrameAnswered, KeyMoved, KeysDropped, ReleasesReported
 from rune_tui.ui.ending import force_end_later, run_on_termination
-from rune_tui.ui.frame_clock import FRAME_S, FrameClock
+from rune_tui.ui.frame_clock import FrameClock
 from rune_tui.ui.input_events import InputEvents
 from rune_tui.ui.live_state import LiveState
 from rune_tui.ui.painter import Painter
@@ -143,7 +143,7 @@ class Console(CoveredApp, inherit_bindings=False):
         run_on_termination(loop, self._leave)
         self.app_resume_signal.subscribe(self, self._come_back)
         self.inputs.start(loop)
-        self.set_interval(FRAME_S, self._frames.draw)
+        self.run_worker(self._frames.run())
         self.set_interval(_TICK_S, self._tick)
         self.run_worker(self.effects.layouts.run())
         if self._trouble:
@@ -164,13 +164,13 @@ class Console(CoveredApp, inherit_bindings=False):
             with self.effects.guard(f"the tick of {type(part).__name__}"):
                 part.tick(now)
 
-    async def on_resize(self, event: events.Resize) -> None:
+    def on_resize(self, event: events.Resize) -> None:
         """Follow the terminal's size; request pictures no larger than it shows."""
         moved = self.current.view.resize(event.size.width, event.size.height)
         if moved and self.current.dispatch.button_held:
             self.inputs.release_all()  # the viewport moved away from the mouse
         self.effects.ask_for_pictures()
-        await self._frames.draw()
+        self._frames.draw_now()
 
     def on_key(self, event: events.Key) -> None:
         """Handle a press or repeat of a key."""
@@ -207,9 +207,9 @@ class Console(CoveredApp, inherit_bindings=False):
         """Handle a move of a part of the mouse."""
         self.inputs.mouse(event, part, pressed=pressed, value=value)
 
-    async def on_frame_answered(self, event: FrameAnswered) -> None:
+    def on_frame_answered(self, event: FrameAnswered) -> None:
         """Note that the terminal shows a frame."""
-        await self._frames.answered(event)
+        self._frames.answered(event)
 
     def on_paste(self, event: events.Paste) -> None:
         """Pasted text does not drive: release all inputs."""

@@ -11,11 +11,11 @@ from typing import cast
 
 import numpy as np
 
-from rune_tui.compositor.blend import Layer, compose, tinted, urgencies_of
+from rune_tui.compositor.blend import Layer
 from rune_tui.compositor.cells import Cells
-from rune_tui.compositor.contrast import make_legible
-from rune_tui.compositor.seen_pictures import SeenPicture, seen_pictures
+from rune_tui.compositor.seen_pictures import SeenPicture
 from rune_tui.controls.events import Hit
+from rune_tui.drawn_layers import DrawnLayers
 from rune_tui.drawn_viewport import DrawnViewport, DrawTimes, drawn_functions, is_shown
 from rune_tui.layout.placing import Placed, arrangement_for, filled, given_away, placed
 from rune_tui.layout.rules import Vocabulary
@@ -24,7 +24,6 @@ from rune_tui.model.attention import AttentionEntry, AttentionQueue
 from rune_tui.model.body import lacks
 from rune_tui.model.cameras import PictureNeed
 from rune_tui.model.console_state import ConsoleState
-from rune_tui.model.theme import DARK, Theme
 from rune_tui.overlays.notice_layer import notice_only
 from rune_tui.overlays.page_layer import PageLayer
 from rune_tui.raster.urgency import Urgencies
@@ -45,6 +44,8 @@ class View:
     """Turns the console's state into cells; draws nothing before the first `resize`.
 
     Attributes:
+        columns: Width of the terminal [cells].
+        rows: Height of the terminal [cells].
         places: Viewports that have a place at this size, and whether each is shown at first.
         attention: The queue of problems in the newest picture.
         arranged: How often the viewports were placed.
@@ -75,8 +76,8 @@ class View:
         self._vocabulary = layout.vocabulary
         self._choice = any(each.robot == CHOSEN for each in layout.view.viewports)
         self._look = "", "", ""
-        self._columns = 0
-        self._rows = 0
+        self.columns = 0
+        self.rows = 0
         self.panes: list[DrawnViewport] = []
         # Some keep a history of values, so a new size of the terminal does not replace them.
         self._visualizers: dict[str, Visualizer] = {}
@@ -105,8 +106,8 @@ class View:
         Returns:
             Whether another arrangement of the layout is now in use.
         """
-        self._columns = max(0, columns)
-        self._rows = max(0, rows)
+        self.columns = max(0, columns)
+        self.rows = max(0, rows)
         self._complete = False
         self.arranged += 1
         self.panes = []
@@ -145,7 +146,7 @@ class View:
         free = {
             name for name, each in self._viewports.items() if not self._visualizer(each).whole_cells
         }
-        size = self._columns, self._rows
+        size = self.columns, self.rows
         if self._full or self._paged:
             full = "" if self._paged else self._full
             whole, *rest = filled(self._arrangement, full, self._vital, *size, free=free)
@@ -164,21 +165,38 @@ class View:
 
         After a fault the picture shows the fault: an old picture must not look like a new one.
         """
-        if not self._columns or not self._rows:
+        drawn = self.draw(state)
+        return None if drawn is None else self.compose(drawn)
+
+    def draw(self, state: ConsoleState) -> DrawnLayers | None:
+        """The first half of `render`: the layers of the picture; None if none changed."""
+        if not self.columns or not self.rows:
             return None
         try:
-            cells = self._rendered(state)
-        except Exception:  # the operator can still stop, and must see that the picture failed
-            if self._failed:
-                return None
-            self._failed, self._complete = True, False
-            _logger.exception("the picture cannot be made")
-            layers = [self._notice_alone("this cannot be drawn; the log says why", state)]
-            self.urgencies = urgencies_of(self._columns, self._rows, layers)
-            self.pictures = ()
-            return compose(self._columns, self._rows, self._background(state.theme), layers)
-        self._failed = False
+            return self._drawn(state)
+        except Exception as error:  # noqa: BLE001 - the operator can still stop, and must see it
+            return self._fault(state, error)
+
+    def compose(self, drawn: DrawnLayers) -> Cells | None:
+        """The second half of `render`: the cells of layers; None after a fault that is shown."""
+        try:
+            composed = drawn.composed()
+        except Exception as error:  # noqa: BLE001 - as above
+            fault = self._fault(drawn.state, error)
+            return None if fault is None else self.compose(fault)
+        self._failed = drawn.fault
+        cells, self.urgencies, self.pictures = composed
         return cells
+
+    def _fault(self, state: ConsoleState, error: Exception) -> DrawnLayers | None:
+        """The notice of a fault; None if it is shown already."""
+        if self._failed:
+            return None
+        self._failed, self._complete = True, False
+        _logger.error("the picture cannot be made", exc_info=error)
+        layers = [self._notice_alone("this cannot be drawn; the log says why", state)]
+        ground = self._spec.background
+        return DrawnLayers(state, self.columns, self.rows, ground, layers, fault=True)
 
     def feed(self, state: ConsoleState) -> None:
         """Take a state as `render` does, without drawing; the next `render` draws what is due."""
@@ -223,16 +241,16 @@ class View:
             self._stop_shown = shown
             state = dataclasses.replace(state, stop_shown=shown)
         changed += [pane.refresh(state, draw=draw) for pane in others]
-        size = self._columns, self._rows
+        size = self.columns, self.rows
         changed.append(self._top.refresh_banner(self.panes, size, state))
         top, rows = self._page_place
         nearest = self._top_zpos + 1
-        changed.append(self._page.refresh(self._columns, top, rows, nearest, state))
+        changed.append(self._page.refresh(self.columns, top, rows, nearest, state))
         page_rows = self._page_rows
         changed.append(self._top.refresh(self.panes, size, nearest, state, page_rows=page_rows))
         return state, any(changed)
 
-    def _rendered(self, state: ConsoleState) -> Cells | None:
+    def _drawn(self, state: ConsoleState) -> DrawnLayers | None:
         state, changed = self._refreshed(state, draw=True)
         look = state.theme.name, state.chosen, state.peeked
         if self._complete and not changed and look == self._look:
@@ -244,11 +262,7 @@ class View:
             layers = [layer for pane in self.panes for layer in pane.layers(state)]
             layers += [pane.over for pane in self.panes if pane.over is not None]
             layers += [*self._page.layers, *self._top.layers]
-        self.urgencies = urgencies_of(self._columns, self._rows, layers)
-        cells = compose(self._columns, self._rows, self._background(state.theme), layers)
-        make_legible(cells, state.theme.tint)
-        self.pictures = seen_pictures(cells, layers, state.theme.tint)
-        return tinted(cells, state.theme.tint)
+        return DrawnLayers(state, self.columns, self.rows, self._spec.background, layers)
 
     def hits(self, x: int, y: int, state: ConsoleState) -> tuple[Hit, ...]:
         """Viewports at a pixel of the terminal (column, 2 * row), nearest first."""
@@ -281,7 +295,7 @@ class View:
         look = full, vital, state.paged, idle
         if look != (self._full, self._vital, self._paged, self._idle):
             self._full, self._vital, self._paged, self._idle = look
-            self.resize(self._columns, self._rows)
+            self.resize(self.columns, self.rows)
 
     def _is_idle(self, name: str, state: ConsoleState) -> bool:
         """Whether a viewport can show nothing of its robot's body."""
@@ -302,16 +316,6 @@ class View:
         return [each.name for each in sorted(vital, key=lambda each: each.robot != robot)]
 
     @property
-    def columns(self) -> int:
-        """Width of the terminal [cells]."""
-        return self._columns
-
-    @property
-    def rows(self) -> int:
-        """Height of the terminal [cells]."""
-        return self._rows
-
-    @property
     def _page_place(self) -> tuple[int, int]:
         """First row and height of a page, between the banner and the vital viewports [cells]."""
         top = min(self._top.banner_end, self._page_rows - 1)
@@ -319,24 +323,19 @@ class View:
 
     def within_page(self, state: ConsoleState) -> ConsoleState:
         """The state with its page scrolled at most to the page's end."""
-        page = self._page.within(state.page, self._columns, self._page_place[1], state)
+        page = self._page.within(state.page, self.columns, self._page_place[1], state)
         return dataclasses.replace(state, page=page)
 
     @property
     def _too_small(self) -> bool:
-        return self._columns < MIN_COLUMNS or self._rows < MIN_ROWS
-
-    def _background(self, theme: Theme) -> tuple[int, int, int]:
-        """Colour behind all viewports; the layout's own colour applies to the dark theme only."""
-        given = self._spec.background if theme is DARK else None
-        return given or theme.ground[:3]
+        return self.columns < MIN_COLUMNS or self.rows < MIN_ROWS
 
     @property
     def _top_zpos(self) -> int:
         return max((place.zpos for place in self._arrangement.places), default=0)
 
     def _notice_alone(self, text: str, state: ConsoleState) -> Layer:
-        return notice_only(text, self._columns, self._rows, state.theme)
+        return notice_only(text, self.columns, self.rows, state.theme)
 
 
 def _visualizer_of(viewport: ViewportSpec, vocabulary: Vocabulary) -> Visualizer:

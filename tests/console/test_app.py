@@ -15,12 +15,17 @@ from hub.command_line import ExitCode
 from hub.gcm.navigation import STOP, TURN_COMMAND, Stop, TurnCommand
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityReports
 from hub.recording.recording_set import RecordingSet
+from rune_tui.compositor.cells import Cells
 from rune_tui.controls.events import PAUSE_S
+from rune_tui.drawn_layers import DrawnLayers
 from rune_tui.layout.loader import load_layout
+from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Notify, SendEffect
 from rune_tui.model.own_records import RUNE_INPUT
 from rune_tui.terminal.input_stream import KeyMove
 from rune_tui.ui.driver_reports import KeyMoved, ReleasesReported
+from rune_tui.ui.live_state import LiveState
+from rune_tui.view import View
 from tests.console.app_desk import Desk, Script
 from tests.support.full_disk import files_no_longer_than
 
@@ -342,5 +347,52 @@ def test_withheld_control_lets_only_stops_through_and_says_why(
         inputs.release_all()
         desk.robot.speeds.clear()
         await desk.drive()
+
+    play(script)
+
+
+def test_a_key_that_drives_has_one_state_built_for_it(
+    play: Callable[[Script], None], monkeypatch: pytest.MonkeyPatch
+):
+    async def script(desk: Desk) -> None:
+        console, built = desk.console, []
+        console.post_message(ReleasesReported(reported=True))
+        await desk.until(lambda: console.state.releases_reported)
+        build = vars(LiveState)["now"].fget
+        monkeypatch.setattr(LiveState, "now", property(lambda self: built.append(1) or build(self)))
+        for move in (KeyMove.PRESS, KeyMove.RELEASE, KeyMove.PRESS):
+            built.clear()
+            console.on_key_moved(KeyMoved("w", "w", move))
+            count = len(built)
+            await desk.until(lambda d=move is KeyMove.PRESS: (desk.robot.speeds[-1] > 0.0) == d)
+        assert count == 1  # the first command after a choice is recorded, from another state
+
+    play(script)
+
+
+def test_a_key_is_handled_between_the_parts_of_a_frame(
+    play: Callable[[Script], None], monkeypatch: pytest.MonkeyPatch
+):
+    async def script(desk: Desk) -> None:
+        console, held = desk.console, []
+        console.post_message(ReleasesReported(reported=True))
+        await desk.until(lambda: console.state.releases_reported)
+        draw, compose = View.draw, View.compose
+
+        def draw_late(view: View, state: ConsoleState) -> DrawnLayers | None:
+            drawn = draw(view, state)
+            if drawn is not None:
+                console.post_message(KeyMoved("w", "w", KeyMove.PRESS))
+            return drawn
+
+        def compose_after(view: View, drawn: DrawnLayers) -> Cells | None:
+            held.append("w" in console.inputs.keyboard.held)
+            return compose(view, drawn)
+
+        monkeypatch.setattr(View, "draw", draw_late)
+        monkeypatch.setattr(View, "compose", compose_after)
+        console.effects.run((Notify.now(console.state, "something to draw"),))
+        await desk.until(lambda: held)
+        assert all(held)
 
     play(script)

@@ -193,10 +193,23 @@ def test_a_view_that_cannot_be_made_shows_no_pictures(monkeypatch: pytest.Monkey
     screen.resize(160, 48)
     assert rendered(screen, robots, STATE) is not None
     assert screen.pictures
-    monkeypatch.setattr("rune_tui.view.make_legible", lambda *_: 1 / 0)
+    monkeypatch.setattr("rune_tui.drawn_layers.make_legible", lambda *_: 1 / 0)
     screen.resize(160, 48)
     assert rendered(screen, robots, STATE) is not None
     assert not screen.pictures
+
+
+def test_a_resize_between_drawing_and_composing_makes_the_next_picture_complete() -> None:
+    screen = View(layout_of(view(viewport("visualizeStatus", (0, 0, 160, 96)))))
+    screen.resize(160, 48)
+    state = dataclasses.replace(STATE, robots={"magellan": robot()})
+    drawn = screen.draw(state)
+    assert drawn is not None
+    screen.resize(80, 24)
+    before, after = screen.compose(drawn), screen.render(state)
+    assert before is not None
+    assert after is not None
+    assert (before.columns, after.columns) == (160, 80)
 
 
 def test_a_plot_keeps_its_history_when_the_terminal_changes_its_size() -> None:

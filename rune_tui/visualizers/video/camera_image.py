@@ -266,7 +266,9 @@ def _mark_middle(canvas: Canvas, frame: PictureFrame, theme: Theme) -> None:
 
 def _write_name(canvas: Canvas, name: str, theme: Theme) -> None:
     """The camera's name in the upper left corner."""
-    shown = f" {name} "[: canvas.width] if name else ""
+    if not name:
+        return
+    shown = f" {name} "[: canvas.width]
     with drawing(canvas) as pen:
         pen.rectangle(0, 0, len(shown), 2, theme.panel)
     canvas.text(0, 0, shown, theme.ink)

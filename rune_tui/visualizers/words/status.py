@@ -129,6 +129,8 @@ def fitting(parts: Sequence[Part], columns: int) -> tuple[Part, ...]:
 
     Parts of the least weight are shortened first, then left out.
     """
+    if _width(parts) <= columns:
+        return tuple(parts)
     kept: dict[int, Part] = dict(enumerate(parts))
     for weight in sorted({part.weight for part in parts}):
         places = [place for place in reversed(kept) if kept[place].weight == weight]
