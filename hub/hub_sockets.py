@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import shutil
 import stat
 from pathlib import Path
 from typing import IO
@@ -161,7 +160,7 @@ class HubFolder:
                 raise EndpointError(text)
         for old in self.path.parent.glob(f"*/{PROCESS}"):
             if not runs(old.parent):  # of a hub that was killed
-                shutil.rmtree(old.parent, ignore_errors=True)
+                _remove(old.parent)
         self._make()
 
     @property
@@ -191,7 +190,7 @@ class HubFolder:
         """Remove the folder, after the hub's sockets are closed."""
         if self._lock is not None:
             self._lock.close()
-        shutil.rmtree(self.path, ignore_errors=True)
+        _remove(self.path)
 
     def _hold(self) -> None:
         """Write the process id into a file that is locked until this process ends."""
@@ -212,17 +211,33 @@ class HubFolder:
             text = f"no folder for sockets can be made in {parent.parent}: {error.strerror}"
             raise EndpointError(text) from error
         if not _is_own(parent):
-            text = f"{parent} belongs to another user, or others may enter it; remove it"
+            text = (
+                f"{parent} must belong to this user and have mode 0700; see to that, or name "
+                "another folder with RUNE_RUNTIME_DIR"
+            )
             raise EndpointError(text)
         try:
-            shutil.rmtree(self.path, ignore_errors=True)  # of a hub that was killed
+            _remove(self.path)  # of a hub that was killed
             self.path.mkdir(mode=0o700)
             self._hold()
             if self.tcp:
                 (self.path / TCP).write_text(f"{self.tcp}\n")
+        except FileExistsError as error:
+            text = f"{self.path} holds other files than a hub's; give another name with --as"
+            raise EndpointError(text) from error
         except OSError as error:
             text = f"no folder for sockets can be made in {parent}: {error.strerror}"
             raise EndpointError(text) from error
+
+
+def _remove(folder: Path) -> None:
+    """Remove the folder of a hub that ended; a folder that holds other files stays as it is."""
+    with contextlib.suppress(OSError):
+        files = [] if folder.is_symlink() else list(folder.iterdir())
+        if {each.name for each in files} <= {PROCESS, TCP, *SOCKETS}:
+            for each in files:
+                each.unlink(missing_ok=True)
+            folder.rmdir()
 
 
 def _is_own(folder: Path) -> bool:

@@ -64,6 +64,22 @@ def test_a_second_hub_of_a_name_is_refused_and_a_killed_one_makes_room() -> None
         assert [path.name for path in again.path.parent.iterdir()] == ["magellan"]
 
 
+@pytest.mark.parametrize("where", ["documents", "elsewhere"])
+def test_no_file_is_removed_that_no_hub_made(tmp_path: Path, where: str) -> None:
+    """`RUNE_RUNTIME_DIR` may be a person's home, with folders that hold files named pid."""
+    kept = tmp_path / "run" / where
+    kept.mkdir()
+    for file in ("pid", "thesis.tex"):
+        (kept / file).touch()
+    (tmp_path / "run" / "link").symlink_to(kept)
+    if where == "documents":
+        with pytest.raises(EndpointError, match="documents holds other files"):
+            HubFolder("documents")
+    else:
+        HubFolder("magellan").close()
+    assert {each.name for each in kept.iterdir()} == {"pid", "thesis.tex"}
+
+
 def test_a_hub_that_accepts_no_connection_still_runs_and_looking_makes_none() -> None:
     with ExitStack() as stack:
         folder = stack.enter_context(closing(HubFolder("magellan")))
@@ -86,7 +102,7 @@ def test_nobody_else_may_enter_its_folder_and_one_of_others_is_not_used() -> Non
         for path in (folder.path, folder.path.parent):
             assert stat.S_IMODE(path.stat().st_mode) == 0o700
     folder.path.parent.chmod(0o755)
-    with pytest.raises(EndpointError, match="others may enter it"):
+    with pytest.raises(EndpointError, match="must belong to this user and have mode 0700"):
         HubFolder("magellan")
     assert hub_sockets.running() == []
 
@@ -94,7 +110,7 @@ def test_nobody_else_may_enter_its_folder_and_one_of_others_is_not_used() -> Non
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give a folder to another user")
 def test_root_uses_no_folder_that_another_user_made(tmp_path: Path) -> None:
     os.chown(tmp_path / "run", 65534, 65534)
-    with pytest.raises(EndpointError, match="belongs to another user"):
+    with pytest.raises(EndpointError, match="must belong to this user"):
         HubFolder("magellan")
     other = tmp_path / "run" / "magellan"
     other.mkdir(mode=0o700)
