@@ -21,7 +21,7 @@ from rune_tui.replay.desk import SECOND, Desk
 from rune_tui.replay.player import Player
 
 if TYPE_CHECKING:
-    from av import VideoStream
+    from av import VideoFrame, VideoStream
 
 SUFFIXES = (".mp4", ".gif")
 _CRF = "20"
@@ -192,7 +192,7 @@ class _Mp4File:
         except ModuleNotFoundError as error:
             text = "PyAV is missing; install it with pip install 'robot-user-nexus[camera]'"
             raise PictureFileError(text) from error
-        self._av = av
+        self._av, self._broken = av, False
         self._size = size[0] + size[0] % 2, size[1] + size[1] % 2
         self._container = av.open(str(path), "w", format="mp4")
         rate = Fraction(options.frames_per_s).limit_denominator(1000)
@@ -208,14 +208,25 @@ class _Mp4File:
         if picture.size != self._size:
             picture = _padded(picture, self._size)
         frame = self._av.VideoFrame.from_ndarray(np.asarray(picture), format="rgb24")
-        for packet in self._stream.encode(frame):
-            self._container.mux(packet)
+        self._mux(frame)
 
     def close(self) -> None:
         """Write what is left."""
-        for packet in self._stream.encode():
+        try:
+            if not self._broken:
+                self._mux(None)
+        finally:
+            self._container.close()
+
+    def _mux(self, frame: VideoFrame | None) -> None:
+        """Write a frame; None: those that the codec kept back.
+
+        After a fault nothing more may be written: FFmpeg would read what it never allocated.
+        """
+        self._broken = True
+        for packet in self._stream.encode(frame):
             self._container.mux(packet)
-        self._container.close()
+        self._broken = False
 
 
 class _GifFile:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from contextlib import closing
 from functools import partial
@@ -109,6 +110,17 @@ def test_progress_ends_at_the_whole(player: Player, tmp_path: Path) -> None:
     write_clip(player, tmp_path / "clip.gif", SMALL, shares.append)
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".gif"])
+def test_a_disk_that_is_full_is_said_and_nothing_is_left(
+    player: Player, tmp_path: Path, suffix: str
+) -> None:
+    (tmp_path / f".clip.part{suffix}").symlink_to("/dev/full")
+    much = dataclasses.replace(SMALL, frames_per_s=50.0, scale=16)  # it is written before the end
+    with pytest.raises(PictureFileError, match="cannot be written: No space left"):
+        write_clip(player, tmp_path / f"clip{suffix}", much, nothing)
+    assert not [each for each in tmp_path.iterdir() if "clip" in each.name]
 
 
 def test_a_video_skips_a_long_hole(tmp_path: Path) -> None:
