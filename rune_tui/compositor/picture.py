@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
+from hub import files
 from rune_tui.compositor.blend import mean
 from rune_tui.compositor.cells import Cells
 from rune_tui.compositor.colours import at_depth
@@ -95,7 +96,7 @@ class PictureFile(Output):
             PictureFileError: The file cannot be written.
         """
         try:
-            self._path.write_bytes(frame.first)
+            files.replace(self._path, frame.first, sync=False)
         except OSError as error:
             why = error.strerror or error
             text = f"{self._path} cannot be written: {why}; choose another place"

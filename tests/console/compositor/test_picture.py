@@ -20,6 +20,7 @@ from rune_tui.compositor.picture import PictureFile, image, plain_text, svg
 from rune_tui.errors import PictureFileError
 from tests.console.compositor.frames import in_quadrants
 from tests.support.cases import for_each
+from tests.support.full_disk import files_no_longer_than
 
 
 @pytest.fixture
@@ -176,3 +177,14 @@ def test_a_file_wants_more_pixels_for_quadrants_in_truecolour_only(
     more = (glyphs, depth) == (GlyphSet.QUADRANTS, ColourDepth.TRUECOLOUR)
     file = PictureFile(Path("shot.png"), depth=depth, glyphs=glyphs)
     assert file.pixels_per_cell == ((2, 2) if more else (1, 2))
+
+
+def test_a_full_disk_leaves_the_picture_that_was_there(cells: Cells, tmp_path: Path) -> None:
+    path = tmp_path / "shot.png"
+    file = PictureFile(path)
+    file.write(file.draw(cells, ()))
+    before = path.read_bytes()
+    with files_no_longer_than(10), pytest.raises(PictureFileError, match="cannot be written"):
+        file.write(file.draw(cells, ()))
+    assert path.read_bytes() == before
+    assert [*tmp_path.iterdir()] == [path]
