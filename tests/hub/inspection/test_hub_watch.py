@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from hub.command_output import put
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityPhase, CapabilityReports
 from hub.inspection import module_commands
 from hub.inspection.hub_watch import HubWatch
@@ -54,11 +55,10 @@ def test_a_want_whose_hub_went_away_has_not_succeeded(
     endpoint: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     runs = capabilities(capability("VIS_VID", CapabilityPhase.RUNNING, module="vision"))
-    real = module_commands.put
     central = Central([endpoint])
 
     def end_after(text: str) -> None:
-        real(text)
+        put(text)
         central.close()
 
     monkeypatch.setattr(module_commands, "put", end_after)
