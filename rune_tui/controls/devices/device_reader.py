@@ -279,16 +279,18 @@ class _Reading:
         return device
 
     def _read_on(self, device: OpenDevice) -> None:
+        """Pass on what waits together, and a report that comes later as soon as it comes."""
         inbox = self.inbox or Inbox(device.controls)
         while not self.ended.is_set():
-            values = device.read(_READ_S)
-            if values is None:
-                continue
-            fresh, room = False, _MOST_AT_ONCE
-            while values is not None:
+            fresh, count = False, 0
+            while count < _MOST_AT_ONCE and (values := device.read(0.0)) is not None:
                 fresh |= inbox.put(values)
-                room -= 1
-                values = device.read(0.0) if room else None
+                count += 1
+            if not count:
+                values = device.read(_READ_S)
+                if values is None:
+                    continue
+                fresh = inbox.put(values)
             if fresh:
                 self._notify()
             time.sleep(_PAUSE_S)
