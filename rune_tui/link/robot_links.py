@@ -11,6 +11,7 @@ from rune_tui.layout.spec import LayoutSpec, RobotSpec
 from rune_tui.link.hub_tunnel import Tunnel
 from rune_tui.link.robot_link import RobotLink
 from rune_tui.link.way import FleetWays, Way
+from rune_tui.model.robot_state import RobotState
 
 
 class RobotLinks(Mapping[str, RobotLink]):
@@ -61,6 +62,11 @@ class RobotLinks(Mapping[str, RobotLink]):
     def operator(self) -> str:
         """The operator's name, as robots get it."""
         return self._operator
+
+    @property
+    def states(self) -> dict[str, RobotState]:
+        """The present state of each robot, by its name."""
+        return {name: link.state for name, link in self._links.items()}
 
     def __getitem__(self, name: str) -> RobotLink:
         return self._links[name]

@@ -246,7 +246,7 @@ class InputEvents:
             for each in expired:
                 self._note(each, effects, state, now)
             self._execute(effects)
-        self.names.follow(link.state for link in self._links.values())
+        self.names.follow(self._links.states.values())
         unheard = self._painter.answers and now - self._heard > _UNHEARD_S
         if self._current.dispatch.button_held and unheard:
             self.release_all()  # a cut line brings no release
@@ -259,7 +259,7 @@ class InputEvents:
         if self._pauses.look(now):
             self.release_all()
         dispatch = self._current.dispatch
-        if stopped := dispatch.stopped_robots(link.state for link in self._links.values()):
+        if stopped := dispatch.stopped_robots(self._links.states.values()):
             self._execute(dispatch.end_holds(stopped, self._state()))
         return now
 
@@ -325,6 +325,7 @@ class InputEvents:
     ) -> None:
         """Note that an input was used; record it, and what became of it."""
         self._used = time.monotonic()
+        self._record_held(self._used)
         if event.pressed and event.name not in _MOMENTARY:
             self._down[event.name] = event
         else:

@@ -54,7 +54,7 @@ class LiveState:
             must_release=keyboard.must_release,
             tap_first=keyboard.tap_first,
             hold_s=keyboard.hold_s,
-            robots={name: link.state for name, link in self._links.items()},
+            robots=self._links.states,
             display=self._painter.display(time.monotonic()),
             recording=self._recorder.path,
             joysticks=self._inputs.joysticks.states,
