@@ -154,7 +154,7 @@ def _motion(robot: RobotState, state: ConsoleState) -> Iterator[Part]:
     old = staleness(age) is not Staleness.FRESH
     if old and robot.link.phase is LinkPhase.CONNECTED:
         yield Part(f"STATE {age_text(age)} OLD", 9, Severity.ALARM, cause="state")
-    stale = staleness(age) is Staleness.STALE
+    stale = _outdated(robot, age)
     lost = robot.link.phase is LinkPhase.CONNECTED and navigation.motion is MotionState.NO_DRIVER
     for part in (*_moving(robot, navigation, state), *_battery(navigation)):
         if stale and lost and part.cause == MOTION:  # nothing newer comes, and this is so now
@@ -184,7 +184,12 @@ def _obstacles(robot: RobotState, now: float, *, silent: bool) -> Iterator[Part]
     if linked and not silent and staleness(age) is not Staleness.FRESH:
         yield Part(f"RANGES {age_text(age)} OLD", 8, Severity.ALARM, cause="ranges")
     nearest = _nearest(robot, now)
-    yield from map(_past, nearest) if staleness(age) is Staleness.STALE else nearest
+    yield from map(_past, nearest) if _outdated(robot, age) else nearest
+
+
+def _outdated(robot: RobotState, age: float) -> bool:
+    """Whether what was reported this long ago [s] may have changed: at once without a link."""
+    return robot.link.phase is LinkPhase.LOST or staleness(age) is Staleness.STALE
 
 
 def _past(part: Part) -> Part:

@@ -96,6 +96,17 @@ def test_what_is_held_back_is_said(said) -> None:
     assert "HELD BACK" not in said(motion=MotionState.MOVING)
 
 
+def test_without_a_link_nothing_is_said_to_be_so_now(made) -> None:
+    lost = made.robot(
+        navigation=made.received(made.navigation(motion=MotionState.MOVING, linear=0.3), 0.4),
+        link=made.link(LinkPhase.LOST, since=made.now - 0.4),
+    )
+    present = ("MOVING", "+0.30", "battery", "nearest")
+    texts = [part.text for part in status_parts(lost, ConsoleState(now=made.now))]
+    assert not [text for text in texts if text.startswith(present)]
+    assert "was MOVING" in texts
+
+
 def test_what_is_stale_is_said_to_have_been_so(made) -> None:
     robot = made.robot(navigation=made.received(made.navigation(linear=0.42), 30.0))
     parts = status_parts(robot, ConsoleState(now=made.now))
