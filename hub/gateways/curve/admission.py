@@ -10,7 +10,7 @@ import zmq
 
 from hub.errors import CodecError, FrameError, NotAllowedError
 from hub.gateways.accounts import Account, Accounts, QuotaVerdict
-from hub.ipc.roles import Principal, parse_principal
+from hub.ipc.roles import Principal, Role, parse_principal
 from hub.ipc.security import permissions
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.wire import control_codec
@@ -27,6 +27,7 @@ class Admission:
         faults: FaultCounter,
         answer: Callable[[bytes, Any], None],
         hang_up: Callable[[zmq.Frame], None],
+        identified: Callable[[zmq.Frame, Role], None],
         holds: Callable[[Principal], bool],
     ) -> None:
         """Start to admit.
@@ -37,6 +38,7 @@ class Admission:
             faults: Counts refused messages.
             answer: Sends a control message to a connection.
             hang_up: Ends the connection of a frame.
+            identified: Gets the role of the key of each frame's connection.
             holds: Whether a key is still on the list.
         """
         self._accounts = accounts
@@ -44,6 +46,7 @@ class Admission:
         self._faults = faults
         self._answer = answer
         self._hang_up = hang_up
+        self._identified = identified
         self._holds = holds
 
     def principal_of(self, frame: zmq.Frame) -> Principal:
@@ -67,6 +70,7 @@ class Admission:
             body: Its parts.
         """
         account, now = self._accounts.of(principal), self._clock()
+        self._identified(body[0], principal.role)
         kind = control_codec.peek(body[0].buffer)
         verdict = account.ask(identity, kind, sum(map(len, body)), now)
         if verdict is QuotaVerdict.SERVED:

@@ -95,6 +95,9 @@ class CurveGateway:
             faults=central.faults,
             answer=central.send,
             hang_up=lambda frame: self._sockets.hang_up(sockets.descriptor_of(frame)),
+            identified=lambda frame, role: self._sockets.identified(
+                sockets.descriptor_of(frame), role
+            ),
             holds=self._removed_keys.holds,
         )
         router = self._sockets.control

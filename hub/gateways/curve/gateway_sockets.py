@@ -19,11 +19,12 @@ from hub.gateways.accounts import Accounts
 from hub.gateways.curve import command_filter
 from hub.gateways.curve.connection_rates import ConnectionRates
 from hub.gateways.curve.key_judge import KeyJudge
+from hub.gateways.curve.received_bytes import ReceivedBytes
 from hub.ipc.broker.carrying import Judge, carry
 from hub.ipc.broker.subscription_floods import Bounds, FloodWatch
 from hub.ipc.broker.zap import ZapHandler
 from hub.ipc.endpoints import TcpEndpoint
-from hub.ipc.roles import CONTROL, Principal
+from hub.ipc.roles import CONTROL, Principal, Role
 from hub.ipc.security.client_keys import KeyPair
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.transport import sockets
@@ -90,6 +91,7 @@ class GatewaySockets:
         self._faults = faults
         self._clock = clock
         self._rates = ConnectionRates(faults, self.hang_up)
+        self._bytes = ReceivedBytes(faults, self.hang_up)
         self._judge = judge
         self._reserve = Reserve(faults, part=BEYOND)  # other machines leave some to local modules
         self._made: list[_Socket] = []
@@ -147,7 +149,12 @@ class GatewaySockets:
         now = self._clock()
         for flood in self._floods.values():
             flood.check(now)
+        self._bytes.check(now)
         self._rates.end_silent(known, now)
+
+    def identified(self, descriptor: int, role: Role) -> None:
+        """Note the role of the key of a control connection."""
+        self._bytes.identified(descriptor, role)
 
     def hang_up(self, descriptor: int) -> None:
         """End a connection of the gateway, but no other one with its descriptor."""
@@ -261,6 +268,7 @@ class GatewaySockets:
             flood = self._floods.get(place)
             if event == zmq.EVENT_DISCONNECTED:
                 self._rates.ended(descriptor)
+                self._bytes.disconnected(descriptor)
                 if flood is not None:
                     flood.disconnected(descriptor)
                 elif place == CONTROL:
@@ -272,7 +280,9 @@ class GatewaySockets:
                     continue
                 if not self._rates.admit(descriptor, ends[1], place, self._clock()):
                     hang_up(descriptor)
-                elif flood is not None:
+                    continue
+                self._bytes.connected(descriptor, place)
+                if flood is not None:
                     flood.connected(descriptor, ends[1])
             else:
                 self._faults.count(

@@ -184,3 +184,21 @@ def _saying(socket: _Socket, message: bytes) -> Callable[[], None]:
         threading.Event().wait(0.02)
 
     return say
+
+
+@pytest.mark.parametrize(("kind", "place"), [(zmq.DEALER, 0), (zmq.PUB, 3)])
+def test_a_message_of_endless_parts_ends_its_connection(
+    attack: Attack, kind: int, place: int
+) -> None:
+    """ZeroMQ keeps all parts until the last one came."""
+    socket = attack.connect(kind, place)
+    monitor = socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_SUCCEEDED)
+    assert monitor.poll(10_000)
+    if kind == zmq.PUB:
+        socket.invert_matching = True  # it sends what nobody subscribed to
+    for _ in range(400_000):  # 14 MB on the line
+        socket.send(v.COMMAND.name.encode() + b"\0", zmq.SNDMORE)
+    socket.send(b"")
+    until(lambda: attack.counts("too many bytes") == 1, 30.0)
+    socket.disable_monitor()
+    monitor.close()
