@@ -26,6 +26,7 @@ from hub.values import dataclass
 
 _MOST_BYTES = 10_000_000
 _MOST_LINKS = 1000
+_LIMITED = ("revolute", "prismatic")
 _ROOTS = ("base_footprint", BASE_LINK)
 
 
@@ -40,12 +41,14 @@ class UrdfModel:
         fault: Why the outline is not known, or may be too small, in words; empty: it is whole.
         reach: Radius of a circle around all that is known of it [m]; of a link that cannot be
             read, only its place is.
+        moved_by: Joints that turn or shift a shape, wheels excepted; they count as at zero.
     """
 
     frames: Mapping[str, BodyFrame]
     footprint: tuple[tuple[float, float], ...]
     fault: str
     reach: float
+    moved_by: tuple[str, ...]
 
 
 def read_urdf(path: Path) -> UrdfModel:
@@ -132,8 +135,31 @@ def _model(root: XmlElement, mesh: ReadMesh) -> UrdfModel:
     }
     outline = outline_of(links, placed, mesh)
     return UrdfModel(
-        frames=frames, footprint=outline.corners, fault=outline.fault, reach=outline.reach
+        frames=frames,
+        footprint=outline.corners,
+        fault=outline.fault,
+        reach=outline.reach,
+        moved_by=_moved_by(root, links, {child: parent for child, (parent, _) in joints.items()}),
     )
+
+
+def _moved_by(
+    root: XmlElement, links: Mapping[str, XmlElement], parents: Mapping[str, str]
+) -> tuple[str, ...]:
+    """The joints with limits that shapes hang on, in the order of the file."""
+    limited = {
+        _linked(joint, "child", links): _name(joint)
+        for joint in root.iterfind("joint")
+        if joint.get("type") in _LIMITED
+    }
+    found = set()
+    for name, link in links.items():
+        if link.find("collision") is not None or link.find("visual") is not None:
+            part = name
+            while part in parents:
+                found.add(limited.get(part))
+                part = parents[part]
+    return tuple(each for each in limited.values() if each in found)
 
 
 def _name(element: XmlElement) -> str:

@@ -203,9 +203,12 @@ class RosProposal:
             yield f"{more} more sensors are not used, or their place is not known"
         if self.battery_percent:
             yield "its battery counts to 100, where ROS has 0 to 1: `battery_percent = true`"
-        fault = self.outline[1]
+        model, fault = self.outline
         if fault:
             yield f"its outline is not known: {plain(fault)[:300]}"
+        elif model is not None and model.moved_by:
+            joints = f"{_listed(model.moved_by)} at zero"
+            yield f"its outline has {joints}: if it reaches farther, correct `footprint`"
         parameters = self.found.parameters.items()
         if any(name.endswith("use_sim_time") and value is True for name, value in parameters):
             yield "it runs on simulated time: it is a simulation, or replays a recording"

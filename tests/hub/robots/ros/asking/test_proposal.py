@@ -92,6 +92,22 @@ def test_a_mesh_that_cannot_be_read_makes_the_robot_larger(
     )
 
 
+ARM = """<robot name="p">
+<link name="base_link"><collision><geometry><box size="0.4 0.4 0.1"/></geometry></collision></link>
+<link name="arm"><visual><geometry><box size="0.1 0.1 0.3"/></geometry></visual></link>
+<link name="wheel"><visual><geometry><sphere radius="0.1"/></geometry></visual></link>
+<link name="eye"/>
+<joint name="shoulder" type="revolute"><parent link="base_link"/><child link="arm"/></joint>
+<joint name="axle" type="continuous"><parent link="base_link"/><child link="wheel"/></joint>
+<joint name="tilt" type="revolute"><parent link="base_link"/><child link="eye"/></joint></robot>"""
+
+
+def test_joints_that_move_a_shape_are_named_with_the_outline() -> None:
+    proposal = RosProposal(driven({"/state.robot_description": ARM}))
+    said = [each for each in proposal.remarks() if "outline" in each]
+    assert said == ["its outline has shoulder at zero: if it reaches farther, correct `footprint`"]
+
+
 @pytest.mark.parametrize("counts", [True, False])
 def test_the_file_says_that_a_battery_counts_to_100(*, counts: bool) -> None:
     said_of = {"percentage": 57.0 if counts else 0.57}
