@@ -163,9 +163,9 @@ def _folders(robot: str, folder: str) -> list[MissionFolder]:
     root = for_missions(folder)
     try:
         names = sorted(entry.name for entry in root.iterdir() if entry.is_dir())
-    except (FileNotFoundError, NotADirectoryError):
-        return []
     except OSError as fault:
+        if isinstance(fault, FileNotFoundError) and not folder:
+            return []  # no robot has kept a mission yet
         text = f"{root} cannot be read: {fault.strerror or fault}"
         raise MissionError(text) from fault
     return [MissionFolder.of(root / name) for name in names]

@@ -206,7 +206,10 @@ def test_a_berth_that_an_arena_lacks_is_named(root: Path) -> None:
 
 
 def test_what_cannot_be_read_is_not_said_to_be_absent(
-    root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    root: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     journal = root / "rover" / MissionFolder(root, "rover").missions()[0] / "journal"
     whole = journal.read_bytes()
@@ -216,10 +219,17 @@ def test_what_cannot_be_read_is_not_said_to_be_absent(
         said = capsys.readouterr()
         assert "damaged and left out" in said.out + said.err
     journal.write_bytes(whole)
-    for absent in (tmp_path / "none", tmp_path / "file"):
-        (tmp_path / "file").touch()
-        assert main(["mission", "list", "--folder", str(absent)]) == 0
-        assert "there are no missions here" in capsys.readouterr().out
+    (tmp_path / "file").touch()
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
-    with pytest.raises(MissionError, match="cannot be read: Too many levels"):
-        main(["mission", "list", "--folder", str(tmp_path / "loop")])
+    for named, why in (
+        ("none", "No such file"),
+        ("file", "Not a directory"),
+        ("loop", "Too many levels"),
+    ):
+        with pytest.raises(MissionError, match=f"cannot be read: {why}"):
+            main(["mission", "list", "--folder", str(tmp_path / named)])
+    # Where no robot has kept a mission yet, the usual folder is not there.
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.delenv("STATE_DIRECTORY", raising=False)
+    assert main(["mission", "list"]) == 0
+    assert "there are no missions here" in capsys.readouterr().out
