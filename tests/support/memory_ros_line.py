@@ -100,8 +100,8 @@ class MemoryLine:
     def encoding(self, topic: str) -> str:
         return self.encodings if topic in self.advertised else ""
 
-    def publish(self, topic: str, payload: bytes) -> bool:
-        if self.full or not self.state.up:
+    def publish(self, topic: str, payload: bytes, *, late: bool = False) -> bool:
+        if not self.state.up or (self.full and not late):
             return False
         assert topic in self.advertised
         self.published.append((topic, payload))

@@ -9,6 +9,7 @@
 | MOVES | nothing new | the last velocity, 20 times per second | MOVES |
 | MOVES | a zero | it, at once and 20 more in a second; with `hold` without end | STANDS |
 | any | the line is away, or takes nothing for 0.3 s | nothing | WAITS; if it moved, a zero first |
+| STANDS | the line takes nothing | one zero, behind what the line holds | STANDS |
 | any | the robot's own navigation drives | nothing | LEFT |
 | LEFT | it drives no more | a zero, as after MOVES | STANDS |
 

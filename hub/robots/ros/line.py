@@ -169,13 +169,18 @@ class RosLine(Protocol):
     def encoding(self, topic: str) -> str:
         """The encoding that an advertised topic takes, "cdr" or "ros1"; empty: not known yet."""
 
-    def publish(self, topic: str, payload: Payload) -> bool:
+    def publish(self, topic: str, payload: Payload, *, late: bool = False) -> bool:
         """Send a message of an advertised topic at once.
 
         A message that cannot leave now is dropped: an old velocity must not arrive late.
 
+        Args:
+            topic: The topic.
+            payload: The message.
+            late: Whether it may wait behind what the line holds, and arrive late.
+
         Returns:
-            Whether it left.
+            Whether it left, or waits.
         """
 
     def call(self, service: str, payload: Payload, answered: TakeAnswer, timeout: float) -> None:

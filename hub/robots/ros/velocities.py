@@ -37,6 +37,7 @@ class RosVelocities:
         self._connections = 0
         self._up_since = math.inf
         self._stuck_since = math.inf
+        self._stopped_behind = False  # whether a zero waits behind what a stuck line holds
 
     def advance(self, now: float) -> None:
         """Look at the line, and send what is due [s, monotonic]."""
@@ -60,14 +61,21 @@ class RosVelocities:
             payload = velocity_payload(velocity, self._kind, encoding)
             if self._line.publish(self._table.cmd_vel, payload):
                 self.stream.sent(now)
-                self._stuck_since = math.inf
+                self._stuck_since, self._stopped_behind = math.inf, False
                 return
             self._stuck_since = min(self._stuck_since, now)
             if now - self._stuck_since > _STUCK_S:
                 self.stream.interrupt(now)
+            if self.stream.wanted.neutral and not self._stopped_behind:
+                self._stop_behind(self._kind, encoding)
             if now - self._stuck_since > _BLOCKED_S:
                 self._stuck_since = math.inf
                 self._line.reconnect("velocities did not reach the robot")
+
+    def _stop_behind(self, kind: CommandType, encoding: str) -> None:
+        """Have a zero follow the velocities that the line holds: they arrive late, it with them."""
+        zero = velocity_payload(self.stream.wanted, kind, encoding)
+        self._stopped_behind = self._line.publish(self._table.cmd_vel, zero, late=True)
 
     def problems(self, now: float) -> Iterator[str]:
         """Why the robot may not follow, a sentence each."""

@@ -116,13 +116,13 @@ class FoxgloveLine:
         """The encoding that an advertised topic takes, "cdr" or "ros1"; empty: not known yet."""
         return self._encoding if topic in self._published else ""
 
-    def publish(self, topic: str, payload: Payload) -> bool:
+    def publish(self, topic: str, payload: Payload, *, late: bool = False) -> bool:
         """Send a message of an advertised topic at once, or drop it; returns whether it left."""
         number, _ = self._published.get(topic, (0, ""))
         left = (
             number != 0
             and bool(self._encoding)
-            and self._connection.prompt
+            and (late or self._connection.prompt)
             and self._connection.send(wire.data(number, payload), text=False)
         )
         self._dropped += not left

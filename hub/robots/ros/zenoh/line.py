@@ -137,8 +137,9 @@ class ZenohLine:
         found = self._publications.get(topic)
         return "cdr" if found is not None and found.end is not None else ""
 
-    def publish(self, topic: str, payload: Payload) -> bool:
+    def publish(self, topic: str, payload: Payload, *, late: bool = False) -> bool:
         """Send a message of an advertised topic at once, or drop it."""
+        del late  # Zenoh itself drops what cannot leave
         found = self._publications.get(topic)
         left = found is not None and self._link.up and found.put(payload)
         self._dropped += not left

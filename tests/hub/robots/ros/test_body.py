@@ -81,6 +81,17 @@ def test_a_full_line_gets_the_zero_as_soon_as_it_can(robot):
     assert robot.line.sent("/cmd_vel") == [b"\0\1\0\0" + bytes(48)]
 
 
+def test_one_zero_follows_what_a_held_line_holds(robot):
+    robot.drive()
+    robot.line.full = True
+    robot.line.sent("/cmd_vel")
+    robot.run(0.9)
+    assert robot.line.sent("/cmd_vel") == [b"\0\1\0\0" + bytes(48)]
+    robot.line.full = False
+    robot.drive()
+    assert robot.line.sent("/cmd_vel")[-1] != b"\0\1\0\0" + bytes(48)
+
+
 def test_after_velocities_could_not_leave_for_long_it_moves_only_after_a_zero(robot):
     robot.drive()
     robot.line.full = True
