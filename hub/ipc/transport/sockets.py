@@ -73,7 +73,7 @@ def make(context: Context, kind: int, queue: int, keys: Keys | None = None) -> S
         made.immediate = True
     if keys is not None:
         keys.apply(made)
-        # Only clients have keys. A proof takes four round trips, also on a line of 1 s.
+        # Only clients have keys. A proof takes four round trips, also on a line of 0.9 s.
         made.handshake_ivl = 8000
     return made
 
