@@ -199,7 +199,7 @@ def test_a_hub_that_does_not_answer_behind_ssh_is_named_as_the_robot_knows_it(
         def close(self) -> None:
             """There is nothing to do."""
 
-    monkeypatch.setattr(pad, "Tunnel", Way)
+    monkeypatch.setattr(pad, "tunnel_to", Way)
     assert main(["pad", "--ssh", "alice@robot"]) == ExitCode.NO_HUB
     said = capsys.readouterr().err
     why = "no hub answers at ssh alice@robot; is rune-hub running there?"
