@@ -137,6 +137,7 @@ class VehicleCommand:
     """An order that is no motion command.
 
     Each client that may command a robot may disarm it. The other orders need control of it.
+    An order that is 1 s old, or whose age is not known, switches nothing on.
 
     Attributes:
         order: What to do.
@@ -158,6 +159,22 @@ VEHICLE_COMMAND = MessageDefinition(
     keep=Keep.ALL,
     plane=Plane.COMMAND,
 )
-"""It has no lifespan: a late `DISARM` is obeyed; the driver refuses the other orders when late."""
+"""It has no lifespan: a late `DISARM` is obeyed. `too_late` says which orders are refused."""
+
+LATE_S = 1.0
+"""Age from which on an order is refused that switches something on [s]."""
+_WHEN_LATE = frozenset({VehicleOrder.DISARM, VehicleOrder.RELEASE, VehicleOrder.JOINT})
+
+
+def too_late(order: VehicleOrder, age: float) -> str:
+    """Why an order is refused because of its age [s], in a sentence; empty: it is obeyed.
+
+    The driver stops joints without fresh orders, so a late `JOINT` needs no rule here.
+    """
+    if age < LATE_S or order in _WHEN_LATE:
+        return ""
+    old = f"it is {age:.1f} s old" if math.isfinite(age) else "it is stamped ahead of the clock"
+    return f"the order {order.name} is refused: {old}; the operator may see something else now"
+
 
 MESSAGES = (VEHICLE_STATE, VEHICLE_COMMAND)

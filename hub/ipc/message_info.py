@@ -16,7 +16,8 @@ class MessageInfo(NamedTuple):
         publisher: Number of the sender's connection.
         sequence: Counts the messages of this name from this publisher, from 1.
         missed: Messages that were lost or dropped since the one before.
-        age: Time since its measurement [s].
+        age: Time since its measurement [s]; inf: not known, of a command that is stamped ahead of
+            the hub's clock.
         measured: Time of its measurement, on this process's monotonic clock [s].
     """
 

@@ -111,6 +111,14 @@ def test_what_was_sent_before_a_sleep_is_older_by_it_and_does_not_count(endpoint
         assert [value for value, _ in came] == [1], "the command is older than its lifespan"
         assert came[0][1] >= 1.0
         assert woke == [(1.0, 0)], "it is told before anything is read"
+
+        came.clear()
+        during = receiver.loop.clock() + 0.5  # by a sender whose clock went on
+        sender.publish(v.LOG, Number(value=3), measured=during)
+        sender.listen(0.0)
+        sleep.slept = 1.0
+        until(lambda: came, 10.0, meanwhile=lambda: loop.listen(0.01))
+        assert came[0][1] >= 0.5, "it was sent in the sleep, half a second before its end"
         sender.publish(v.COMMAND, Number(value=2))
 
         until(lambda: came[-1][0] == 2, 10.0, meanwhile=both)

@@ -5,6 +5,7 @@
 | all are kept, no priority, empty queue | as it is read |
 | any other | after all sockets are read; higher priority first |
 | older than its lifespan, ahead of the clock with a lifespan, or repeated | never, and is counted |
+| a command without a lifespan, ahead of the clock | as any other; its age is not known |
 
 A sleep of this machine, in which its clock stands still, counts for the age of what is older.
 """
@@ -310,6 +311,18 @@ class ReceiveQueue:
             return value
         return None
 
+    def _age_ahead(self, subscription: Subscription, ahead: float) -> float | None:
+        """The age of a message that is `ahead` of the clock [s]; None: it is not delivered."""
+        limited = subscription.lifespan_s < math.inf
+        if ahead <= _AHEAD_S or not (limited or subscription.is_command):
+            return 0.0
+        text = f"{subscription.definition.name} is {ahead:.2f} s ahead of the hub's clock"
+        self._faults.count("stamp ahead of the clock", text)
+        if limited:
+            subscription.expired += 1
+            return None
+        return 0.0 if subscription.raw else math.inf
+
     def _deliver(
         self,
         subscription: Subscription,
@@ -323,16 +336,15 @@ class ReceiveQueue:
         now = self._clock()
         measured = stamp_ns * 1e-9 - self._hub_time.most
         age = now - measured
-        if age < 0.0:
-            if age < -_AHEAD_S and subscription.lifespan_s < math.inf:
-                subscription.expired += 1
-                text = f"{subscription.definition.name} is {-age:.2f} s ahead of the hub's clock"
-                self._faults.count("stamp ahead of the clock", text)
-                return
-            age, measured = 0.0, now
-        elif measured < self._woke:
+        # Another machine's stamps of the time of the sleep are ahead of the clock that stood still.
+        if measured < self._woke or (age < 0.0 and measured < self._woke + self._slept):
             age, measured = age + self._slept, measured - self._slept
-        if age > subscription.oldest:
+        if age < 0.0:
+            known = self._age_ahead(subscription, -age)
+            if known is None:
+                return
+            age, measured = known, now
+        if subscription.oldest < age < math.inf:
             subscription.oldest = age
         if age > subscription.lifespan_s:
             subscription.expired += 1

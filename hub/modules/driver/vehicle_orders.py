@@ -10,7 +10,7 @@
 | no fresh JOINT for 0.3 s | | the joint stops, and waits for a 0 |
 | `GCM_Stop` | any client | joints stop, holds keep the place of now; a body's own stop acts |
 | another owner of control | | as after `GCM_Stop` |
-| an order that switches on, older than 1 s | any | refuse: the operator saw something else |
+| an order that switches on, 1 s old or of unknown age | any | refuse; say so in the log |
 | an order for a part that the body lacks | any | refuse; say so in the log |
 """
 
@@ -29,12 +29,14 @@ from hub.gcm.body import HoldKind, JointBody
 from hub.gcm.control import ControlState
 from hub.gcm.navigation import STOP
 from hub.gcm.vehicle import (
+    LATE_S,
     VEHICLE_COMMAND,
     Arming,
     HoldPhase,
     VehicleCommand,
     VehicleOrder,
     VehicleState,
+    too_late,
 )
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
@@ -53,15 +55,8 @@ from hub.robots.interfaces import (
 _logger = logging.getLogger(__name__)
 
 
-LATE_S = 1.0
-"""Age from which on an order is refused that switches something on [s]."""
 _AGAIN_S = 0.05
 """Time until a joint that could not be stopped is stopped again [s]."""
-_SWITCHES_ON = frozenset(VehicleOrder) - {
-    VehicleOrder.DISARM,
-    VehicleOrder.RELEASE,
-    VehicleOrder.JOINT,
-}
 
 
 class VehicleOrders:
@@ -139,8 +134,8 @@ class VehicleOrders:
             return  # that light is vision's
         if order is not VehicleOrder.DISARM and not self._gate.admits(VEHICLE_COMMAND, reception):
             return
-        if order in _SWITCHES_ON and reception.age >= LATE_S:
-            _logger.warning("an order is refused: it is %.1f s old", reception.age)
+        if late := too_late(order, reception.age):
+            _logger.warning("%s", late)
             return
         if order in (VehicleOrder.ARM, VehicleOrder.DISARM):
             self._arm(armed=order is VehicleOrder.ARM)

@@ -18,7 +18,7 @@ from hub.gcm.diagnostics import DIAGNOSTICS, Diagnostics
 from hub.gcm.frames import in_base
 from hub.gcm.pose_history import PoseHistory
 from hub.gcm.shaper import SHAPER_STATE, ShaperState
-from hub.gcm.vehicle import VEHICLE_COMMAND, VehicleCommand, VehicleOrder
+from hub.gcm.vehicle import VEHICLE_COMMAND, VehicleCommand, VehicleOrder, too_late
 from hub.ipc.client import Client
 from hub.ipc.message_info import MessageInfo
 from hub.ipc.node.responders import Reply
@@ -176,7 +176,9 @@ class Vision:
         name = self._lights.get(command.name)
         if command.order is not VehicleOrder.LIGHT or name is None or math.isnan(command.value):
             return
-        if self._gate.admits(VEHICLE_COMMAND, reception):
+        if late := too_late(command.order, reception.age):
+            _logger.warning("%s", late)
+        elif self._gate.admits(VEHICLE_COMMAND, reception):
             self._cameras[name].light(command.value)
             self._publish_state()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 import time
@@ -214,6 +215,11 @@ def test_a_command_from_the_future_is_dropped_and_counted(connect: Connect) -> N
     one.publish(v.LOG, Number(value=3), age=-10.0)  # what does not command is still shown
     until(lambda: _values(states) == [3], 5.0)
     assert states[-1][1].age == 0.0
+    events = other.collect(v.EVENT)
+    one.publish_until(v.EVENT, events)
+    one.publish(v.EVENT, Number(value=4), age=-10.0)
+    until(lambda: _values(events)[-1:] == [4], 5.0)
+    assert events[-1][1].age == math.inf, "nobody knows how old such an order is"
 
 
 def test_age_is_told_for_what_was_measured_earlier(connect: Connect) -> None:

@@ -35,6 +35,7 @@ from hub.gcm.vehicle import (
     VehicleCommand,
     VehicleOrder,
     VehicleState,
+    too_late,
 )
 from hub.modules.driver import __main__ as driver
 from hub.modules.driver.watchdog import SILENCE_S
@@ -214,13 +215,20 @@ def test_frames_of_another_station_pass_while_no_other_has_control(
 
 
 def test_an_old_order_switches_nothing_on(scene: Scene) -> None:
-    """A link that froze delivers what an operator ordered before."""
-    for command in (HOLD, ARM, LAMP):
-        scene.body.orders.clear()
-        scene.bus.send(VEHICLE_COMMAND, command, "operator", age=1.0)
-        assert scene.body.orders == []
-    scene.bus.send(VEHICLE_COMMAND, DISARM, "operator", age=1.0)
-    assert ("arm", False) in scene.body.orders
+    """A link that froze, or a computer that slept, delivers what an operator ordered before."""
+    for age in (1.0, math.inf):
+        for command in (HOLD, ARM, LAMP):
+            scene.body.orders.clear()
+            scene.bus.send(VEHICLE_COMMAND, command, "operator", age=age)
+            assert scene.body.orders == []
+        scene.bus.send(VEHICLE_COMMAND, DISARM, "operator", age=age)
+        assert ("arm", False) in scene.body.orders
+
+
+def test_an_order_that_is_refused_for_its_age_says_so() -> None:
+    assert "ARM is refused: it is 3.2 s old" in too_late(VehicleOrder.ARM, 3.2)
+    assert "ARM is refused: it is stamped ahead" in too_late(VehicleOrder.ARM, math.inf)
+    assert too_late(VehicleOrder.ARM, 0.9) == too_late(VehicleOrder.DISARM, math.inf) == ""
 
 
 def test_armed_motors_wait_for_a_neutral_command(scene: Scene) -> None:
