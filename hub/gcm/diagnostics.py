@@ -53,6 +53,10 @@ class KeyValue:
     value: Annotated[str, Text(200)]
 
 
+SLEEP = "sleep"
+"""Name of the problem that the robot's computer slept."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DiagnosticStatus:
     """diagnostic_msgs/DiagnosticStatus.
@@ -60,7 +64,7 @@ class DiagnosticStatus:
     Attributes:
         level: How bad it is.
         name: Name of the cause, the same as long as it lasts: "tipped", "stuck", "slip", "leak",
-            "tether", "battery", "hold depth", "tilt", "edge", "range sonar".
+            "tether", "battery", "hold depth", "tilt", "edge", "range sonar", "sleep".
         message: A sentence for the operator: "tipped over: roll 87 deg".
         hardware_id: The part of the robot; empty: the whole robot.
         values: Further values, for tools.

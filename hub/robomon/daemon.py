@@ -156,6 +156,7 @@ class Daemon:
 
     def _serve(self, client: Client, outputs: ModuleLogs, local: str, endpoint: str) -> None:
         self._wake = lambda: client.post(lambda: None)
+        client.when_slept(lambda time: _logger.warning("this computer slept for %.1f s", time))
         client.wait_connected(_CONNECT_S)
         if self._notifier.period is not None:
             client.every(self._notifier.period, self._notifier.alive)

@@ -57,6 +57,7 @@ def test_a_held_key_does_not_drive_after_a_sleep_before_it_was_up(
     until(lambda: time.monotonic() > end, 5.0, meanwhile=both)
     assert {truth.commanded_angular for _, truth in observer.history} == {0.0}
     assert f"the robot's computer slept for {SLEEP_S}.0 s" in hub.log.read_text()
+    assert f"this computer slept for {SLEEP_S}.0 s" in hub.log.read_text()
 
     wanted = 0.0
     until(lambda: state() is MotionState.STANDING, 10.0, meanwhile=both)

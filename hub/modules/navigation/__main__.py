@@ -23,7 +23,7 @@ from hub.modules.navigation.frame import FrameMemory
 from hub.modules.navigation.map_requests import MapRequests
 from hub.modules.navigation.own_pilot import OwnPilot
 from hub.modules.navigation.path_follower import PathFollower
-from hub.modules.navigation.problems import known_edges, late_commands, problems
+from hub.modules.navigation.problems import Lately, known_edges, problems
 from hub.modules.navigation.reports import robot_state, status, transforms
 from hub.modules.navigation.speed_governor import HELD, SpeedGovernor
 from hub.paths import for_pose
@@ -66,7 +66,7 @@ class Navigation:
         self._own = OwnPilot(self.pilot, expected=bool(robot.ros.navigation))
         self._problems: tuple[str, ...] = ()
         self._had_edges = False
-        self._late = (0.0, -math.inf)
+        self._lately = Lately()
         self._frames = FrameMemory(for_pose(robot.name))
         self._commanded = Twist()
         self._battery = battery.BatteryState()
@@ -77,7 +77,7 @@ class Navigation:
         self._gate = ControlGate(client, self._on_owner_change)
         self._vehicle = VehicleWatch(client, self._not_followed)
         client.subscribe(navigation.STOP, lambda message, _: self._stop(message.reason))
-        stop_after_sleep(client, self._stop)
+        stop_after_sleep(client, self._slept)
         client.subscribe(navigation.VELOCITY_COMMAND, self._command, late=self._command_late)
         client.subscribe(navigation.DRIVE_STATE, self.reported)
         client.subscribe(OWN_NAVIGATION, self._own.reported)
@@ -127,7 +127,7 @@ class Navigation:
     def _command_late(self, command: TwistStamped, reception: MessageInfo) -> None:
         """Report that a motion was refused, as its command was too old."""
         if not command.neutral and self._gate.obeys(reception.publisher):
-            self._late = (reception.age, self._clock())
+            self._lately.came_late(reception.age, self._clock())
             self._look_for_problems()
 
     def _stop(self, reason: str) -> None:
@@ -138,6 +138,11 @@ class Navigation:
         self._drive()
         self._update()
         _logger.warning("%s", why)
+
+    def _slept(self, why: str) -> None:
+        self._stop(why)
+        self._lately.slept(why, self._clock())
+        self._look_for_problems()
 
     def _on_owner_change(self, state: ControlState, before: int) -> None:
         """Another client has control than before."""
@@ -191,7 +196,7 @@ class Navigation:
 
     def _found_problems(self) -> tuple[diagnostics.DiagnosticStatus, ...]:
         now = self._clock()
-        return (*late_commands(*self._late, now), *problems(self.pilot, now))
+        return (*self._lately.problems(now), *problems(self.pilot, now))
 
     def _tilted(self, value: imu.Imu, reception: MessageInfo) -> None:
         self.pilot.tilted(value, reception.measured)

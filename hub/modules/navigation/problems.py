@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from hub.gcm.beam_scans import TILTED_REACH
-from hub.gcm.diagnostics import DiagnosticStatus, KeyValue, Severity
+from hub.gcm.diagnostics import SLEEP, DiagnosticStatus, KeyValue, Severity
 from hub.gcm.edges import MOST_EDGES, Edges
 from hub.gcm.geometry import Point3D
 from hub.gcm.navigation import VELOCITY_COMMAND, Assistance
@@ -21,6 +21,8 @@ EDGE_NEAR = 1.5
 _LONGEST_NAME = 64
 _LATE_S = 2.0
 """Time for which a command that came too late is a problem [s]."""
+_SLEPT_S = 10.0
+"""Time for which a sleep of the robot's computer is a problem [s]."""
 _SIDES = ("ahead", "on the left", "behind", "on the right")
 
 
@@ -48,23 +50,37 @@ def problems(pilot: PathFollower, now: float) -> tuple[DiagnosticStatus, ...]:
     return tuple(found)
 
 
-def late_commands(age: float, at: float, now: float) -> Iterator[DiagnosticStatus]:
-    """That commands of motion were refused lately because they were too old.
+class Lately:
+    """What happened of late, which the present state does not show."""
 
-    Args:
-        age: Age of the last one [s].
-        at: When it came [s].
-        now: The time [s].
-    """
-    if now - at < _LATE_S:
-        lifespan = VELOCITY_COMMAND.lifespan_s
-        text = (
-            f"a command came too late to drive: up to {age:.2f} s old, {lifespan:g} s is the most"
-        )
-        value = KeyValue(key="age_s", value=f"{age:.2f}")
-        yield DiagnosticStatus(
-            level=Severity.ERROR, name="late commands", message=text, values=(value,)
-        )
+    def __init__(self) -> None:
+        self._late = (0.0, -math.inf)
+        self._slept = ("", -math.inf)
+
+    def came_late(self, age: float, now: float) -> None:
+        """Note that a command of motion was refused because of its age [s]."""
+        self._late = (age, now)
+
+    def slept(self, why: str, now: float) -> None:
+        """Note that the robot's computer slept; `why` says so in a sentence."""
+        self._slept = (why, now)
+
+    def problems(self, now: float) -> Iterator[DiagnosticStatus]:
+        """The problems at `now` [s]."""
+        age, at = self._late
+        if now - at < _LATE_S:
+            lifespan = VELOCITY_COMMAND.lifespan_s
+            text = (
+                f"a command came too late to drive: up to {age:.2f} s old, "
+                f"{lifespan:g} s is the most"
+            )
+            value = KeyValue(key="age_s", value=f"{age:.2f}")
+            yield DiagnosticStatus(
+                level=Severity.ERROR, name="late commands", message=text, values=(value,)
+            )
+        why, at = self._slept
+        if now - at < _SLEPT_S:
+            yield DiagnosticStatus(level=Severity.WARN, name=SLEEP, message=why)
 
 
 def _silent_ranges(pilot: PathFollower, *, assisted: bool) -> Iterator[DiagnosticStatus]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hub.gcm.control import CONTROL_STATE, ControlState
+from hub.gcm.diagnostics import SLEEP, Diagnostics, DiagnosticStatus, Severity
 from hub.gcm.navigation import MotionState
 from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
@@ -19,6 +20,7 @@ class Scene:
     def __init__(self) -> None:
         self._watch = ChangeNotifier()
         self.owner = ME
+        self.problems: tuple[DiagnosticStatus, ...] = ()
 
     def events_at(self, motion: MotionState) -> list[str]:
         """What is new."""
@@ -27,6 +29,7 @@ class Scene:
             link=Made.link(number=ME),
             navigation=received(robot_state(motion=motion)),
             messages={CONTROL_STATE.name: received(control)},
+            diagnostics={3: received(Diagnostics(status=self.problems))},
         )
         state = ConsoleState(now=1.0, robots={"magellan": robot})
         return [notice.text for notice in self._watch.look(state)]
@@ -52,6 +55,15 @@ def test_that_somebody_stopped_it_is_told() -> None:
     scene = Scene()
     scene.events_at(MotionState.GOING)
     assert scene.events_at(MotionState.STOPPED) == ["it was stopped: release all keys, then drive"]
+
+
+def test_a_sleep_of_its_computer_is_told_once() -> None:
+    scene = Scene()
+    scene.events_at(MotionState.MOVING)
+    why = "the robot's computer slept for 12.0 s"
+    scene.problems = (DiagnosticStatus(level=Severity.WARN, name=SLEEP, message=why),)
+    assert why in scene.events_at(MotionState.STOPPED)
+    assert scene.events_at(MotionState.STOPPED) == []
 
 
 def test_what_was_so_before_the_first_look_is_not_told() -> None:

@@ -91,6 +91,27 @@ def test_a_clock_that_stood_still_is_noticed_at_once() -> None:
     assert hub_time.most == pytest.approx(5000.3, abs=0.01)
 
 
+def test_after_a_sleep_of_this_machine_no_age_is_known_before_the_next_round_trip() -> None:
+    hub_time = ClockSync(lambda: 0.0)
+    hub_time.begin(1)
+    ask(hub_time, 0.0, 0.001, 0.001, 7200.0)
+    before = hub_time.least
+    hub_time.stood_still(0.0)
+    assert hub_time.most < 7201.0, "no sleep changes nothing"
+    hub_time.stood_still(5.0)
+    assert hub_time.most > 1e8, "what is received counts as too old"
+    assert hub_time.least == before, "what is sent is stamped too old, never too young"
+    ask(hub_time, 0.5, 0.001, 0.001, 7205.0)
+    assert hub_time.most == pytest.approx(7205.001, abs=0.01)
+
+
+def test_a_sleep_of_the_hubs_own_machine_moves_no_bound() -> None:
+    hub_time = ClockSync(time.monotonic)
+    hub_time.begin(this_machine())
+    hub_time.stood_still(5.0)
+    assert (hub_time.least, hub_time.most) == (0.0, 0.0)
+
+
 @pytest.mark.parametrize("drift", [-DRIFT, DRIFT])
 def test_the_bounds_hold_while_clocks_drift(drift: float) -> None:
     hub_time = ClockSync(lambda: 0.0)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from hub.gcm.diagnostics import DIAGNOSTICS
 from hub.gcm.geometry import TwistStamped
 from hub.gcm.navigation import DRIVE_COMMAND, DRIVE_STATE, VELOCITY_COMMAND
 from hub.modules.navigation.__main__ import Navigation
@@ -62,6 +63,12 @@ def test_after_a_sleep_of_its_computer_the_robot_stands_until_neutral_and_says_w
     assert told
     assert all(told)
     assert "stopped: the robot's computer slept for 12.0 s" in caplog.text
+    assert "the robot's computer slept for 12.0 s" in [
+        problem.message
+        for _, name, found in bus.published
+        if name == DIAGNOSTICS.name
+        for problem in found.status
+    ]
     assert all(drive(0.4)), "a key that was held through the sleep does not drive"
     drive(0.0)
     assert not any(drive(0.4))
