@@ -25,7 +25,13 @@ from hub.inspection.output import report, span
 from hub.ipc.client import Client
 from hub.recording.live.bus_recorder import BusRecorder
 from hub.recording.live.places import SUFFIX, date_name, numbered
-from hub.recording.live.series import RecordingSeries, SeriesLimits, SeriesState, free_room
+from hub.recording.live.series import (
+    DISK_S,
+    RecordingSeries,
+    SeriesLimits,
+    SeriesState,
+    free_room,
+)
 from hub.recording.live.settings import PictureSettings, RecordingTable
 from hub.recording.topics import topic_of
 from hub.recording.writer import WriterLimits
@@ -167,7 +173,7 @@ class _Foreground:
                 self._serve(keys)
         finally:
             self._bus.take_now()
-            state = self._series.close()
+            state = self._series.close(DISK_S)
             lost = self._bus.lost()
             for each, handler in before.items():
                 signal.signal(each, handler)

@@ -41,6 +41,8 @@ BOOT = "boot"
 """Key of that metadata: which run of a machine the monotonic clock belongs to."""
 BOOT_FILE = Path("/proc/sys/kernel/random/boot_id")
 """Where the system says which run of the machine this is."""
+PATIENCE_S = 60.0
+"""Longest wait for the disk at the end of a recording, where nothing else waits [s]."""
 _LENGTH = itemgetter(5)
 _GATHER_S = 0.1
 """Time that messages wait for others before the thread wakes [s]."""
@@ -199,15 +201,19 @@ class RecordingWriter:
         self._wake.set()
         return done.wait(patience) and not self._fault
 
-    def close(self, patience: float = 60.0) -> None:
+    def close(self, patience: float = PATIENCE_S) -> str:
         """Write what waits, and the index; once.
 
         Args:
             patience: Time after which a disk that does not answer is left alone [s].
+
+        Returns:
+            Why the file has no end yet; empty: it has one, or `state` has the fault.
         """
         self._closing.set()
         self._wake.set()
         self._thread.join(patience)
+        return no_end_yet(self.path, patience) if self._thread.is_alive() else ""
 
     def _add(self, name: str, entry: WaitingMessage) -> None:
         with self._lock:
@@ -417,3 +423,8 @@ def _name(entry: WaitingMessage) -> str:
 def _size(payload: bytes | bytearray | memoryview) -> int:
     """Length of a payload, or of a part of it [bytes]."""
     return payload.nbytes if isinstance(payload, memoryview) else len(payload)
+
+
+def no_end_yet(path: Path, patience: float) -> str:
+    """A sentence: the disk has not taken all of a file within this time [s]."""
+    return f"{path} has no end yet: the disk has not taken it for {patience:g} s"

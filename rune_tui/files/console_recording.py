@@ -14,7 +14,7 @@ from hub.errors import CodecError
 from hub.ipc.definition import MessageDefinition
 from hub.recording.anchor import TimeAnchor
 from hub.recording.topics import RecordedTopic, topic_of
-from hub.recording.writer import RecordingWriter, WriterState
+from hub.recording.writer import PATIENCE_S, RecordingWriter, WriterState
 
 _logger = logging.getLogger(__name__)
 
@@ -77,9 +77,9 @@ class ConsoleRecording:
         """Write a file into the recording."""
         self._writer.attach(name, "application/octet-stream", data, self._clock())
 
-    def close(self) -> None:
-        """Write the waiting messages and the index."""
-        self._writer.close()
+    def close(self, patience: float = PATIENCE_S) -> str:
+        """Write the waiting messages and the index, as `RecordingWriter.close` does."""
+        return self._writer.close(patience)
 
 
 @functools.cache

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import platformdirs
 
 from hub.command_line import DISTRIBUTION
+from hub.files import replace
 from hub.gcm.mapping import INTEREST_POINTS
 from hub.ipc.definition import Keep
 from hub.values import dataclass
@@ -123,7 +124,7 @@ def write_marks(robot: RobotState, now: datetime.datetime) -> Outcome:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for suffix, text in files.items():
-            Path(f"{base}.{suffix}").write_text(text, "utf-8", newline="")
+            replace(Path(f"{base}.{suffix}"), text.encode(), sync=False)
     except OSError as error:
         return _not_written("marks", error)
     text = f"the marks ({len(points)}) are in {base}.csv, .geojson and .html"
@@ -179,13 +180,13 @@ def _free(folder: Path, name: str, suffix: str) -> Path:
     return next((path for path in paths if not path.exists()), paths[0])
 
 
-def end_recording(recording: ConsoleRecording) -> Outcome:
-    """End a recording; returns the outcome."""
-    recording.close()
+def end_recording(recording: ConsoleRecording, patience: float = 60.0) -> Outcome:
+    """End a recording; returns the outcome after at most this time [s]."""
+    fault = recording.close(patience)
     state = recording.state
     text = f"{state.messages} messages are recorded in {recording.path}"
-    if state.fault:
-        return Outcome(text=f"{text}; then it ended: {state.fault}", alarm=True)
+    if fault := fault or state.fault:
+        return Outcome(text=f"{text}; then it ended: {fault}", alarm=True)
     lost = sum(state.lost.values())
     if lost:
         text += f"; {lost} were left out, as the disk was too slow"

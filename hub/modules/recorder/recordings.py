@@ -7,7 +7,7 @@ import math
 import time
 from collections import Counter
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 from hub.errors import RecordingError
 from hub.gcm.recording import RECORD_MARK, RecordMark, RecordState
@@ -17,6 +17,7 @@ from hub.modules.recorder.sentences import said_of_end, said_of_mark, said_of_sp
 from hub.recording.live.bus_recorder import BusRecorder, reported
 from hub.recording.live.places import RecordingFolder, demand_folder, numbered
 from hub.recording.live.series import (
+    DISK_S,
     RETRY_S,
     Attached,
     RecordingSeries,
@@ -30,8 +31,6 @@ from hub.robots.description import RobotDescription
 from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
-_DISK_S: Final = 2.0
-"""Longest wait for the disk at the end of a recording [s]."""
 
 
 @dataclass(slots=True)
@@ -107,7 +106,7 @@ class Recordings:
         bus = self._attach()
         self._running = None
         self._detach(running.series)
-        state = running.series.close(_DISK_S)
+        state = running.series.close(DISK_S)
         self._lost = bus.lost(running.series)
         note_running(self._folder.running, None, "")
         return said_of_end(state, self._lost.total())

@@ -23,7 +23,13 @@ from typing import NamedTuple
 from hub.recording.anchor import TimeAnchor
 from hub.recording.encoder import Payload
 from hub.recording.topics import RecordedTopic
-from hub.recording.writer import RecordingWriter, WaitingMessage, WriterLimits
+from hub.recording.writer import (
+    PATIENCE_S,
+    RecordingWriter,
+    WaitingMessage,
+    WriterLimits,
+    no_end_yet,
+)
 from hub.values import dataclass
 
 _logger = logging.getLogger(__name__)
@@ -32,6 +38,8 @@ _LEAST_FILES = 8
 """Number of files for which a ring has room: deleting one deletes a small part of it."""
 RETRY_S, _RING_RETRY_S = 5.0, 0.5
 """Time between two attempts to go on after a fault [s]."""
+DISK_S = 2.0
+"""Longest wait for the disk at the end that an operator orders [s]."""
 _STEP_S = 1.0
 """Smallest change of the date that counts as a step [s]."""
 _LEAST_ROOM, _MOST_ROOM = 10**6, 64 * 10**6
@@ -282,7 +290,7 @@ class RecordingSeries:
         """The complete files with anything from `begin` to `end` [s], in order."""
         return [each.path for each in self._kept if each.ended >= begin and each.begun <= end]
 
-    def close(self, patience: float = 60.0) -> SeriesState:
+    def close(self, patience: float = PATIENCE_S) -> SeriesState:
         """Complete the last file; returns the final state.
 
         Args:
@@ -296,8 +304,7 @@ class RecordingSeries:
             ending.thread.join(max(0.0, until - time.monotonic()))
         self._reap()
         if self._closing:
-            path = self._closing[0].writer.path
-            self._fault = f"{path} has no end yet: the disk has not taken it for {patience:g} s"
+            self._fault = no_end_yet(self._closing[0].writer.path, patience)
         return self.state
 
     def _open(self) -> None:

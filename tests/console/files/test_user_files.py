@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import threading
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from rune_tui.model.robot_state import Lack, LackKind, LinkPhase
 from tests.console.states import layout_of, renamed, view_of
 from tests.console.visualizers.conftest import Made
 from tests.console.widgets.presses import marked, seeing
+from tests.support.full_disk import files_no_longer_than
 
 NOW = datetime.datetime(2005, 3, 18, 1, 58, 31, tzinfo=datetime.UTC)
 STOPPING = SendEffect(robot="magellan", definition=STOP, value=Stop())
@@ -61,6 +63,30 @@ def test_a_folder_that_cannot_be_made_is_an_alarm_and_no_fault(home: Path):
         (home / name).write_text("no folder")
     assert user_files.write_screenshot(compose(20, 5, (9, 9, 9), []), (), NOW).alarm
     assert user_files.write_marks(seeing(marked(1)).robots["magellan"], NOW).alarm
+
+
+def test_a_full_disk_leaves_no_cut_file_of_marks(home: Path):
+    (home / "documents" / "Rune").mkdir(parents=True)
+    with files_no_longer_than(60):
+        outcome = user_files.write_marks(seeing(marked(1)).robots["magellan"], NOW)
+    assert outcome.alarm
+    assert "marks not written" in outcome.text
+    assert [*(home / "documents" / "Rune").iterdir()] == []
+
+
+def test_a_recording_that_a_hung_disk_has_not_taken_is_an_alarm(
+    home: Path, monkeypatch: pytest.MonkeyPatch
+):
+    answers = threading.Event()
+    # The edge of the hardware: a disk that does not say that it has the data.
+    monkeypatch.setattr("os.fdatasync", lambda _: answers.wait(20.0))
+    recording, _ = user_files.begin_recording(layout_of(view_of(xsize=9, ysize=9)), "al", NOW)
+    assert recording is not None
+    outcome = user_files.end_recording(recording, 0.05)
+    answers.set()
+    assert outcome.alarm
+    assert "has no end yet: the disk has not taken it for 0.05 s" in outcome.text
+    assert str(home) in outcome.text
 
 
 def test_two_recordings_of_one_second_have_files_of_their_own(home: Path):
