@@ -128,13 +128,14 @@ def _made(
 
 
 def _layout(options: argparse.Namespace) -> int:
+    from hub import files
     from rune_tui.commands.auto import auto_layout
 
     text = auto_layout(_endpoints([options.hub])[0], options.keys)
     if options.output is None:
         sys.stdout.write(text)
     else:
-        options.output.write_text(text)
+        files.replace(options.output, text.encode(), sync=False)
     return ExitCode.OK
 
 

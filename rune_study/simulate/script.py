@@ -14,6 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from hub import files
 from hub.table_text import csv_line
 from hub.values import dataclass
 from rune_study.errors import StudyError
@@ -138,10 +139,8 @@ def write_truth(path: Path, episodes: list[TrueEpisode]) -> None:
     """
     names = list(TrueEpisode.__dataclass_fields__)
     try:
-        with path.open("w", newline="") as file:
-            file.write(csv_line(names, "\n"))
-            for each in episodes:
-                file.write(csv_line([getattr(each, name) for name in names], "\n"))
+        lines = [names, *([getattr(each, name) for name in names] for each in episodes)]
+        files.replace(path, "".join(csv_line(each, "\n") for each in lines).encode())
     except OSError as fault:
         text = f"{path} cannot be written: {fault.strerror or fault}"
         raise StudyError(text) from fault

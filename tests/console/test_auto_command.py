@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import threading
 from contextlib import closing
+from pathlib import Path
 
+import pytest
+
+from hub.command_line import ExitCode
 from hub.gcm.body import ROBOT_DESCRIPTION, RobotBody
 from hub.gcm.supervision import CAPABILITY_REPORTS, CapabilityReports
 from hub.ipc.broker.central import Central
 from hub.ipc.client import Client
 from rune_tui.commands.auto import auto_layout
+from tests.support.command_line import rune
+from tests.support.full_disk import files_no_longer_than
 from tests.support.ports import free_port
 from tests.support.waiting import until
 
@@ -30,3 +36,17 @@ def test_a_hub_that_does_not_describe_its_robot_yet_is_asked_again() -> None:
             while asks.is_alive():
                 daemon.listen(0.02)
     assert "late" in made[0]
+
+
+def test_a_full_disk_leaves_the_layout_that_was_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "auto.xml"
+    path.write_text("edited")
+    monkeypatch.setattr("rune_tui.commands.auto.auto_layout", lambda *_: "<layout/>" * 100)
+    with files_no_longer_than(10):
+        done = rune("layout", "auto", "-o", str(path))
+    assert done.returncode == ExitCode.FAULT
+    assert "the output cannot be written" in done.stderr
+    assert path.read_text() == "edited"
+    assert [*tmp_path.iterdir()] == [path]

@@ -17,9 +17,10 @@ from rune_study.questionnaires.entries import entry_of
 from rune_study.questionnaires.items import Answer, Bearing, Item, Pair, PlaceItem
 from rune_study.questionnaires.questionnaire import SHIPPED, read
 from rune_study.simulate.agreement import findings
-from rune_study.simulate.script import IN_REAL_TIME, check_playable, script
+from rune_study.simulate.script import IN_REAL_TIME, check_playable, script, write_truth
 from rune_study.simulate.typed_answers import ENTER, typed_answer
 from tests.study.studies import study_of
+from tests.support.full_disk import files_no_longer_than
 
 KEYS = {
     "\x1b[A": "up",
@@ -97,3 +98,9 @@ def test_what_is_asked_once_per_session_has_no_truth() -> None:
     ] + [MetricRow(participant=1, trial=0, code="", metric="sus", value=70.0)]
     found = findings([], rows, {}, {(1, 1): 30.0})
     assert [(each.trial, each.metric) for each in found] == [(1, name) for name in names]
+
+
+def test_a_full_disk_leaves_no_cut_table_of_the_truth(tmp_path: Path) -> None:
+    with files_no_longer_than(10), pytest.raises(StudyError, match="cannot be written"):
+        write_truth(tmp_path / "truth.csv", [])
+    assert [*tmp_path.iterdir()] == []
