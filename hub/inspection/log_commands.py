@@ -101,16 +101,22 @@ def _show(facts: RecordingFacts, *, quick: bool) -> None:
     _show_topics(facts, quick=quick)
     for mark in facts.marks:
         put(plain(f"mark {mark.number} at {date(mark.stamp)}  {mark.text}").rstrip())
-    for begin, end in facts.gaps:
-        put(f"no messages for {span((end - begin) / 1e9)} from {date(begin)}")
+    _show_times(facts)
     for topic, count in facts.lost.items():
         put(plain(f"{count} messages of {topic} were lost by the writer"))
     if quick:
-        put("only the index was read: sizes, losses, gaps, marks and damage are not known")
+        put("only the index was read: sizes, losses, gaps, jumps, marks and damage are not known")
     if not facts.finished:
         put("unfinished: it has no index; `rune-hub log recover` makes a file with one")
     for fault in facts.faults:
         put(plain(f"fault: {fault}"))
+
+
+def _show_times(facts: RecordingFacts) -> None:
+    for begin, end in facts.gaps:
+        put(f"no messages for {span((end - begin) / 1e9)} from {date(begin)}")
+    for stamp, back in facts.jumps or ():
+        put(f"the clock jumps back by {span(back / 1e9)} at {date(stamp)}")
 
 
 def _show_topics(facts: RecordingFacts, *, quick: bool) -> None:

@@ -191,22 +191,25 @@ class MessageFacts(NamedTuple):
         stamps: When each was logged (n,) [ns].
         numbers: Its number at the receiver (n,).
         lengths: Length of its payload (n,) [bytes].
+        places: Where it was written: a later message has a greater number (n,); none where that is
+            not known (0,).
     """
 
     channels: npt.NDArray[np.uint16]
     stamps: Stamps
     numbers: npt.NDArray[np.uint32]
     lengths: Stamps
+    places: Stamps
 
 
 def facts_of(chunk: LoadedChunk) -> MessageFacts:
     """Facts of the messages of a part."""
     if not chunk.offsets.size:
         nothing = np.zeros(0, np.uint64)
-        return MessageFacts(chunk.channels, nothing, np.zeros(0, np.uint32), nothing)
+        return MessageFacts(chunk.channels, nothing, np.zeros(0, np.uint32), nothing, nothing)
     heads = _heads(chunk.records, chunk.offsets)
     lengths = heads["length"] - np.uint64(_MESSAGE.size - RECORD.size)
-    return MessageFacts(chunk.channels, chunk.stamps, heads["number"], lengths)
+    return MessageFacts(chunk.channels, chunk.stamps, heads["number"], lengths, chunk.offsets)
 
 
 def without(chunk: LoadedChunk, channels: npt.NDArray[np.uint16]) -> LoadedChunk:

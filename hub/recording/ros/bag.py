@@ -222,6 +222,7 @@ class Bag(OpenRecording):
                         np.array([each.stamp for each in batch], np.uint64),
                         np.array([each.number for each in batch], np.uint32),
                         np.array([len(each.payload) for each in batch], np.uint64),
+                        np.zeros(0, np.uint64),
                     )
 
     def check(self, deadline: float) -> None:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from hub.errors import RecordingError
 from hub.recording.chunks import MessageFacts
 from hub.recording.recording_set import RecordingSet
+from hub.recording.tools.clock_jumps import ClockJump, ClockJumps
 from hub.recording.tools.selection import LoggedMark, marks_of
 from hub.recording.topics import RecordedTopic
 from hub.recording.writer import ABOUT, LOST
@@ -67,12 +68,13 @@ class RecordingFacts:
         finished: It has its index.
         topics: Its topics, by name.
         gaps: Times without any message of `GAP_S` or longer: begin and end of each [ns].
+        jumps: Where its clock jumps back, the first ones; None: not known.
         lost: Messages that its writer could not write, by topic.
         marks: Its marks.
         about: Its metadata.
         attachments: Names of the files within it.
         faults: What is wrong with it, in sentences.
-        looked: All of it was read; else gaps, marks and damage are not known.
+        looked: All of it was read; else gaps, jumps, marks and damage are not known.
     """
 
     path: Path
@@ -82,6 +84,7 @@ class RecordingFacts:
     finished: bool
     topics: list[TopicFacts] = field(default_factory=list)
     gaps: list[tuple[int, int]] = field(default_factory=list)
+    jumps: list[ClockJump] | None = None
     lost: dict[str, int] = field(default_factory=dict)
     marks: list[LoggedMark] = field(default_factory=list)
     about: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -103,7 +106,8 @@ def facts_of_recording(
     Args:
         path: A file or a folder.
         progress: Is called now and then with the share that is done.
-        quick: Whether the index is enough: without sizes, losses, gaps and marks.
+        quick: Whether the index is enough: without sizes, losses, gaps,
+            jumps and marks.
         unpacked: Most bytes that are unpacked; 0: by its size.
 
     Raises:
@@ -127,13 +131,16 @@ def facts_of_recording(
             for number, topic in count.topics.items():
                 topic.messages = recording.counts.get(number, 0)
         else:
+            jumps = ClockJumps()
             length = max(1, recording.end - recording.start)
             for facts in recording.recordings[0].facts():
                 count.add(facts)
+                jumps.add(facts)
                 if facts.stamps.size:
                     progress((int(facts.stamps[-1]) - recording.start) / length)
             found.looked = True
             found.gaps = count.gaps()
+            found.jumps = jumps.found()
             found.marks = list(itertools.islice(marks_of(recording), _MOST_MARKS))
         found.topics = sorted(count.topics.values(), key=lambda each: each.topic.name)
         found.faults = recording.faults
@@ -179,6 +186,9 @@ def as_json(facts: RecordingFacts) -> dict[str, Any]:
         ],
         "gaps": [{"start_ns": str(a), "duration_s": (b - a) / 1e9} for a, b in facts.gaps]
         if facts.looked
+        else None,
+        "clock_jumps": [{"stamp_ns": str(a), "back_s": back / 1e9} for a, back in facts.jumps]
+        if facts.jumps is not None
         else None,
         "lost": facts.lost,
         "marks": [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
 import math
 import os
@@ -82,7 +83,7 @@ def test_info_says_what_is_in_a_recording(drive: Path) -> None:
     assert known["attachments"] == ["search.xml"]
     quick = facts("info drive.mcap --quick")
     assert (quick["messages"], quick["gaps"], quick["marks"]) == (260, None, None)
-    assert "gaps, marks and damage are not known" in log("info drive.mcap --quick")
+    assert "gaps, jumps, marks and damage are not known" in log("info drive.mcap --quick")
 
 
 def test_info_fits_a_terminal_of_80_columns(drive: Path) -> None:
@@ -107,6 +108,23 @@ def test_info_names_gaps_and_what_the_writer_lost() -> None:
     known = facts("info x.mcap")
     assert [each["duration_s"] for each in known["gaps"]] == [4.5, 14.5]
     assert known["lost"] == {"/r/T": 1}
+    assert known["clock_jumps"] == []
+
+
+@pytest.mark.parametrize("chunk_bytes", [1, 1_000_000])
+def test_info_names_where_the_clock_jumps_back(chunk_bytes: int) -> None:
+    limits = dataclasses.replace(LIMITS, chunk_bytes=chunk_bytes)
+    writer = RecordingWriter(Path("x.mcap"), ANCHOR, {}, limits)
+    for topic in ("/r/T", "/r/U"):  # one topic after the other is no jump
+        for moment in (100.0, 130.0, 129.5, 109.5, 110.0, 105.0):
+            writer.add(RecordedTopic(topic), b"x", moment, moment)
+    writer.close()
+    jumps = facts("info x.mcap")["clock_jumps"]
+    assert [each["back_s"] for each in jumps] == [20.0, 5.0]
+    said = log("info x.mcap")
+    assert said.count("the clock jumps back by") == 2
+    assert "the clock jumps back by 20.0 s at 20" in said
+    assert facts("info x.mcap --quick")["clock_jumps"] is None
 
 
 @pytest.mark.parametrize(
@@ -194,6 +212,7 @@ def test_recover_keeps_messages_of_a_damaged_part_where_that_is_wanted(drive: Pa
 def test_recover_reads_what_is_left_of_a_cut_database(tmp_path: Path) -> None:
     content = [*ros_bags.entries(2)]
     folder = ros_bags.write_bag(tmp_path / "rover", storage=StoragePlugin.SQLITE3, content=content)
+    assert facts(f"info {folder}")["clock_jumps"] is None, "it is read in the order of stamps"
     (whole,) = folder.glob("*.db3")
     raw = whole.read_bytes()
     half = tmp_path / "half.db3"
