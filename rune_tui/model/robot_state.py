@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import enum
 import math
 from collections import Counter
@@ -23,7 +22,7 @@ from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.roles import Role
 from hub.ipc.security.publish_rights import may_publish
-from hub.values import dataclass
+from hub.values import dataclass, replaced
 
 T = TypeVar("T")
 
@@ -243,7 +242,7 @@ class RobotState:
 
     def with_(self, **changes: Any) -> RobotState:  # noqa: ANN401 - the fields have several types
         """A copy with other values."""
-        return dataclasses.replace(self, **changes)
+        return replaced(self, **changes)
 
 
 def titles(robots: Iterable[RobotState]) -> dict[str, str]:
