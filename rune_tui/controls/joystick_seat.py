@@ -56,6 +56,11 @@ class JoystickSeat:
         return self.phase is JoystickPhase.CONNECTED
 
     @property
+    def far(self) -> DeviceInfo | None:
+        """Its device, if that is at another machine; else None."""
+        return self.device if self.device is not None and self.device.machine else None
+
+    @property
     def still_fits(self) -> bool:
         """Whether the layout means its device."""
         return self.device is not None and is_meant(self.joystick.spec, self.device)

@@ -190,7 +190,7 @@ class Joysticks:
     def states(self) -> Mapping[str, JoystickState]:
         """The state of each, by name."""
         measured = tuple(
-            self._reader.measured(seat.device.path) if seat.connected and seat.device else None
+            self._reader.measured(far.path) if seat.connected and (far := seat.far) else None
             for seat in self._seats
         )
         if self._note_absences() or self._shown is None or measured != self._measured:
@@ -207,10 +207,10 @@ class Joysticks:
         """Note the absences of devices of other machines; whether any is new."""
         changed = False
         for seat in self._seats:
-            if seat.connected or not (seat.device and seat.device.machine):
+            if seat.connected or not (far := seat.far):
                 continue
             # A pad without messages is forgotten there; its last report is kept here.
-            absence = self._reader.absence(seat.device.path) or seat.absence
+            absence = self._reader.absence(far.path) or seat.absence
             changed |= absence is not seat.absence
             seat.absence = absence
         return changed

@@ -76,7 +76,7 @@ class Sources:
 
     def inbox(self, path: str) -> Inbox | None:
         """The new values of a device."""
-        return self._far.inbox(path) or self._near.inbox(path)
+        return self._near.inbox(path) or self._far.inbox(path)
 
     def measured(self, path: str) -> float | None:
         """When the newest state of another machine's device was measured [s]."""

@@ -134,6 +134,9 @@ class EventSpec:
     released: bool = False
     kind: ControlKind | None = None
 
+    def __hash__(self) -> int:
+        return hash(self.name)  # widgets look up their inputs at each move
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WidgetSpec:

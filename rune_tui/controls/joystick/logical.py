@@ -64,6 +64,10 @@ class LogicalJoystick:
         self._controls: Sequence[PhysicalControl] = ()
         self._axes: dict[str, Axis] = {}
         self._at: dict[int, list[Axis]] = {}
+        self._partners: dict[str, Axis] = {}
+        """The other axis of the stick of each axis, if the two share a dead zone."""
+        self._inputs: dict[str, tuple[str, str]] = {}
+        """The names of each axis's inputs: its value, and its press."""
         self._parts: dict[int, list[_Part]] = {}
         self._out: dict[str, float] = {}
         self._blocked: set[str] = set()
@@ -93,6 +97,9 @@ class LogicalJoystick:
             )
             if not found:
                 missing.append(spec.name)
+        for axis in self._axes.values():
+            if (partner := self._partner_of(axis)) is not None:
+                self._partners[axis.name] = partner
         return tuple(missing)
 
     def feed(self, values: Values, now: float) -> tuple[ControlEvent, ...]:
@@ -105,8 +112,9 @@ class LogicalJoystick:
             for axis in self._at.get(position, ()):
                 if raw is not None:
                     axis.take(raw, now)
-                    partner = self._partner(axis)
-                    moved |= {each.name: each for each in (axis, partner) if each is not None}
+                    moved[axis.name] = axis
+                    if (partner := self._partner(axis)) is not None:
+                        moved[partner.name] = partner
             for part in self._parts.get(position, ()):
                 events += self._moved_part(part, raw)
         for axis in moved.values():
@@ -129,15 +137,15 @@ class LogicalJoystick:
     @property
     def axis_inputs(self) -> frozenset[str]:
         """Names of the inputs that are axes."""
-        return frozenset(self._input(name) for name in self._axes)
+        return frozenset(value for value, _ in self._inputs.values())
 
     @property
     def waiting(self) -> frozenset[str]:
         """Names of the axes that are moved and count only after they have been neutral."""
         return frozenset(
             name
-            for name in self._axes
-            if self.values.get(name) and self._input(name) in self._blocked
+            for name, (value, _) in self._inputs.items()
+            if value in self._blocked and self.values.get(name)
         )
 
     @property
@@ -178,6 +186,8 @@ class LogicalJoystick:
         self._controls = ()
         self._axes.clear()
         self._at.clear()
+        self._partners.clear()
+        self._inputs.clear()
         self._parts.clear()
         self.values = {}
 
@@ -190,7 +200,9 @@ class LogicalJoystick:
         self._axes[spec.name] = axis
         self._at.setdefault(position, []).append(axis)
         # A hand may hold it anywhere: it must be seen at rest first.
-        self._blocked |= {self._input(spec.name), self._input(spec.name, PRESSED)}
+        inputs = self._input(spec.name), self._input(spec.name, PRESSED)
+        self._inputs[spec.name] = inputs
+        self._blocked.update(inputs)
         return True
 
     def _add_parts(self, spec: ControlSpec) -> bool:
@@ -258,15 +270,19 @@ class LogicalJoystick:
         self.values[part.shown] = float(down)
         yield from self._put(part.name, float(down))
 
-    def _partner(self, axis: Axis) -> Axis | None:
+    def _partner_of(self, axis: Axis) -> Axis | None:
         """The other axis of its stick, if the two share a dead zone."""
         role = axis.physical.role
         other = _PAIRS.get(role) or next((x for x, y in _PAIRS.items() if y == role), None)
         for each in self._axes.values():
             if other and each.physical.role == other:
-                alike = each.shape.dead_zone == axis.shape.dead_zone
-                return each if alike and each.raw is not None else None
+                return each if each.shape.dead_zone == axis.shape.dead_zone else None
         return None
+
+    def _partner(self, axis: Axis) -> Axis | None:
+        """That axis, once it has a value."""
+        partner = self._partners.get(axis.name)
+        return None if partner is None or partner.raw is None else partner
 
     def _moved_axis(self, axis: Axis) -> Iterator[ControlEvent]:
         partner, share = self._partner(axis), axis.share
@@ -276,8 +292,8 @@ class LogicalJoystick:
             value = axis.shape.shaped_pair(share, partner.share)[0]
         value = round(value * _STEPS) / _STEPS
         self.values[axis.name] = value
-        yield from self._put(self._input(axis.name), value)
-        name = self._input(axis.name, PRESSED)
+        moved, name = self._inputs[axis.name]
+        yield from self._put(moved, value)
         at = (_LEVER_PRESSED_AT, _LEVER_RELEASED_AT) if axis.lever else (_PRESSED_AT, _RELEASED_AT)
         down = abs(share) > at[name in self._out or name in self._blocked]
         yield from self._put(name, float(down))
