@@ -83,8 +83,7 @@ class Dispatch:
     def __init__(self, layout: LayoutSpec) -> None:
         self.listeners = Listeners(layout)
         self._widgets = self.listeners.widgets
-        takers = (each for each in self._widgets if each.rule.purpose is Purpose.TAKE_CONTROL)
-        self._takers = [cast("TakingWidget", each) for each in takers]
+        self._taking_by_hand = list(_taking_by_hand(self._widgets))
         self._buttons: set[str] = set()
         self._failed: set[int] = set()
         self._changes = ControlChanges()
@@ -278,7 +277,8 @@ class Dispatch:
 
     def look(self, state: ConsoleState) -> list[Effect]:
         """Release held inputs of robots whose control changed or that stopped."""
-        return self.end_holds(self.stopped_robots(state.robots.values()), state)
+        stopped = self._changes.look(state.robots.values())
+        return self.end_holds(stopped, state) if stopped else []
 
     def stopped_robots(self, robots: Iterable[RobotState]) -> list[str]:
         """Names of robots whose control changed or that stopped since the last call."""
@@ -306,9 +306,7 @@ class Dispatch:
         self, widget: Widget, asked: list[Effect], state: ConsoleState, *, fresh: bool
     ) -> list[Effect]:
         """A widget's effects that this console may execute; `fresh`: caused by a new press."""
-        by_hand = frozenset(
-            commanded(each, state) for each in self._takers if not each.takes_by_driving()
-        )
+        by_hand = frozenset(commanded(each, state) for each in self._taking_by_hand)
         robot = refused(asked, state, by_hand)
         if robot is None:
             return [*taking(asked, state), *asked] if fresh else asked
@@ -353,6 +351,14 @@ class Dispatch:
 
     def _silent(self, widget: Widget, state: ConsoleState) -> bool:
         return id(widget) in self._failed or self._driving.is_silent(widget, state)
+
+
+def _taking_by_hand(widgets: Iterable[Widget]) -> Iterator[Widget]:
+    """Widgets of robots for which only a key takes control, not a drive command."""
+    for each in widgets:
+        taking = each.rule.purpose is Purpose.TAKE_CONTROL
+        if taking and not cast("TakingWidget", each).takes_by_driving():
+            yield each
 
 
 def _checked(given: object) -> Effect:

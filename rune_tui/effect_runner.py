@@ -22,13 +22,13 @@ from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import (
-    ActionEffect,
     AskEffect,
     AskToLeave,
     CalibrateEffect,
     ControlEffect,
     Effect,
     ExportEffect,
+    LocalEffect,
     MissionEffect,
     NextLayoutEffect,
     Notify,
@@ -37,7 +37,6 @@ from rune_tui.model.effects import (
     QuitEffect,
     RecordEffect,
     ReleaseFirst,
-    RobotRecordEffect,
     ScreenshotEffect,
     SendEffect,
     StateEffect,
@@ -119,20 +118,21 @@ class EffectRunner:
         are dropped, as they confirm the order; alarms are not.
         """
         unreached: set[str] = set()
-        if self._current.console.limits != NO_LIMITS:
+        if self._current.console.limits is not NO_LIMITS:
             effects = within(effects, self._state())
         for effect in effects:
-            with self.guard(effect):
-                if isinstance(effect, StateEffect):
-                    if not confirms(effect, unreached):
-                        self._change(effect)
-                    continue
-                self._do(effect)
-                if isinstance(effect, OrderEffect) and (
-                    outcome := undelivered(effect, self._links[effect.robot].state)
-                ):
-                    self.notify(outcome)
-                    unreached.add(effect.robot)
+            try:
+                if isinstance(effect, OrderEffect):
+                    self._send(effect)
+                    if outcome := undelivered(effect, self._links[effect.robot].state):
+                        self.notify(outcome)
+                        unreached.add(effect.robot)
+                elif not isinstance(effect, StateEffect):
+                    self._do(effect)
+                elif not confirms(effect, unreached):
+                    self._change(effect)
+            except Exception as error:  # noqa: BLE001 - the next effect may be a stop
+                self.guard.note(effect, error)
 
     def notify(self, outcome: Outcome) -> None:
         """Show the operator a notice."""
@@ -213,7 +213,8 @@ class EffectRunner:
             current.console = current.view.within_page(current.console)
         self.ask_for_pictures()
 
-    def _do(self, effect: ActionEffect) -> None:
+    def _do(self, effect: LocalEffect) -> None:
+        """Execute an effect on files, joysticks, the layout or the console itself."""
         match effect:
             case SuspendEffect():
                 self._suspend()
@@ -226,9 +227,14 @@ class EffectRunner:
                 self._inputs.keyboard.stop(keys, time.monotonic())
             case QuitEffect():
                 self.leave_or_ask()
-            case _:
-                self._current.console = ordered(self._current.console, effect, time.monotonic())
-                self._do_external(effect)
+            case ScreenshotEffect() | RecordEffect() | ExportEffect():
+                state, cells, pictures = self._state(), self._pane.cells, self._pane.pictures
+                self.file_writer.do(effect, self._current.layout, state, cells, pictures)
+            case CalibrateEffect(joystick=name, control=control):
+                self._inputs.joysticks.calibrate(name, control, time.monotonic())
+            case NextLayoutEffect():
+                if not self.layouts.next():
+                    self.notify(Outcome(text="the console was started with no other layout"))
 
     def _suspend(self) -> None:
         self._inputs.release_all()
@@ -248,28 +254,6 @@ class EffectRunner:
     def _act(self, action: Action) -> None:
         self.run(self._current.dispatch.act(action, self._state()))
 
-    def _do_external(
-        self,
-        effect: OrderEffect
-        | ScreenshotEffect
-        | RecordEffect
-        | ExportEffect
-        | CalibrateEffect
-        | NextLayoutEffect,
-    ) -> None:
-        """Execute an effect on robots, files, joysticks or the layout."""
-        match effect:
-            case SendEffect() | ControlEffect() | MissionEffect() | RobotRecordEffect():
-                self._send(effect)
-            case ScreenshotEffect() | RecordEffect() | ExportEffect():
-                state, cells, pictures = self._state(), self._pane.cells, self._pane.pictures
-                self.file_writer.do(effect, self._current.layout, state, cells, pictures)
-            case CalibrateEffect(joystick=name, control=control):
-                self._inputs.joysticks.calibrate(name, control, time.monotonic())
-            case NextLayoutEffect():
-                if not self.layouts.next():
-                    self.notify(Outcome(text="the console was started with no other layout"))
-
     def _save_calibrations(self) -> None:
         joysticks = self._inputs.joysticks
         if joysticks.unsaved:
@@ -282,15 +266,15 @@ class EffectRunner:
 
     def _send(self, effect: OrderEffect) -> None:
         link = self._links[effect.robot]
-        if isinstance(effect, ControlEffect):
-            link.control(effect.action, by_driving=effect.by_driving)
-        elif isinstance(effect, MissionEffect):
-            link.mission(effect.action, effect.name)
-        elif isinstance(effect, RobotRecordEffect):
-            if link.recorder is not None:
-                link.recorder.order(effect.command)
-        else:
+        if isinstance(effect, SendEffect):
             link.send(effect.definition, effect.value)
+            self._current.console = ordered(self._current.console, effect, time.monotonic())
             if effect.controlled and self._team.awaits_command(self._current.console.chosen):
                 state = self._state()
                 self._record_team(self._team.command(effect.robot, state), state.now)
+        elif isinstance(effect, ControlEffect):
+            link.control(effect.action, by_driving=effect.by_driving)
+        elif isinstance(effect, MissionEffect):
+            link.mission(effect.action, effect.name)
+        elif link.recorder is not None:
+            link.recorder.order(effect.command)

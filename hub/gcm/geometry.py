@@ -69,8 +69,9 @@ class Twist:
     @property
     def neutral(self) -> bool:
         """Whether all velocities are 0."""
-        parts = (self.linear, self.angular)
-        return all(part.x == part.y == part.z == 0.0 for part in parts)
+        linear, angular = self.linear, self.angular
+        moves = linear.x or linear.y or linear.z or angular.x or angular.y or angular.z
+        return not moves
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

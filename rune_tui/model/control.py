@@ -98,12 +98,12 @@ def refused(
         by_hand: Robots for which only a key takes control, not a drive command.
     """
     for effect in effects:
-        if not effect.controlled:
+        if not (name := effect.controlled):
             continue
-        robot = state.robots.get(effect.controlled)
+        robot = state.robots.get(name)
         stands = standing(robot)
-        by_key = effect.takes_control and effect.controlled in by_hand
-        if stands is Standing.OTHERS or (stands is Standing.FREE and by_key):
+        by_key = stands is Standing.FREE and name in by_hand and effect.takes_control
+        if stands is Standing.OTHERS or by_key:
             return robot
     return None
 

@@ -28,9 +28,9 @@ class ControlChanges:
         return is_lost(before, now)
 
     def _stopped(self, robot: RobotState) -> bool:
-        if robot.navigation is None:
+        if (navigation := robot.navigation) is None:
             return False
-        now = robot.navigation.value.stops
+        now = navigation.value.stops
         before = self._stops.get(robot.name, now)
         self._stops[robot.name] = now
         return now != before

@@ -50,11 +50,6 @@ class EffectFacts:
         """Whether a new press takes control of a free robot for it."""
         return False
 
-    @property
-    def sent_off(self) -> str:
-        """The robot that gets its own task; empty: none."""
-        return ""
-
     def addressed(self, _chosen: str) -> Self | None:
         """The effect with the chosen robot's name, if it is for that one; None: there is none."""
         return self

@@ -445,9 +445,8 @@ StateEffect = (
 """Effects that only change the console's state."""
 OrderEffect = SendEffect | ControlEffect | MissionEffect | RobotRecordEffect
 """Orders to a robot."""
-ActionEffect = (
-    OrderEffect
-    | ReleaseFirst
+LocalEffect = (
+    ReleaseFirst
     | QuitEffect
     | NextLayoutEffect
     | ScreenshotEffect
@@ -458,5 +457,5 @@ ActionEffect = (
     | PaletteEffect
     | SuspendEffect
 )
-"""Effects that the app executes."""
-Effect = ActionEffect | StateEffect
+"""Effects that the app executes without a robot."""
+Effect = OrderEffect | LocalEffect | StateEffect

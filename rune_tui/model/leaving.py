@@ -12,7 +12,7 @@ from hub.gcm.vehicle import Arming
 from rune_tui.layout.rules import Purpose
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, standing
-from rune_tui.model.effects import Effect
+from rune_tui.model.effects import SendEffect
 from rune_tui.model.mission import mission_of
 from rune_tui.model.vehicle import autopilot_of, vehicle_of
 
@@ -20,7 +20,7 @@ ORDERED_S: Final = 3.0
 """Time after an order to go in which a robot counts as moving, even without a report [s]."""
 
 
-def ordered(state: ConsoleState, effect: Effect, now: float) -> ConsoleState:
+def ordered(state: ConsoleState, effect: SendEffect, now: float) -> ConsoleState:
     """The state with an order to go somewhere, before the robot reports it.
 
     Args:

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable
 
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Effect, Notify, SendEffect
+from rune_tui.model.operating_limits import NO_LIMITS
 
 
 def within(effects: Iterable[Effect], state: ConsoleState) -> list[Effect]:
@@ -13,6 +14,8 @@ def within(effects: Iterable[Effect], state: ConsoleState) -> list[Effect]:
 
     Later notices without alarm of such a robot are left out, as they confirm what is not done.
     """
+    if state.limits is NO_LIMITS:
+        return list(effects)
     kept: list[Effect] = []
     refused: set[str] = set()
     for effect in effects:

@@ -207,7 +207,7 @@ class InputEvents:
 
         Under a list or a question, and without the focus, a joystick can only stop.
         """
-        now = self.time_now()
+        now = self._after_pause()
         unseen = self._app.covered or not self._app.app_focus
         for event in self.joysticks.events(now):
             dispatch = self._current.dispatch
@@ -255,12 +255,17 @@ class InputEvents:
 
     def time_now(self) -> float:
         """The time now [s]; releases all inputs after a pause of the console or a stop."""
-        now = time.monotonic()
-        if self._pauses.look(now):
-            self.release_all()
+        now = self._after_pause()
         dispatch = self._current.dispatch
         if stopped := dispatch.stopped_robots(self._links.states.values()):
             self._execute(dispatch.end_holds(stopped, self._state()))
+        return now
+
+    def _after_pause(self) -> float:
+        """The time now [s]; releases all inputs after a pause of the console."""
+        now = time.monotonic()
+        if self._pauses.look(now):
+            self.release_all()
         return now
 
     def unused_for(self, now: float) -> float:

@@ -81,6 +81,7 @@ class Painter:
         self._rests = False
         self._asked = self._moved = -math.inf
         self._sent: deque[tuple[float, int]] = deque()
+        self._sent_bytes = 0
 
     @property
     def pixels_per_cell(self) -> tuple[int, int]:
@@ -201,11 +202,11 @@ class Painter:
     def display(self, now: float) -> DisplayState:
         """State of the terminal's picture: delay, rate and detail."""
         while self._sent and now - self._sent[0][0] > _COUNTED_S:
-            self._sent.popleft()
+            self._sent_bytes -= self._sent.popleft()[1]
         return DisplayState(
             latency=self._latency if self._pacer.answers else math.nan,
             frames_per_s=len(self._sent) / _COUNTED_S,
-            bytes_per_s=sum(size for _, size in self._sent) / _COUNTED_S,
+            bytes_per_s=self._sent_bytes / _COUNTED_S,
             coarseness=self.control.level if self._output.inexact else 0,
         )
 
@@ -218,6 +219,7 @@ class Painter:
         question = f"{self._pacer.sent(now, frame.size)}{self._cursor_return}".encode()
         write_bytes(driver, b"".join((*parts, question)))
         self._sent.append((now, frame.size))
+        self._sent_bytes += frame.size
         self._asked = now
 
     @property

@@ -126,7 +126,7 @@ class SetSpeed:
         }
         self._turbo = turbo
         self._guarded = guarded
-        self._axes = tuple(axes)
+        self._axes = frozenset(axis.name for axis in axes)
         self._step_sizes = {
             control: step if freedom <= Freedom.HEAVE else turn_step
             for control, freedom in FREEDOMS.items()
@@ -177,17 +177,19 @@ class SetSpeed:
             return True
         if self._guarded and not self._holds(ENABLE):
             return False
-        unseen = {
+        unseen = (
             joystick_input(joystick.name, axis)
             for joystick in state.joysticks.values()
             for axis in joystick.waiting
-        }
-        return self._waiting <= {event_spec} and not any(axis.name in unseen for axis in self._axes)
+        )
+        return self._waiting <= {event_spec} and self._axes.isdisjoint(unseen)
 
     def velocity(self) -> Twist:
         """The command of the held inputs; what they drive is trimmed, neutral is not."""
         newest = {spec.control: spec for spec in self._held}
-        speeds = {control: self._speed(newest.get(control)) for control in FREEDOMS}
+        speeds = dict.fromkeys(FREEDOMS, 0.0)
+        for control in FREEDOMS.keys() & newest:
+            speeds[control] = self._speed(newest[control])
         if any(speeds.values()) and not self._steps:
             for control, trim in self._trims.items():
                 most = self._most(control)
@@ -197,10 +199,8 @@ class SetSpeed:
             angular=Vector3(x=speeds["roll"], y=speeds["pitch"], z=speeds[ROTATE]),
         )
 
-    def _speed(self, spec: EventSpec | None) -> float:
+    def _speed(self, spec: EventSpec) -> float:
         """The command of an input [m/s or rad/s]."""
-        if spec is None:
-            return 0.0
         if (step := self._steps.get(spec)) is not None:
             return step.commanded
         factor = self._turbo if self._holds(TURBO) else 1.0
