@@ -129,10 +129,12 @@ def _inspect(options: argparse.Namespace, hub: hub_sockets.RunningHub | None = N
     from hub.inspection import message_commands
 
     endpoint = options.hub if hub is None else hub.endpoint
-    with message_commands.failures_explained(options.command):
+    name = "" if hub is None else hub.name
+    as_json = getattr(options, "json", False)
+    with message_commands.failures_explained(options.command, as_json=as_json, hub=name):
         client = message_commands.connect(endpoint, options.command, options.keys)
         try:
-            return _run_inspection(client, options, hub="" if hub is None else hub.name)
+            return _run_inspection(client, options, hub=name)
         except KeyboardInterrupt:
             leave()
         finally:

@@ -131,11 +131,8 @@ def halt(client: Client, *, as_json: bool, hub: str = "") -> int:
     timer.cancel()
     lasted = time.monotonic() - begun
     if as_json:
-        report = course.report
-        speeds = (report.linear, report.angular) if report else (None, None)
-        facts = dict(zip(("linear", "angular"), speeds, strict=True))
-        named = {"hub": hub} if hub else {}
-        put_json({**named, "stands": course.stands, "seconds": round(lasted, 3), **facts})
+        problem = "" if course.stands else course.problem()
+        put_json(halt_facts(course.report, hub=hub, seconds=lasted, problem=problem))
     prefix = f"{hub}: " if hub else ""
     if not course.stands:
         print_error(prefix + course.problem())
@@ -144,6 +141,28 @@ def halt(client: Client, *, as_json: bool, hub: str = "") -> int:
         text = f"the robot stands, {lasted:.1f} s after the first stop; it waits for neutral"
         put(prefix + text)
     return 0
+
+
+def halt_facts(
+    report: RobotState | None, *, hub: str, seconds: float, problem: str
+) -> dict[str, object]:
+    """What a stop reports as JSON; speeds are null where they are not known.
+
+    Args:
+        report: The newest report of the robot; None: there is none.
+        hub: Name of the hub; empty: it is the only one.
+        seconds: How long the stop took [s].
+        problem: Why the robot does not stand, as far as is known; empty: it stands.
+    """
+    named = {"hub": hub} if hub else {}
+    return {
+        **named,
+        "stands": not problem,
+        "seconds": round(seconds, 3),
+        "linear": report.linear if report else None,
+        "angular": report.angular if report else None,
+        "problem": problem or None,
+    }
 
 
 def halt_each(hubs: Sequence[RunningHub], halt_one: Callable[[RunningHub], int]) -> int:

@@ -23,6 +23,7 @@ from hub.gcm.catalog import BY_NAME
 from hub.gcm.common import CommonResult
 from hub.gcm.control import CONTROL_STATE, is_restricted
 from hub.inspection import value_text
+from hub.inspection.halt_command import halt_facts
 from hub.inspection.hub_watch import HubWatch
 from hub.inspection.output import outcome
 from hub.ipc.client import Client
@@ -75,14 +76,23 @@ def _connect_stop(client: Client) -> None:
 
 
 @contextlib.contextmanager
-def failures_explained(command: str) -> Iterator[None]:
-    """Begin the error of a stop with what it means for the robot."""
+def failures_explained(command: str, *, as_json: bool, hub: str = "") -> Iterator[None]:
+    """Begin the error of a stop with what it means for the robot.
+
+    Args:
+        command: The command.
+        as_json: Whether a stop also reports it as JSON.
+        hub: Name of the hub there; empty: it is the only one.
+    """
+    begun = time.monotonic()
     try:
         yield
     except HubError as error:
         if command != "halt":
             raise
         text = f"the robot was NOT stopped; use its emergency stop: {error}"
+        if as_json:
+            put_json(halt_facts(None, hub=hub, seconds=time.monotonic() - begun, problem=text))
         raise type(error)(text) from error
 
 
