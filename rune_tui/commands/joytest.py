@@ -22,7 +22,7 @@ from rune_tui.controls.devices.device_reader import (
     Scanned,
 )
 from rune_tui.controls.devices.inbox import Inbox
-from rune_tui.controls.devices.local_devices import controls_of, joysticks_here
+from rune_tui.controls.devices.local_devices import controls_of, joysticks_here, lists_devices
 from rune_tui.controls.devices.matching import DeviceInfo, assigned
 from rune_tui.controls.devices.udev_rules import rule_advice, udev_rules
 from rune_tui.controls.hid.device_controls import PhysicalControl
@@ -34,7 +34,11 @@ from rune_tui.errors import DescriptorError
 from rune_tui.layout.spec import ControlKind, ControlSpec, JoystickSpec
 from rune_tui.visualizers.words.joystick import bar
 
-NOTHING = "no joystick is plugged in"
+_NOTHING = "no joystick is plugged in"
+_UNKNOWN = (
+    "not known whether a joystick is plugged in: this system lists no devices at all, "
+    "as in a container without /dev/hidraw* and /dev/input"
+)
 _FRAME_S = 0.05
 _RATE_S = 1.0
 _BAR = 21
@@ -80,11 +84,16 @@ def described(number: int, device: DeviceInfo) -> dict[str, Any]:
     }
 
 
+def absence() -> str:
+    """What it means that no joystick is found, in a sentence."""
+    return _NOTHING if lists_devices() else _UNKNOWN
+
+
 def listed(*, as_json: bool) -> str:
-    """All joysticks, as text or as JSON."""
+    """All joysticks, as text or as JSON; null where the system lists no devices at all."""
     line = [described(number, device) for number, device in enumerate(joysticks_here(), 1)]
     if as_json:
-        return json.dumps(line, indent=2) + "\n"
+        return json.dumps(line if line or lists_devices() else None, indent=2) + "\n"
     lines = []
     for each in line:
         which = f"{each['vid']}:{each['pid']} {each['serial'] or '-'} {each['name']}"
@@ -93,13 +102,13 @@ def listed(*, as_json: bool) -> str:
         counts = ((types.count(kind.value), kind.value) for kind in ControlKind)
         has = ", ".join(f"{count} of type {kind}" for count, kind in counts if count)
         lines.append(f"   {each['path']}: {each['trouble'] or has}")
-    return "\n".join(lines or [NOTHING]) + "\n"
+    return "\n".join(lines or [absence()]) + "\n"
 
 
 def rules() -> str:
     """A udev rules file that lets users of this system read the joysticks."""
     devices = joysticks_here()
-    return udev_rules(devices) if devices else f"# {NOTHING}\n"
+    return udev_rules(devices) if devices else f"# {absence()}\n"
 
 
 def watch(joysticks: Sequence[JoystickSpec] | None = None) -> None:
@@ -229,12 +238,18 @@ def joystick_line(device: DeviceInfo) -> str:
 
 
 class TestedDevices:
-    """All joysticks of this machine, with their reports."""
+    """All joysticks of this machine, with their reports.
+
+    Attributes:
+        tested: The joysticks, by their paths.
+        listed: Whether the system has listed any device so far.
+    """
 
     def __init__(self, reader: DeviceReader, joysticks: Sequence[JoystickSpec] | None) -> None:
         self._joysticks = joysticks
         self._assigned: Mapping[str, DeviceInfo] = {}
         self.tested: dict[str, TestedDevice] = {}
+        self.listed = False
         self._reader = reader
         self._store = CalibrationStore()
         self._mappings = Mappings()
@@ -256,6 +271,7 @@ class TestedDevices:
     def _learn(self, news: News) -> None:
         match news:
             case Scanned(devices=devices):
+                self.listed = self.listed or bool(devices)
                 here = {device.path: device for device in devices if device.joystick}
                 for path in [each for each in self.tested if each not in here]:
                     self._reader.stop(path)
@@ -296,7 +312,7 @@ class _Pictures:
         columns, rows = shutil.get_terminal_size()
         lines = [line for one in devices.tested.values() for line in lines_of(one)]
         lines += [devices.trouble] if devices.trouble else []
-        lines = lines or [f"{NOTHING}; waiting for one"]
+        lines = lines or [f"{_NOTHING if devices.listed else absence()}; waiting for one"]
         folded = [row for line in lines for row in fold(line, columns)]
         shown = [*folded[: max(0, rows - 2)], "", "ctrl+c ends this"]
         whole = "\n".join(f"{row[:columns]}{_REST_OF_LINE}" for row in shown)

@@ -78,6 +78,11 @@ def test_a_file_of_roles_that_cannot_be_read_is_told_of(bed: VirtualBed) -> None
 
 
 def test_nothing_that_is_plugged_in_is_said_to_be_so(bed: VirtualBed) -> None:
+    for options in (("--list",), ("--udev",)):
+        told = joytest(bed, *options).removeprefix("# ")
+        assert told.startswith("not known whether a joystick is plugged in: this system lists no")
+    assert json.loads(joytest(bed, "--json")) is None, "not known is not none"
+    bed.plug("ion_icade_bt")  # a keyboard
     assert joytest(bed, "--list") == "no joystick is plugged in\n"
     assert json.loads(joytest(bed, "--json")) == []
 

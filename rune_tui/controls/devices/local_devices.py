@@ -16,6 +16,11 @@ def kinds() -> tuple[Kind, ...]:
     return (HidKind(), EvdevKind()) if sys.platform == "linux" else (HidKind(),)
 
 
+def lists_devices() -> bool:
+    """Whether this system lists any device; if not, that it lists no joystick says nothing."""
+    return sys.platform != "linux" or any(kind.mark() for kind in kinds())
+
+
 def reader() -> DeviceReader:
     """The reader of this machine's devices."""
     return DeviceReader(kinds())
