@@ -52,7 +52,7 @@ def test_unknown_option_of_rune_gets_a_hint() -> None:
         ),
         ("completion fish", "it has to be one of bash, zsh, tcsh; rune-hub completion --help says"),
         ("list --hub 127.0.0.1:1 --keys nowhere.toml", "it is not there; copy it again from the"),
-        ("mission export --folder /nowhere", "there is no mission here; `rune-hub mission list`"),
+        ("mission export --folder /nowhere", "/nowhere cannot be read: No such file"),
     ],
 )
 def test_wrong_usage_of_rune_hub_is_one_sentence_with_advice(arguments: str, said: str) -> None:
@@ -107,7 +107,7 @@ def test_missing_hub_for_looking_into_it(command: str) -> None:
 
 def test_hub_elsewhere_is_refused() -> None:
     said = complaint(rune_hub("list", "--hub", "tcp://192.0.2.1:1381"), 2)
-    assert "through ssh" in said
+    assert "--ssh" in said
 
 
 def test_name_of_a_hub_that_runs(hub: HubProcess) -> None:

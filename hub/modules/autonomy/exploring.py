@@ -56,7 +56,11 @@ CLOSED_S = 12.0
 CLOSED_WAIT_S = 6.0
 """Longest wait of navigation at a closed path [s]."""
 
+LOOK_S = 3.0
+"""Time with a map before exploring may end: the first maps lack most of what sensors see [s]."""
+
 _NOTHING = "nothing is left"
+_LOOKS = "looks around"
 
 
 @dataclass(slots=True)
@@ -119,7 +123,7 @@ class Explore:
             self._measure_ground(sight, sight.grid)
         late = self._late(sight.now)
         if sight.grid is None or not (sight.fresh or late):
-            return Pause(why="looks around")
+            return Pause(why=_LOOKS)
         near = self._frontiers(sight, sight.grid, VIEW_DISTANCE)
         reachable = [place for place in near if math.isfinite(place.distance)]
         left = self._left(near)
@@ -139,6 +143,8 @@ class Explore:
         if self._last_frontiers or not left:
             beyond = self._beyond(sight, sight.grid, near)
         if (not beyond and (self._last_frontiers or not left)) or self._novelty.over(sight.now):
+            if not sight.grid.free.any() or sight.now - self._began < LOOK_S:
+                return Pause(why=_LOOKS)
             reason = f"nothing new for {self._novelty.limits.seconds:g} s" if left else _NOTHING
             return self._go_home(summary(reason, *counts), sight)
         return self._target(

@@ -254,7 +254,7 @@ def test_what_is_out_of_reach_is_told_at_the_end() -> None:
     grid.cells[:, 20] = 100
     scene.grid = grid
     scene.ask(Behaviour.EXPLORE)
-    scene.wait(1.0)
+    scene.wait(5.0)
     assert (
         scene.why == "explored: nothing is left; frontiers: 1 out of reach; it is back at its start"
     )
@@ -368,13 +368,33 @@ def test_closed_doors_are_gone_to_when_nothing_new_comes_until_something_does() 
     assert look(125.0) < 0.5
 
 
-def test_nothing_to_explore_is_said_at_once() -> None:
+@pytest.mark.parametrize("known", [0, 1, 4])
+def test_first_maps_that_lack_what_the_sensors_see_do_not_end_exploring(known: int) -> None:
+    scene = Scene()
+    scene.grid = hall(known=known)
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(2.0)
+    assert scene.why == "looks around"
+    scene.grid = hall()
+    scene.wait(2.0)
+    assert scene.targets
+
+
+def test_a_map_without_free_ground_never_ends_exploring() -> None:
+    scene = Scene()
+    scene.grid = hall(known=0)
+    scene.ask(Behaviour.EXPLORE)
+    scene.wait(60.0)
+    assert scene.why == "looks around"
+
+
+def test_nothing_to_explore_is_said_after_a_look() -> None:
     scene = Scene()
     grid = hall(known=60)
     grid.cells[:, -1] = 100
     scene.grid = grid
     scene.ask(Behaviour.EXPLORE)
-    scene.wait(1.0)
+    scene.wait(5.0)
     assert scene.why == "explored: nothing is left; it is back at its start"
     assert scene.goals == []
     assert math.isnan(scene.state.frontier_m)
