@@ -39,6 +39,8 @@ from hub.ipc.wire import control
 
 _logger = logging.getLogger(__name__)
 
+NEVER = (0, 0)
+"""What a client has joined that has not been connected yet."""
 PING_S = 0.5
 LOST_S = 1.5
 """Time without an answer after which the connection counts as lost [s]."""
@@ -94,6 +96,7 @@ class Connection:
         ticket: What this client shows where it sends commands to central.
         keys: The keys for a central on another machine.
         refusal: Why central refused the key, or the connection twice; None: it did not.
+        joined: Epoch of central and number there of the last connection; NEVER: there was none.
         closed: The client that had central close this connection; empty: none.
     """
 
@@ -125,7 +128,7 @@ class Connection:
         self._clock = transport.clock
         self._faults = transport.faults
         self.client = secrets.randbits(63) | 1
-        self.joined = (0, 0)
+        self.joined = NEVER
         self._last_answer = -math.inf
         self._next_ping = 0.0
         self._attempt = 0
@@ -202,7 +205,7 @@ class Connection:
 
     def _open(self) -> None:
         longest = _LONGEST_S
-        if self._attempt % _LONG_EACH and self.joined != (0, 0):
+        if self._attempt % _LONG_EACH and self.joined != NEVER:
             longest = min(_LONGEST_S, max(_SHORTEST_S, 4 * self.hub_time.round_trip))
         self._attempt += 1
         self._address, self.keys = self._way()
@@ -245,7 +248,7 @@ class Connection:
     @property
     def _life(self) -> float:
         """Time for the socket to connect [s]."""
-        if self.joined == (0, 0):
+        if self.joined == NEVER:
             return _FIRST_LIFE_S
         return max(_SOCKET_LIFE_S, _ROUND_TRIPS * self.hub_time.round_trip)
 

@@ -18,7 +18,7 @@ from typing import Any
 
 from hub.ipc.definition import MessageDefinition, Plane
 from hub.ipc.formats.codegen import Buffer
-from hub.ipc.node.connection import Connection
+from hub.ipc.node.connection import NEVER, Connection
 from hub.ipc.node.send_queue import Send, SendQueue
 from hub.ipc.transport import shared_ring, sockets
 from hub.ipc.transport.client_transport import ClientTransport
@@ -286,7 +286,7 @@ class Publisher:
             self._faults.count("too long", text)
         elif self._open:
             self._queue.send(frame, self.direct, self.topic, self._plane)
-        else:
+        elif self._connection.joined != NEVER:  # before that none can miss it
             self._not_sent("there is no hub")
 
     def _emit_in_ring(self, sequence: int, stamp: int, payload: Sequence[Buffer]) -> None:
