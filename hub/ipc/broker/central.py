@@ -7,6 +7,7 @@ payload of a message.
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import functools
 import logging
@@ -18,7 +19,14 @@ from typing import Any
 
 import zmq
 
-from hub.errors import CodecError, EndpointError, FrameError, HubError, NotAllowedError
+from hub.errors import (
+    CentralUnreachableError,
+    CodecError,
+    EndpointError,
+    FrameError,
+    HubError,
+    NotAllowedError,
+)
 from hub.ipc.broker import binding
 from hub.ipc.broker.entrance_monitors import EntranceMonitors
 from hub.ipc.broker.gateways import CentralAccess, ControlEntrance, Gateway, GatewayOpener
@@ -33,7 +41,7 @@ from hub.ipc.transport import file_descriptors, heap, sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.loop import Loop
 from hub.ipc.transport.sender_tickets import SenderTickets
-from hub.ipc.wire import control, control_codec
+from hub.ipc.wire import control, control_codec, frames
 
 _logger = logging.getLogger(__name__)
 
@@ -303,6 +311,8 @@ class Central:
             message = control_codec.unpack(body[0].buffer)
         except (FrameError, CodecError, NotAllowedError) as error:
             self.faults.count("malformed control frame", str(error))
+            if body and (version := control_codec.other_version(body[0].buffer)):
+                self._refuse_version(identity, version)
             return
         if isinstance(message, control.Hello):
             self._read_ended()  # or it is mistaken for the peer that had its descriptor before
@@ -314,6 +324,13 @@ class Central:
             self.loop.after(delay, lambda: self._send(outgoing))
         else:
             self._send(outgoing)
+
+    def _refuse_version(self, identity: bytes, version: int) -> None:
+        """Tell a client of another protocol version why it gets no WELCOME."""
+        self.loop.touch(self._routers[identity[0]])
+        with contextlib.suppress(zmq.ZMQError):  # it is gone, or does not read
+            parts = [identity[1:], _version_refusal(version)]
+            sockets.send_parts(self._sends[identity[0]], parts)
 
     def _send(self, outgoing: Sequence[Outgoing]) -> None:
         pending = list(outgoing)
@@ -337,3 +354,13 @@ def _parts(message: Outgoing) -> list[bytes]:
     """The frames of a control message: identity, message, and its frame if it has one."""
     attached: list[Any] = [] if message.attached is None else [bytes(message.attached)]
     return [message.identity[1:], control_codec.pack(message.message), *attached]
+
+
+def _version_refusal(version: int) -> bytes:
+    """What a client of another protocol version gets, in its version."""
+    text = (
+        f"the hub is of another version of Rune (protocol {frames.VERSION}, this program "
+        f"{version}); install the same version for both, and start the hub again"
+    )
+    refusal = control.Refused(subject="", error=CentralUnreachableError.__name__, text=text)
+    return control_codec.pack(refusal, version)

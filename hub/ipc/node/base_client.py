@@ -177,7 +177,8 @@ class BaseClient:
         if process := process_at(self.endpoint):
             return (
                 f"the hub runs and does not answer ({endpoints.shown(self.endpoint)}, process "
-                f"{process}); end its process, and start it again"
+                f"{process}): it hangs, or is of another version of Rune; end its process, and "
+                "start it again"
             )
         if self.endpoint.startswith(NAMED):
             return (

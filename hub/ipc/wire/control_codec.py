@@ -26,10 +26,10 @@ KINDS: tuple[MessageDefinition[Any], ...] = tuple(
 _NUMBER = {definition.type: number for number, definition in enumerate(KINDS, 1)}
 
 
-def pack(message: Any) -> bytes:
-    """The frame of a control message."""
+def pack(message: Any, version: int = frames.VERSION) -> bytes:
+    """The frame of a control message; HELLO and REFUSED are alike in every version."""
     number = _NUMBER[type(message)]
-    preamble = _PREAMBLE.pack(_MAGIC, frames.VERSION, number, 0)
+    preamble = _PREAMBLE.pack(_MAGIC, version, number, 0)
     return b"".join((preamble, *KINDS[number - 1].encode(message)))
 
 
@@ -38,6 +38,15 @@ def peek(raw: Buffer) -> type | None:
     view = memoryview(raw)
     number = view[5] if len(view) >= _PREAMBLE.size else 0
     return KINDS[number - 1].type if 1 <= number <= len(KINDS) else None
+
+
+def other_version(raw: Buffer) -> int:
+    """The protocol version of a HELLO if it is another one; 0: it is not."""
+    view = memoryview(raw)
+    if len(view) < _PREAMBLE.size or peek(view) is not control.Hello:
+        return 0
+    magic, version, _, _ = _PREAMBLE.unpack_from(view)
+    return int(version) if magic == _MAGIC and version != frames.VERSION else 0
 
 
 def unpack(raw: Buffer) -> Any:
