@@ -251,7 +251,7 @@ class GatewaySockets:
 
         def hand_on() -> None:
             if place == _COMMANDS:
-                carry(outer, inner, steered, self._judge)
+                carry({outer: self._judge}, inner, steered)
             else:
                 zmq.proxy_steerable(outer, inner, None, steered)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import zmq
@@ -19,7 +19,7 @@ Judge = Callable[[bytes, zmq.Frame], bytes | None]
 
 
 def carry(
-    outer: Socket, inner: Socket, steered: Socket, judge: Judge, copies: Socket | None = None
+    outer: Mapping[Socket, Judge], inner: Socket, steered: Socket, copies: Socket | None = None
 ) -> None:
     """Carry commands in and subscriptions out until `steered` receives.
 
@@ -27,14 +27,13 @@ def carry(
     others. After a batch the carrier rests, so a flood leaves processor time.
 
     Args:
-        outer: XSUB, where commands come in.
+        outer: Sockets (XSUB) where commands come in, and what decides about each frame there.
         inner: XPUB, where they go on.
         steered: Receives a message as the order to end.
-        judge: Decides about each frame.
         copies: Gets each forwarded frame too.
     """
     poller = zmq.Poller()
-    for socket in (outer, inner, steered):
+    for socket in (*outer, inner, steered):
         poller.register(socket, zmq.POLLIN)
     while True:
         ready = dict(poller.poll())
@@ -43,18 +42,21 @@ def carry(
             return
         if inner in ready:
             _pass_subscriptions(inner, outer)
-        if outer in ready and _take(outer, inner, judge, copies) and steered.poll(_PAUSE_MS):
+        # A list: each has its turn.
+        full = [_take(each, inner, outer[each], copies) for each in outer if each in ready]
+        if any(full) and steered.poll(_PAUSE_MS):
             steered.recv(zmq.NOBLOCK)
             return
 
 
-def _pass_subscriptions(inner: Socket, outer: Socket) -> None:
+def _pass_subscriptions(inner: Socket, outer: Iterable[Socket]) -> None:
     for _ in range(_SUBSCRIPTIONS):
         try:
             subscription = inner.recv(zmq.NOBLOCK)
         except zmq.Again:
             return
-        outer.send(subscription, zmq.NOBLOCK)
+        for each in outer:
+            each.send(subscription, zmq.NOBLOCK)
 
 
 def _take(outer: Socket, inner: Socket, judge: Judge, copies: Socket | None) -> bool:

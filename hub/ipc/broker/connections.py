@@ -24,7 +24,7 @@ from hub.ipc.security.publish_rights import ROBOT_NAMES, reserved_text
 from hub.ipc.transport import sender_tickets
 from hub.ipc.transport.clock_sync import this_machine, this_neighbourhood
 from hub.ipc.transport.fault_counter import FaultCounter
-from hub.ipc.transport.file_descriptors import relayed
+from hub.ipc.transport.file_descriptors import is_from_this_process, relayed
 from hub.ipc.wire import control
 from hub.ipc.wire.control import Change
 
@@ -152,7 +152,12 @@ class Connections:
     def _new_peer(self, caller: Caller, message: control.Hello) -> Peer:
         local = caller.principal is LOCAL and not relayed(caller.descriptor)
         number = self._peers.new_number()
-        forwards = local and message.name == self._forwarder and message.pid == os.getpid()
+        forwards = (
+            local
+            and message.name == self._forwarder
+            and message.pid == os.getpid()
+            and is_from_this_process(caller.descriptor)
+        )
         return Peer(
             identity=caller.identity,
             descriptor=caller.descriptor,

@@ -6,6 +6,7 @@ to `copies`; central checks some of them.
 
 from __future__ import annotations
 
+import logging
 import queue
 import threading
 from collections.abc import Callable, Mapping
@@ -14,7 +15,7 @@ import zmq
 
 from hub.errors import EndpointError, FrameError
 from hub.ipc.broker import binding
-from hub.ipc.broker.carrying import carry
+from hub.ipc.broker.carrying import Judge, carry
 from hub.ipc.broker.subscription_floods import FloodWatch
 from hub.ipc.definition import Plane
 from hub.ipc.endpoints import IpcEndpoint
@@ -22,6 +23,8 @@ from hub.ipc.transport import sockets
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.sender_tickets import SenderTickets
 from hub.ipc.wire import frames
+
+_logger = logging.getLogger(__name__)
 
 _COPIES = {Plane.STATE: 400, Plane.COMMAND: 400, Plane.PICTURE: 8}
 """Most broadcasts that wait for their check; each holds its memory until then."""
@@ -77,12 +80,16 @@ class PlaneProxies:
             inward = sockets.make_plane(context, zmq.XSUB, plane)
             outward = sockets.make_plane(context, zmq.XPUB, plane)
             self._made += [inward, outward]
-            for end, address in zip((inward, outward), inner_addresses(plane), strict=True):
+            # Gateways have checked their commands: they have a socket that no other can reach.
+            checked = inward
+            if plane is Plane.COMMAND:
+                self._made.append(checked := sockets.make_plane(context, zmq.XSUB, plane))
+            for end, address in zip((checked, outward), inner_addresses(plane), strict=True):
                 end.bind(address)
             self.ends[f"{plane.value} in"] = inward
             self.ends[where := f"{plane.value} out"] = outward
             self.floods[where] = FloodWatch(outward, where, faults)
-            forward = self._proxy(plane, inward, outward)
+            forward = self._proxy(plane, inward, outward, checked)
             name = f"central-{plane.value}"
             self._threads.append(threading.Thread(target=forward, name=name, daemon=True))
 
@@ -140,10 +147,24 @@ class PlaneProxies:
         for socket in (*self._steering, *self._made):
             socket.close(0)
 
+    def _admit(self, raw: bytes, frame: zmq.Frame) -> bytes | None:
+        try:
+            return self._tickets.admit(raw, frame)
+        except Exception:  # a fault of the check must not end the thread: no stop would pass
+            self._faults.count("internal fault", "the plane of commands goes on after it")
+            if self._faults.counts["internal fault"] == 1:
+                _logger.exception("the first internal fault")
+            return None
+
     def _proxy(
-        self, plane: Plane, inward: sockets.Socket, outward: sockets.Socket
+        self,
+        plane: Plane,
+        inward: sockets.Socket,
+        outward: sockets.Socket,
+        checked: sockets.Socket,
     ) -> Callable[[], None]:
         """The function that forwards one plane until `stop`."""
+        judges: dict[sockets.Socket, Judge] = {inward: self._admit, checked: lambda raw, _: raw}
         copies = sockets.make(self._context, zmq.PUB, _COPIES[plane])
         copies.bind(f"inproc://copies-{plane.value}")
         self.copies.connect(f"inproc://copies-{plane.value}")
@@ -156,7 +177,7 @@ class PlaneProxies:
         def forward() -> None:
             while not self._stopping.is_set():
                 if plane is Plane.COMMAND:
-                    carry(inward, outward, steered, self._tickets.admit, copies)
+                    carry(judges, outward, steered, copies)
                 else:
                     zmq.proxy_steerable(inward, outward, copies, steered)
                 while not more.empty():  # the sockets are this thread's

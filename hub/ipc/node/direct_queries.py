@@ -52,13 +52,17 @@ class DirectResponder:
         self._asked = asked
         self._loop = transport.loop
         self._faults = transport.faults
-        self.tickets = SenderTickets(transport.faults)
+        self.renew_key()
         self._socket = sockets.make(transport.context, zmq.ROUTER, _QUEUE)
         self._socket.router_handover = True
         sockets.allow_own_user_only(self._socket)
         self._socket.bind(self.address)
         self._send = sockets.sender(self._socket)
         self._file = self._loop.register(self._socket, self._receive)
+
+    def renew_key(self) -> None:
+        """Make a new key, at a new connection to central: earlier tickets end."""
+        self.tickets = SenderTickets(self._faults)
 
     def answer(self, asker: bytes, message: Any, attached: bytes | None) -> None:
         """Send an answer; it is dropped if the asker is gone or the socket is closed."""
@@ -89,8 +93,8 @@ class DirectResponder:
             except (FrameError, CodecError, IndexError) as error:
                 self._faults.count("malformed control frame", str(error))
                 continue
-            if (frame := self.tickets.admit(parts[2].bytes, parts[2])) is not None:
-                self._asked(message, frame, parts[0].bytes)
+            if self.tickets.admits_query(parts[2]):
+                self._asked(message, parts[2].bytes, parts[0].bytes)
         return True
 
 

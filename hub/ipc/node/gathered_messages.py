@@ -104,7 +104,7 @@ class GatheredMessages:
         """Read any frame; returns when its last message came [s]."""
         subscription = self._queue.topics.get(raw[: raw.find(b"\0")])
         if subscription is None or subscription.label is None:
-            self._queue.take_frame(raw)
+            self._queue.take_frame(raw, commands=False)  # no sender shows a ticket here
             return came
         received = self._queue.reader.read(subscription, raw)
         if received is None:

@@ -103,7 +103,12 @@ class PendingQueries:
 
     def ask_last(self, name: str, timeout: float, answered: Callable[[frames.Frame], None]) -> None:
         """Ask for the last value of a message; without one, `answered` is not called."""
-        self._ask_for_frame(name, None, timeout, answered, lambda _: None)
+
+        def came(frame: frames.Frame) -> None:
+            if frame.name == name:
+                answered(frame)
+
+        self._ask_for_frame(name, None, timeout, came, lambda _: None)
 
     def _ask_for_frame(
         self,

@@ -149,7 +149,9 @@ class Responders:
             self._announce(name)
 
     def use_direct_responder(self, direct_responder: DirectResponder | None) -> None:
-        """Take queries directly too, or only through central."""
+        """Take queries directly too, or only through central, at a new connection to it."""
+        if direct_responder is not None:
+            direct_responder.renew_key()
         self._direct_responder = direct_responder
 
     def answer(self, query: control.Query, attached: bytes | None) -> None:

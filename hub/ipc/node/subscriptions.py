@@ -72,6 +72,7 @@ class Subscriptions:
 
     def connect(self, addresses: Sequence[str], *, near: bool, same_run: bool) -> None:
         """Connect to the output of each plane at a new central."""
+        self._tickets = SenderTickets(self._transport.faults)  # closed inboxes may be taken
         self._near = near
         self._where = dict(zip(sockets.PLANES, addresses, strict=True))
         # Commands first: they must not wait behind a burst of states.
@@ -234,9 +235,9 @@ class Subscriptions:
         return tuple(report for report in made if report is not None)
 
     def accept(self, frame: frames.Frame) -> None:
-        """Handle a message from an answer, such as the last value."""
+        """Handle a message from an answer, such as the last value; no command comes so."""
         subscription = self.subscriptions.get(frame.name)
-        if subscription is None:
+        if subscription is None or (subscription.is_command and not subscription.raw):
             return
         inbox = self._inbox(subscription)
         if inbox is None or self._emptied(inbox, frame):

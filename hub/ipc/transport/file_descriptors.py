@@ -8,8 +8,10 @@ process. To unbind is no remedy, because that ends all connections of the addres
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
 import struct
+import sys
 
 from hub.ipc.transport.fault_counter import FaultCounter
 
@@ -26,6 +28,7 @@ half of them has room for most of that."""
 
 _ANY = socket.AF_INET6
 """Has room for an address of each family; a call for the family would double the time."""
+_PEER = struct.Struct("3i")
 _OWN_ADDRESS = "127.0.0.1"
 _TCP_INFO = 11
 _TCP_INFO_SIZE, _RECEIVED_AT, _RECEIVED = 192, 128, struct.Struct("=Q")
@@ -77,6 +80,20 @@ def relayed(descriptor: int) -> bool:
     ends = ends_of(descriptor) if descriptor >= 0 else None
     there = ends[1].removeprefix("::ffff:") if ends is not None else ""
     return there.startswith("127.") and there != _OWN_ADDRESS
+
+
+def is_from_this_process(descriptor: int) -> bool:
+    """Whether a connection at a Unix socket may come from this process: only Linux shows it."""
+    if sys.platform != "linux":
+        return True
+    with contextlib.suppress(OSError, struct.error):  # it has ended by itself
+        connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM, fileno=descriptor)
+        try:
+            peer = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size)
+            return int(_PEER.unpack(peer)[0]) == os.getpid()
+        finally:
+            connection.detach()
+    return False
 
 
 def received(descriptor: int) -> int:

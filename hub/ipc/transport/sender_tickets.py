@@ -7,10 +7,12 @@ it connects. The receiver then admits frames of that connection under that numbe
 | connection | frame | action |
 | --- | --- | --- |
 | with a ticket for the number of the frame, or for `ANY` | any | admit |
-| from inside this process: its sender has checked the frame | any | admit |
-| any | a stop | admit |
-| any | unreadable | admit; the reader counts it |
+| any | a stop; not as a query | admit |
+| any | without a name or a number | admit; the reader counts it |
 | all others | any | refuse, count |
+
+A bundle is checked frame by frame. A connection of ZMTP 2 has no properties at all, as one inside
+this process has none. So only a ticket counts.
 """
 
 from __future__ import annotations
@@ -73,62 +75,74 @@ class SenderTickets:
         self._numbers: dict[str, int | None] = {}
 
     def admit(self, raw: bytes, frame: zmq.Frame) -> bytes | None:
-        """The frame to deliver; None, and counted: its number is not its connection's.
+        """What to deliver of a frame, or of a bundle; None: nothing. The rest is counted.
 
         Args:
             raw: The bytes.
             frame: The same, as ZeroMQ received it.
         """
-        try:
-            shown = str(frame.get(_PROPERTY))
-        except zmq.ZMQError:
-            shown = ""
-        number = self._number(shown)
-        if number == ANY or (number is not None and frames.is_sent_by(raw, number)):
+        number = self._number(_shown(frame))
+        if number == ANY or frames.sender_of(raw) == number:
             return raw
+        if not frames.is_bundle(raw):
+            return raw if self._may_count(raw, number) else None
         try:
-            wrong = next((each for each in _senders(raw) if each[1] != number), None)
+            whole = frames.split_bundle(raw)
         except FrameError:
             return raw
-        if wrong is None or (not shown and _is_inner(frame)):
+        kept = [each for each in whole if self._may_count(each, number)]
+        if len(kept) == len(whole):
             return raw
-        text = f"{wrong[0]} came under number {wrong[1]} from a connection without its ticket"
+        return frames.bundle(kept) if kept else None
+
+    def admits_query(self, frame: zmq.Frame) -> bool:
+        """Whether the message of a query has the number of its connection; no query is a stop."""
+        number = self._number(_shown(frame))
+        sender = frames.sender_of(frame.bytes)
+        if number == ANY or sender in (number, -1):
+            return True
+        self._refuse("a query", sender)
+        return False
+
+    def _may_count(self, raw: bytes, number: int | None) -> bool:
+        """Whether readers may get one frame of a connection with this number; None: it has none."""
+        try:
+            name = frames.name_of(raw)
+        except FrameError:
+            return True
+        # Readers take the number from this place, even if the frame is damaged elsewhere.
+        sender = frames.sender_of(raw)
+        if sender in (number, -1) or right(name, Plane.COMMAND.value).unordered:
+            return True
+        try:
+            frames.unpack(raw)
+            self._refuse(name, sender)
+        except FrameError as error:
+            self._faults.count("malformed frame", str(error))
+        return False
+
+    def _refuse(self, name: str, sender: int) -> None:
+        text = f"{name} came under number {sender} from a connection without its ticket"
         self._faults.count("forged number", text)
-        return None
 
     def _number(self, shown: str) -> int | None:
         """The number in a ticket; None: it is not from central."""
         known = self._numbers.get(shown, ANY)
         if known != ANY:
             return known
-        number = None
-        if _TICKET.fullmatch(shown):
-            claimed = int(shown.partition(".")[0], 16)
-            number = claimed if hmac.compare_digest(shown, ticket(self.key, claimed)) else None
+        if not _TICKET.fullmatch(shown):
+            return None  # not kept: it may be long
+        claimed = int(shown.partition(".")[0], 16)
+        number = claimed if hmac.compare_digest(shown, ticket(self.key, claimed)) else None
         if len(self._numbers) >= _MOST_KNOWN:
             self._numbers.clear()
         self._numbers[shown] = number
         return number
 
 
-def _senders(raw: bytes) -> list[tuple[str, int]]:
-    """Name and number of each frame whose number counts: of all but stops.
-
-    Raises:
-        FrameError: They cannot be read.
-    """
-    found = []
-    for each in frames.split_bundle(raw) if frames.is_bundle(raw) else (raw,):
-        name = frames.name_of(each)
-        if not right(name, Plane.COMMAND.value).unordered:
-            found.append((name, frames.unpack(each).publisher))
-    return found
-
-
-def _is_inner(frame: zmq.Frame) -> bool:
-    """Whether a frame came over inproc: only there a connection has no properties."""
+def _shown(frame: zmq.Frame) -> str:
+    """The text that the connection of a frame shows as its ticket; empty: none."""
     try:
-        frame.get("Socket-Type")
-    except zmq.ZMQError:
-        return True
-    return False
+        return str(frame.get(_PROPERTY))
+    except (zmq.ZMQError, UnicodeDecodeError):
+        return ""

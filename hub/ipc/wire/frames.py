@@ -280,13 +280,13 @@ each frame of one kind, of one message of one publisher."""
 _PUBLISHER = struct.Struct("<4xI")
 
 
-def is_sent_by(raw: bytes, publisher: int) -> bool:
-    """Whether this is one frame with this number; False: no, or it is damaged."""
+def sender_of(raw: bytes) -> int:
+    """The number where the header of a frame has it, without a check of the rest; -1: none."""
     end = raw.find(b"\0", 1, MAX_TOPIC + 1)
     start = end + 8 - end % 8
     if end < 0 or raw[:1] == _BUNDLE or len(raw) < start + _PUBLISHER.size:
-        return False
-    return bool(_PUBLISHER.unpack_from(raw, start)[0] == publisher)
+        return -1
+    return int(_PUBLISHER.unpack_from(raw, start)[0])
 
 
 def name_of(raw: Buffer) -> str:
