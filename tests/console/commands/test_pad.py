@@ -136,7 +136,7 @@ def nothing_plugged_in(monkeypatch: pytest.MonkeyPatch) -> None:
         (
             ["robot:1481"],
             ExitCode.USAGE,
-            "use `rune --ssh`, or --keys FILE from `rune-hub keys make NAME --role operate`",
+            "use `rune run --ssh`, or --keys FILE from `rune-hub keys make NAME --role operate`",
         ),
         (["127.0.0.1", "--device", "1"], ExitCode.USAGE, "there is no joystick 1"),
         (["ipc:///nobody/there"], ExitCode.NO_HUB, "no hub answers at ipc:///nobody/there"),
