@@ -40,7 +40,12 @@ class Inbox:
             return False
         self._last = values
         with self._lock:
-            news = [self._put(position, raw) for position, raw in values]
+            known, kinds = self._known, self._kinds
+            news = [
+                self._put(position, raw, kinds[position])
+                for position, raw in values
+                if position not in known or known[position] != raw
+            ]
         return True in news
 
     def take(self) -> list[tuple[int, int | None]]:
@@ -57,13 +62,11 @@ class Inbox:
         with self._lock:
             return list(self._known.items())
 
-    def _put(self, position: int, raw: int | None) -> bool:
-        kind = self._kinds[position]
+    def _put(self, position: int, raw: int | None, kind: ControlKind) -> bool:
+        """Note a value that is new; of a ball, any value is."""
         if kind is ControlKind.BALL:
             self._counts[position] = self._counts.get(position, 0) + (raw or 0)
             return bool(raw)
-        if position in self._known and self._known[position] == raw:
-            return False
         self._known[position] = self._changed[position] = raw
         if kind is not ControlKind.AXIS:
             self.dropped += len(self._edges) == MOST_EDGES
