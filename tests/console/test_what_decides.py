@@ -26,6 +26,7 @@ from rune_tui.layout.spec import LayoutSpec
 from rune_tui.model.console_state import ConsoleState, Notice
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.view import View
+from rune_tui.visualizers.words.status_words import signed_forms
 from tests.console.situations import MINE, NOW, ROOT, received, robot, shipped
 from tests.console.states import described
 from tests.console.visualizers import known
@@ -174,6 +175,38 @@ def test_what_decides_is_whole_in_every_pane_that_has_room_for_it(name: str) -> 
                 if needed <= room[0] and forms and not any(form in said for form in forms):
                     missing.append((size, function, room, age, said))
     assert missing == []
+
+
+def test_a_narrow_pane_shows_as_much_of_it_as_fits() -> None:
+    """Where there is less room than the test above wants."""
+    said = {
+        (function, room, age): words
+        for name in ("land-sea-air", "robobot-2003-expanded")
+        for size in SIZES[:2]
+        for age in (0.1, 30.0)
+        for function, words, room in _panes(shipped(name), size, NAMES[0], age, ended=False)
+    }
+    assert said["visualizeAttention", (16, 1), 0.1] == "BATTERY CRIT… +2"
+    assert said["visualizeAttention", (16, 1), 30.0] == "LINK LOST 30… +2"
+    assert said["visualizeSpeed", (4, 1), 0.1] == "+.37"
+    assert said["visualizeSpeed", (3, 1), 0.1] == "+.4"
+
+
+@for_each(
+    ("value", "forms"),
+    [
+        (0.37, ["+0.37", "+.37", "+0.4", "+.4", "+…"]),
+        (-0.37, ["-0.37", "-.37", "-0.4", "-.4", "-…"]),
+        (0.04, ["+0.04", "+.04", "+…"]),
+        (1.26, ["+1.26", "+1.3", "+1", "+…"]),
+        (0.0, ["0.00", "0.0", "0"]),
+        (math.nan, ["?"]),
+    ],
+)
+def test_no_short_form_of_a_speed_says_that_a_moving_robot_stands(
+    value: float, forms: list[str]
+) -> None:
+    assert [*dict.fromkeys(signed_forms(value, 2))] == forms
 
 
 @for_each("name", LAYOUTS)

@@ -17,7 +17,7 @@ from rune_tui.visualizers.gauges.bars import Bar, write_gauge
 from rune_tui.visualizers.parts.message_gauge import MessageGauge
 from rune_tui.visualizers.parts.rows import fitting_form
 from rune_tui.visualizers.words.motion_words import along_words, other_speed_words, other_speeds
-from rune_tui.visualizers.words.status_words import signed, turn_words
+from rune_tui.visualizers.words.status_words import signed, signed_forms, turn_words
 
 _BAR_COLUMNS = 16
 """Room of a gauge's name and its shortest bar [cells]."""
@@ -84,10 +84,12 @@ class Speed(MessageGauge[NavigationState, _Speeds]):
             both = f"{along}  {turn_words(angular.actual)}°/s"
             short = f"{signed(linear.actual, 2)} {turn_words(angular.actual)}°"
             forms = (both, along, short) if others else (both, short)
-            forms = (*forms, signed(linear.actual, 2))
+            forms = (*forms, *signed_forms(linear.actual, 2))
             canvas.text(0, 0, fitting_form(canvas.width, *forms), theme.ink)
             return
         speed, turn = _linear_words(linear), _angular_words(angular)
+        if canvas.width < len(speed[-1]):
+            speed = (fitting_form(canvas.width, *signed_forms(linear.actual, 2)),)
         bar = _bar(linear, self.options.number("linear"))
         if others and canvas.rows < 2 + len(others):
             speed, others = (along, *speed[1:]), ()

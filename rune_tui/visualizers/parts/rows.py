@@ -47,6 +47,14 @@ def cut(text: str, columns: int) -> str:
     return f"{words.rstrip()}{_ELLIPSIS}"[: max(0, columns)]
 
 
+def cut_anywhere(text: str, columns: int) -> str:
+    """The text, with an ellipsis in place of letters that do not fit."""
+    shown = printable_text(text)
+    if len(shown) <= columns:
+        return shown
+    return f"{shown[: max(0, columns - 1)].rstrip()}{_ELLIPSIS}"[: max(0, columns)]
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """One entry of a table.

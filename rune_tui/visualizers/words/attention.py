@@ -12,7 +12,14 @@ from rune_tui.model.robot_state import RobotState
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
-from rune_tui.visualizers.parts.rows import LEAST_TEXT, TextRow, cut, kept_columns, tabled
+from rune_tui.visualizers.parts.rows import (
+    LEAST_TEXT,
+    TextRow,
+    cut,
+    cut_anywhere,
+    kept_columns,
+    tabled,
+)
 from rune_tui.visualizers.parts.severity import Severity, ink_of
 from rune_tui.visualizers.parts.task_words import duration
 from rune_tui.visualizers.visualizer import PlainVisualizer
@@ -22,6 +29,8 @@ _WEIGHTS: Final = (9, 10, 3, 11)
 """Importance of mark, robot, age and words."""
 _ROBOT: Final = 1
 """The column of the robot."""
+_WORDS: Final = 3
+"""The column of the words."""
 _LEAST_WORDS: Final = len("BATTERY CRITICAL…")
 """Columns in which the words of an alarm still say what it is."""
 
@@ -76,7 +85,11 @@ def _rows(state: ConsoleState, columns: int) -> list[tuple[TextRow, bool]]:
     cells = list(_cells(state))
     # Mark and age make room for the words that decide; the robot does not.
     named = not cells or _ROBOT in kept_columns(cells, _WEIGHTS, columns, _LEAST_WORDS)
-    lines = tabled(cells, _WEIGHTS, columns, _LEAST_WORDS if named else LEAST_TEXT)
+    least = _LEAST_WORDS if named else LEAST_TEXT
+    lines = tabled(cells, _WEIGHTS, columns, least)
+    if cells and [*kept_columns(cells, _WEIGHTS, columns, least)] == [_WORDS]:
+        # A part of the word that decides says more than none: "BATTERY CRIT…".
+        lines = tuple(cut_anywhere(each[_WORDS], columns) for each in cells)
     return [
         (TextRow(line, _severity(entry)), not (entry.answered or entry.over))
         for entry, line in zip(state.attention, lines, strict=True)

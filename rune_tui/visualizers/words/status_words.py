@@ -404,3 +404,18 @@ def signed(value: float, digits: int) -> str:
         return "?"
     rounded = round(value, digits)
     return f"{rounded:+.{digits}f}" if rounded else f"{0.0:.{digits}f}"
+
+
+def signed_forms(value: float, digits: int) -> Iterator[str]:
+    """A number with its sign, the most exact first: "+0.37", "+.37", "+0.4", "+.4", "+…".
+
+    No form but the last one shows a value as zero that is not.
+    """
+    exact = signed(value, digits)
+    for count in range(digits, -1, -1):
+        form = signed(value, count)
+        if form == "?" or (float(form) == 0.0) == (float(exact) == 0.0):
+            yield form
+            yield form.replace("0.", ".", 1) if form[:2] in ("+0", "-0") and count else form
+    if exact[0] in "+-":
+        yield f"{exact[0]}…"
