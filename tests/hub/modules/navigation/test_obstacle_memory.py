@@ -8,6 +8,7 @@ import numpy as np
 
 from hub.gcm.beam_scans import BeamScan
 from hub.gcm.beams import beams_of
+from hub.gcm.ranges import as_measured
 from hub.modules.navigation.beam_rules import BeamRules
 from hub.modules.navigation.obstacle_memory import CONE_S, RAY_S, ObstacleMemory
 from hub.pose import Pose
@@ -81,6 +82,17 @@ def test_a_point_that_rays_pass_through_is_forgotten() -> None:
     for number in range(1, 6):
         memory.see(0.1 * number, x=-0.02 * number)
     assert (0.5, 0.0) not in places(memory)
+
+
+def test_rays_without_a_measurement_pass_through_nothing() -> None:
+    """Drivers of lasers say 0 for it, also where something is too near."""
+    assert np.isnan(as_measured(np.zeros(1, np.float32), 0.12, 3.5)).all()
+    memory = Memory()
+    memory.see(0.0, infrared={0: 0.5})
+    unknown = dict.fromkeys(range(16), math.nan)
+    for number in range(1, 6):
+        memory.see(0.1 * number, x=-0.02 * number, infrared=unknown, sonar=unknown)
+    assert (0.5, 0.0) in places(memory)
 
 
 def test_cones_are_forgotten_sooner_than_rays_and_nothing_for_long() -> None:
