@@ -91,6 +91,10 @@ class CentralUnreachableError(HubError, ConnectionError):
     """No central answers at the endpoint."""
 
 
+class OtherVersionError(CentralUnreachableError):
+    """The hub has another version of the protocol."""
+
+
 class NameTakenError(HubError, ConnectionError):
     """Another live module is connected under this name."""
 

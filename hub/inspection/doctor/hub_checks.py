@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 from hub import hub_sockets, paths
-from hub.errors import HubError
+from hub.errors import HubError, OtherVersionError
 from hub.hub_sockets import NAMED
 from hub.inspection import message_commands
 from hub.inspection.doctor.finding import Finding, ok, problem, unknown, warning
@@ -27,6 +27,9 @@ def hub(robot: RobotDescription) -> list[Finding]:
     """Whether a hub of this robot runs here, and who is connected."""
     try:
         there = modules_of_hub(robot.name)
+    except OtherVersionError as error:
+        text, _, remedy = str(error).partition("; ")
+        return [problem(f"{robot.name} runs here: {text}", remedy)]
     except HubError as error:
         process = hub_sockets.process_at(NAMED + robot.name) or "not known"
         why = type(error).__name__

@@ -20,12 +20,12 @@ from typing import Any
 import zmq
 
 from hub.errors import (
-    CentralUnreachableError,
     CodecError,
     EndpointError,
     FrameError,
     HubError,
     NotAllowedError,
+    OtherVersionError,
 )
 from hub.ipc.broker import binding
 from hub.ipc.broker.entrance_monitors import EntranceMonitors
@@ -362,5 +362,5 @@ def _version_refusal(version: int) -> bytes:
         f"the hub is of another version of Rune (protocol {frames.VERSION}, this program "
         f"{version}); install the same version for both, and start the hub again"
     )
-    refusal = control.Refused(subject="", error=CentralUnreachableError.__name__, text=text)
+    refusal = control.Refused(subject="", error=OtherVersionError.__name__, text=text)
     return control_codec.pack(refusal, version)
