@@ -40,14 +40,19 @@ def with_message(robot: RobotState, name: str, newest: Received[Any], publisher:
 
 
 def problems_of(robot: RobotState) -> Iterator[Received[DiagnosticStatus]]:
-    """The problems that the robot's modules report, the worst first."""
-    found = [
-        Received(value=status, measured=each.measured, number=each.number)
-        for each in robot.diagnostics.values()
+    """The problems that the robot's modules report, the worst first, each once.
+
+    A module that connected again has another number, and the report of the old one is still kept.
+    """
+    found = {
+        (status.name, status.hardware_id, status.message): Received(
+            value=status, measured=each.measured, number=each.number
+        )
+        for each in sorted(robot.diagnostics.values(), key=lambda each: each.measured)
         for status in each.value.status
         if status.level is not Severity.OK
-    ]
-    return iter(sorted(found, key=lambda each: each.value.level is not Severity.ERROR))
+    }
+    return iter(sorted(found.values(), key=lambda each: each.value.level is not Severity.ERROR))
 
 
 def hears_problems(robot: RobotState, now: float) -> bool:

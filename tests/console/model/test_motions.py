@@ -7,6 +7,7 @@ from hub.gcm.diagnostics import SLEEP, Diagnostics, DiagnosticStatus, Severity
 from hub.gcm.navigation import MotionState
 from rune_tui.model.change_notifier import ChangeNotifier
 from rune_tui.model.console_state import ConsoleState
+from rune_tui.model.vehicle import problems_of
 from tests.console.visualizers.conftest import Made, received
 from tests.support.messages import robot_state
 
@@ -76,3 +77,11 @@ def test_that_control_was_handed_over_is_told_once() -> None:
     scene.events_at(MotionState.MOVING)
     scene.owner = 9
     assert NEUTRAL not in scene.events_at(MotionState.WAITING)
+
+
+def test_a_problem_of_a_module_that_connected_again_is_told_once() -> None:
+    found = DiagnosticStatus(level=Severity.WARN, name=SLEEP, message="it slept")
+    reports = Diagnostics(status=(found,))
+    robot = Made().robot(diagnostics={3: received(reports, 2.0), 9: received(reports, 1.0)})
+    (problem,) = problems_of(robot)
+    assert problem.measured == received(reports, 1.0).measured, "the newest"
