@@ -22,6 +22,11 @@ def slowness() -> float:
     return min(_MOST, max(1.0, (time.monotonic() - begin) / _ROUNDS_S))
 
 
+def within(seconds: float, most: float) -> bool:
+    """Whether something took no longer than `most` [s], or in proportion on a slow machine."""
+    return seconds <= most or seconds <= most * slowness()
+
+
 class Limit:
     """A limit of time, longer in proportion while the machine is slow or busy."""
 

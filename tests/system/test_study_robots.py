@@ -16,6 +16,7 @@ from hub.gcm.navigation import ROBOT_STATE, STOP
 from hub.gcm.simulation import SIMULATION_PAUSE
 from hub.recording.reader import Recording
 from rune_study.session.journal import JOURNAL, Record, read_journal
+from tests.support.waiting import slowness
 from tests.system.harness import (
     STILL,
     ConsoleProcess,
@@ -91,13 +92,13 @@ def test_a_real_robot_is_stopped_in_a_freeze_and_at_the_end_and_never_paused(
     folder: Path, robot: HubProcess
 ) -> None:
     watch = Observer(robot.endpoint)
-    session = begun(folder, 8.0, "--hub", robot.endpoint)
+    session = begun(folder, 8.0 * slowness(), "--hub", robot.endpoint)
     try:
         shows(session, "The robot has to stand at its start.")
         begin(session, folder)
         session.wait_for_picture()
+        session.hold_until("w", lambda: watch.truth.linear > 0.2, 20.0)
         with session.holding("w"):
-            session.wait(lambda: watch.truth.linear > 0.2, 20.0, "it does not drive")
             session.wait(lambda: seen(folder, "frozen"), 20.0)
         shows(session, "How hard was it?")
         watch.wait(lambda: abs(watch.truth.linear) < STILL, 5.0, "it drives in a freeze")
