@@ -147,7 +147,7 @@ def connectable(text: str, *, with_keys: bool = False) -> str:
 
 
 _NEEDS_KEYS = (
-    "without keys only this machine is allowed; use `rune run --ssh`, or --keys FILE from "
+    "without keys only this machine works; use `rune run --ssh`, or --keys FILE from "
     "`rune-hub keys make NAME --role operate`"
 )
 

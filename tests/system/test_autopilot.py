@@ -114,14 +114,14 @@ def test_a_vehicle_that_floats_follows_each_velocity_and_stops_without_an_operat
 
 
 def test_a_rover_follows_a_velocity_and_a_turn(rover: AutopilotSite) -> None:
-    rover.operator.twist = Twist.planar(0.4, 0.3)
+    rover.move(Twist.planar(0.4, 0.3))
     rover.wait(
         lambda: (
             rover.robot.linear == pytest.approx(0.4, abs=0.04)
             and rover.robot.angular == pytest.approx(0.3, abs=0.03)
         )
     )
-    rover.operator.twist = Twist.planar(-0.4, 0.0)
+    rover.move(Twist.planar(-0.4, 0.0))
     rover.wait(lambda: rover.robot.linear == pytest.approx(-0.4, abs=0.04))
 
 
