@@ -59,7 +59,8 @@ def test_a_terminal_that_stops_reading_delays_no_stop(
 def drive_unread(console: ConsoleProcess, observer: Observer) -> None:
     """Hold the key for forward, and read nothing, until the robot drives.
 
-    What was held while the machine held up the console drives only once it is pressed anew.
+    What was held while the machine held up the console drives only once it is pressed anew, and
+    after a time without keys, which the terminal's answers measure.
     """
 
     def held() -> bool:
@@ -67,7 +68,10 @@ def drive_unread(console: ConsoleProcess, observer: Observer) -> None:
             listen(observer, 2.5, lambda: observer.truth.linear > 0.2)
         return observer.truth.linear > 0.2
 
-    let_go = partial(listen, observer, 1.0)
+    def let_go() -> None:
+        console.pump(1.0)
+        listen(observer, 0.1)
+
     until(held, 20.0, "keys do not reach the robot", meanwhile=let_go)
 
 
