@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -192,13 +193,19 @@ def test_a_message_of_endless_parts_ends_its_connection(
 ) -> None:
     """ZeroMQ keeps all parts until the last one came."""
     socket = attack.connect(kind, place)
-    monitor = socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_SUCCEEDED)
+    events = zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED
+    monitor = socket.get_monitor_socket(events)
     assert monitor.poll(10_000)
+    monitor.recv_multipart()
     if kind == zmq.PUB:
         socket.invert_matching = True  # it sends what nobody subscribed to
-    for _ in range(400_000):  # 14 MB on the line
-        socket.send(v.COMMAND.name.encode() + b"\0", zmq.SNDMORE)
-    socket.send(b"")
+    socket.sndtimeo = 5000
+    with contextlib.suppress(zmq.Again):  # the connection ends meanwhile
+        for _ in range(400_000):  # 14 MB on the line
+            socket.send(v.COMMAND.name.encode() + b"\0", zmq.SNDMORE)
+        socket.send(b"")
     until(lambda: attack.counts("too many bytes") == 1, 30.0)
+    # libzmq 4.3.5 aborts the sender that is closed while its connection ends within a message.
+    assert monitor.poll(10_000)
     socket.disable_monitor()
     monitor.close()
