@@ -12,8 +12,9 @@ from hub.ipc.message_info import MessageInfo
 from hub.modules.driver.publishing_rate import PublishingRate
 from hub.robots.interfaces import Body, BodyNavigates
 
-_LAST_WAIT_S: Final = 0.5
-"""Longest time that a driver that ends waits for the end of a goal [s]."""
+_LAST_WAIT_S: Final = 0.9
+"""Longest time that a driver that ends waits for the end of a goal: less than modules have once the
+hub is dead [s]."""
 _STEP_S: Final = 0.01
 
 
