@@ -157,11 +157,12 @@ def test_query_ends_when_its_time_is_over_and_the_late_answer_is_counted(
     free.set()
     assert _ask(other) == Number(value=20)
 
-    def levels() -> list[int]:
-        return [each.levelno for each in caplog.records if "late answer" in each.getMessage()]
+    def late() -> list[logging.LogRecord]:
+        return [each for each in caplog.records if "late answer" in each.getMessage()]
 
-    until(levels, 5.0)
-    assert set(levels()) == {logging.INFO}, "the query's own error has said it to who asked"
+    until(late, 5.0)  # by central, or by the client if central had sent it already
+    levels = {each.levelno for each in late() if each.name.startswith("hub.ipc.node")}
+    assert levels <= {logging.INFO}, "the query's own error has said it to who asked"
 
 
 @on_one_transport
