@@ -150,14 +150,12 @@ class HubFolder:
         self.path = paths.for_hubs()[0] / folder_name(name)
         self.tcp = ""
         self._lock: IO[str] | None = None
-        for hub in running():
-            if hub.name == self.path.name:
-                process = process_at(hub.endpoint)
-                text = (
-                    f"a hub of the name {name} runs already (process {process}); end it, or give "
-                    "this one another name with --as"
-                )
-                raise EndpointError(text)
+        if process := process_at(NAMED + name):
+            text = (
+                f"a hub of the name {name} runs already (process {process}); end it, or give "
+                "this one another name with --as"
+            )
+            raise EndpointError(text)
         for old in self.path.parent.glob(f"*/{PROCESS}"):
             if not runs(old.parent):  # of a hub that was killed
                 _remove(old.parent)

@@ -71,7 +71,7 @@ def modules_of_hub(name: str) -> str | None:
     Raises:
         HubError: It does not answer.
     """
-    if not _runs(name):
+    if not hub_sockets.process_at(NAMED + name):
         return None
     with contextlib.closing(_client_of(name)) as client:
         peers = client.directory.listing(_ANSWER_S).peers
@@ -81,7 +81,7 @@ def modules_of_hub(name: str) -> str | None:
 
 def kept(robot: RobotDescription) -> list[Finding]:
     """Whether the hub that runs keeps its recording and its mission."""
-    if not _runs(robot.name):
+    if not hub_sockets.process_at(NAMED + robot.name):
         return [ok("no hub runs here that has a recording or a mission")]
     try:
         with contextlib.closing(_client_of(robot.name)) as client:
@@ -91,10 +91,6 @@ def kept(robot: RobotDescription) -> list[Finding]:
         return [unknown(text, "see the check `hub`")]
     advice = "look at the room on its disk and at the folders in the robot file"
     return [problem(each, advice) for each in lost] or [ok("the hub that runs reports no loss")]
-
-
-def _runs(name: str) -> bool:
-    return hub_sockets.folder_name(name) in {each.name for each in hub_sockets.running()}
 
 
 def _client_of(name: str) -> Client:
