@@ -1,4 +1,4 @@
-"""Commands that run on beside a hub: they say when it stops answering, and when it is back."""
+"""Reports when the hub of a command that runs on stops answering, and when it answers again."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hub.ipc.client import Client
 
 
 class HubWatch:
-    """Serves a client, and says once that the hub does not answer: silence is no answer.
+    """Serves a client, and writes each loss and each return of its hub once.
 
     Attributes:
         answers: Whether the hub answers now.
@@ -26,5 +26,5 @@ class HubWatch:
             return
         self.answers = not self.answers
         where = endpoints.shown(self._client.endpoint)
-        state = "answers again" if self.answers else "does not answer; what it has is not known"
+        state = "answers again" if self.answers else "does not answer; its state is not known"
         print_error(f"the hub ({where}) {state}")

@@ -90,7 +90,7 @@ class Fields:
         return self.data[self.at - length : self.at]
 
     def text(self) -> str:
-        """The next bytes, as UTF-8; what is none is replaced."""
+        """The next bytes, as UTF-8; what is not UTF-8 is replaced."""
         return self.bytes().decode("utf-8", "replace")
 
     def map(self) -> dict[str, str]:

@@ -83,7 +83,7 @@ def urdf_model(text: str, name: str, files: FetchedFiles) -> UrdfModel:
 
 
 def meshes_named(text: str) -> tuple[str, ...]:
-    """The files of meshes that the outline of a URDF needs, each once; none: it is no URDF."""
+    """The files of meshes that the outline of a URDF needs, each once; empty if it is no URDF."""
     try:
         root = _parsed(text.encode(errors="replace")[:_MOST_BYTES])
     except ValueError:

@@ -61,7 +61,7 @@ def test_a_system_without_the_second_clock_never_sleeps() -> None:
 
 
 class Sleepy(MachineSleep):
-    """Says what it is told, once."""
+    """Reports `slept` once."""
 
     slept = 0.0
 
@@ -110,7 +110,7 @@ def test_what_was_sent_before_a_sleep_is_older_by_it_and_does_not_count(endpoint
         until(lambda: came, 10.0, meanwhile=lambda: loop.listen(0.01))
         assert [value for value, _ in came] == [1], "the command is older than its lifespan"
         assert came[0][1] >= 1.0
-        assert woke == [(1.0, 0)], "it is told before anything is read"
+        assert woke == [(1.0, 0)], "the sleep is reported before anything is read"
 
         came.clear()
         during = receiver.loop.clock() + 0.5  # by a sender whose clock went on

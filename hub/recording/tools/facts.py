@@ -106,8 +106,7 @@ def facts_of_recording(
     Args:
         path: A file or a folder.
         progress: Is called now and then with the share that is done.
-        quick: Whether the index is enough: without sizes, losses, gaps,
-            jumps and marks.
+        quick: Whether the index is enough: without sizes, losses, gaps, jumps and marks.
         unpacked: Most bytes that are unpacked; 0: by its size.
 
     Raises:

@@ -119,9 +119,9 @@ def test_robot_that_rolls_on_is_a_fault(
     with closing(Robot(central.endpoints[0], brakes=False)):
         assert halt_command.halt(client, as_json=True) == 1
     said = capsys.readouterr()
-    told = json.loads(said.out)
-    assert "still moves" in told.pop("problem")
-    assert told | {"seconds": 0.5} == {
+    report = json.loads(said.out)
+    assert "still moves" in report.pop("problem")
+    assert report | {"seconds": 0.5} == {
         "stands": False, "seconds": 0.5, "linear": 0.3, "angular": 0.0,
     }  # fmt: skip
     assert "still moves" in said.err
@@ -190,9 +190,9 @@ def test_without_a_hub_the_code_is_3() -> None:
 def test_without_a_hub_json_says_that_the_robot_was_not_stopped() -> None:
     done = rune_hub("halt", "--json", "--hub", "tcp://127.0.0.1:1")
     assert done.returncode == ExitCode.NO_HUB
-    told = json.loads(done.stdout)
-    assert told["problem"].startswith("the robot was NOT stopped; use its emergency stop: no hub")
-    assert (told["stands"], told["linear"], told["angular"]) == (False, None, None)
+    report = json.loads(done.stdout)
+    assert report["problem"].startswith("the robot was NOT stopped; use its emergency stop: no hub")
+    assert (report["stands"], report["linear"], report["angular"]) == (False, None, None)
 
 
 def test_who_wants_to_stop_the_robot_by_stop_learns_of_halt() -> None:

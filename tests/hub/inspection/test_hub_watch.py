@@ -38,7 +38,7 @@ def test_the_end_and_the_return_of_a_hub_are_said_once(
         with closing(Central([endpoint])):
             until(lambda: watch.answers, 10.0, meanwhile=lambda: watch.listen(0.05))
     lost, back = capsys.readouterr().err.splitlines()
-    assert lost == f"rune-hub: the hub ({endpoint}) does not answer; what it has is not known"
+    assert lost == f"rune-hub: the hub ({endpoint}) does not answer; its state is not known"
     assert back == f"rune-hub: the hub ({endpoint}) answers again"
 
 

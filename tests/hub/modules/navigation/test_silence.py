@@ -59,9 +59,9 @@ def test_after_a_sleep_of_its_computer_the_robot_stands_until_neutral_and_says_w
     assert not any(drive(0.4))
     bus.published.clear()
     bus.sleep(12.0)
-    told = [twist.neutral for _, name, twist in bus.published if name == DRIVE_COMMAND.name]
-    assert told
-    assert all(told)
+    commands = [twist.neutral for _, name, twist in bus.published if name == DRIVE_COMMAND.name]
+    assert commands
+    assert all(commands)
     assert "stopped: the robot's computer slept for 12.0 s" in caplog.text
     assert "the robot's computer slept for 12.0 s" in [
         problem.message
