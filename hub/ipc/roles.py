@@ -13,8 +13,8 @@ import re
 from hub.errors import NotAllowedError
 from hub.values import dataclass
 
-CONTROL = "control"
-"""The entrance of control messages; the other places are "PLANE in" and "PLANE out"."""
+CONTROL, COMMANDS = "control", "command in"
+"""The entrances of control messages and commands; all but the first are "PLANE in" or "out"."""
 _CACHED_PRINCIPALS = 2048
 """Most cached principals; a list has half as many keys."""
 _KEY_PRINT = re.compile(r"[0-9a-f]{32}")

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import contextlib
 import socket
-import struct
 import sys
 from typing import Final
 
-_CREDENTIALS: Final = struct.Struct("3i")
+from hub.ipc.transport import file_descriptors
+
 _ASKING: Final = 16
 """Most others that may ask who has it."""
 _LONGEST: Final = 90
@@ -51,10 +51,7 @@ class MachineClaim:
         with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX) as asking:
             asking.settimeout(0.0)
             asking.connect(self._name)
-            size = _CREDENTIALS.size
-            said = asking.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, size)
-            number, _, _ = _CREDENTIALS.unpack(said)
-            return f"process {number} of this machine"
+            return f"process {file_descriptors.peer_of(asking)[0]} of this machine"
         return "another program of this machine"
 
     def close(self) -> None:

@@ -24,7 +24,7 @@ from hub.ipc.broker.carrying import Judge, carry
 from hub.ipc.broker.subscription_floods import Bounds, FloodWatch
 from hub.ipc.broker.zap import ZapHandler
 from hub.ipc.endpoints import TcpEndpoint
-from hub.ipc.roles import CONTROL, Principal, Role
+from hub.ipc.roles import COMMANDS, CONTROL, Principal, Role
 from hub.ipc.security.client_keys import KeyPair
 from hub.ipc.security.keyring import Keyring
 from hub.ipc.transport import sockets
@@ -33,7 +33,6 @@ from hub.ipc.transport.file_descriptors import BEYOND, Reserve, ends_of, hang_up
 
 _FAILED = zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
 _WATCHED = _FAILED | zmq.EVENT_ACCEPTED | zmq.EVENT_DISCONNECTED
-_COMMANDS = "command in"
 _BROADCASTS = frozenset({"state in", "state out", "picture in", "picture out"})
 _BATCH = 16
 """Most events of one place per turn, before clients of this machine have theirs."""
@@ -216,7 +215,7 @@ class GatewaySockets:
                 (f"{plane} out", zmq.XPUB, zmq.XSUB, outward),
             ):
                 outer = secure(outer_kind, plane, place)
-                if place == _COMMANDS:
+                if place == COMMANDS:
                     outer.maxmsgsize, outer.rcvhwm = command_filter.LONGEST, command_filter.QUEUE
                 if outer_kind == zmq.XPUB:
                     where = f"the gateway's {place}"
@@ -250,7 +249,7 @@ class GatewaySockets:
         self._steering.append(steering)
 
         def hand_on() -> None:
-            if place == _COMMANDS:
+            if place == COMMANDS:
                 carry({outer: self._judge}, inner, steered)
             else:
                 zmq.proxy_steerable(outer, inner, None, steered)

@@ -12,12 +12,11 @@ from typing import Final
 
 from hub.bucket import Bucket
 from hub.ipc.broker.quotas import QUOTAS
-from hub.ipc.roles import CONTROL, Role
+from hub.ipc.roles import COMMANDS, CONTROL, Role
 from hub.ipc.transport.fault_counter import FaultCounter
 from hub.ipc.transport.file_descriptors import received
 from hub.values import dataclass
 
-COMMANDS: Final = "command in"
 _FRAMING: Final = 2.0
 """Bytes on the line for each byte of a control message: CURVE adds 33 to each part."""
 _COMMANDS_PER_S, _COMMANDS_AT_ONCE = float(1 << 20), float(2 << 20)

@@ -82,6 +82,17 @@ def relayed(descriptor: int) -> bool:
     return there.startswith("127.") and there != _OWN_ADDRESS
 
 
+def peer_of(connection: socket.socket) -> tuple[int, int]:
+    """Process and user at the other end of a Unix socket, by SO_PEERCRED; only Linux has that.
+
+    Raises:
+        OSError: The connection has ended.
+    """
+    raw = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size)
+    process, user, _ = _PEER.unpack(raw)
+    return process, user
+
+
 def is_from_this_process(descriptor: int) -> bool:
     """Whether a connection at a Unix socket may come from this process: only Linux shows it."""
     if sys.platform != "linux":
@@ -89,8 +100,7 @@ def is_from_this_process(descriptor: int) -> bool:
     with contextlib.suppress(OSError, struct.error):  # it has ended by itself
         connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM, fileno=descriptor)
         try:
-            peer = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size)
-            return int(_PEER.unpack(peer)[0]) == os.getpid()
+            return peer_of(connection)[0] == os.getpid()
         finally:
             connection.detach()
     return False

@@ -12,11 +12,11 @@ import functools
 import os
 import secrets
 import socket
-import struct
 from typing import Protocol
 
 from hub.errors import FrameError
 from hub.ipc import endpoints
+from hub.ipc.transport import file_descriptors
 from hub.ipc.transport.client_transport import ClientTransport
 from hub.ipc.transport.sockets import CONNECTING
 from hub.ipc.wire import zmtp
@@ -33,7 +33,6 @@ _MOST_AT_ONCE = 8
 """Most reads of a connection in one look: a flood does not keep the others waiting."""
 _GREETING_S = 3.0
 """Longest time until a connection is ready [s]."""
-_PEER = struct.Struct("3i")
 
 
 class TakeGathered(Protocol):
@@ -132,8 +131,7 @@ class GatheringInbox:
 
     def _greet(self, link: socket.socket) -> None:
         """Begin a connection of this user; all others end."""
-        raw = link.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size)
-        if _PEER.unpack(raw)[1] != os.getuid():
+        if file_descriptors.peer_of(link)[1] != os.getuid():
             link.close()
             return
         link.settimeout(0.0)
