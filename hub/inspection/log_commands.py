@@ -117,6 +117,8 @@ def _show_times(facts: RecordingFacts) -> None:
         put(f"no messages for {span((end - begin) / 1e9)} from {date(begin)}")
     for stamp, back in facts.jumps or ():
         put(f"the clock jumps back by {span(back / 1e9)} at {date(stamp)}")
+    if facts.looked and facts.jumps is None:
+        put("jumps of the clock are not known: the messages are read in the order of their stamps")
 
 
 def _show_topics(facts: RecordingFacts, *, quick: bool) -> None:

@@ -213,6 +213,7 @@ def test_recover_reads_what_is_left_of_a_cut_database(tmp_path: Path) -> None:
     content = [*ros_bags.entries(2)]
     folder = ros_bags.write_bag(tmp_path / "rover", storage=StoragePlugin.SQLITE3, content=content)
     assert facts(f"info {folder}")["clock_jumps"] is None, "it is read in the order of stamps"
+    assert "jumps of the clock are not known" in log(f"info {folder}")
     (whole,) = folder.glob("*.db3")
     raw = whole.read_bytes()
     half = tmp_path / "half.db3"
