@@ -42,6 +42,25 @@ def replace(path: Path, content: bytes, *, sync: bool = True, mode: int = 0o644)
         sync_folder(path.parent)
 
 
+def write_output(path: Path, content: bytes, *, sync: bool = True) -> None:
+    """Write a file that a user names: a regular file in one step, else into the device or pipe.
+
+    A link stays: what it leads to is written.
+
+    Args:
+        path: The file.
+        content: Its new content.
+        sync: As in `replace`.
+
+    Raises:
+        OSError: It cannot be written; a regular file is as it was.
+    """
+    if path.exists() and not path.is_file():
+        path.write_bytes(content)
+    else:
+        replace(path.resolve(), content, sync=sync)
+
+
 def sync_folder(folder: Path) -> None:
     """Write to the disk which files a folder has; some file systems cannot, and need not."""
     with contextlib.suppress(OSError):

@@ -297,7 +297,7 @@ def _say(notes: Iterable[str]) -> list[str]:
 
 
 def _written(path: Path, text: str) -> int:
-    files.replace(path, text.encode())
+    files.write_output(path, text.encode())
     sys.stdout.write(f"{plain(str(path))}\n")
     return ExitCode.OK
 

@@ -135,7 +135,7 @@ def _layout(options: argparse.Namespace) -> int:
     if options.output is None:
         sys.stdout.write(text)
     else:
-        files.replace(options.output, text.encode(), sync=False)
+        files.write_output(options.output, text.encode(), sync=False)
     return ExitCode.OK
 
 

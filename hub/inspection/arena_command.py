@@ -61,7 +61,7 @@ def show(name: str, output: Path | None, *, size: int, as_json: bool) -> int:
     if output is not None:
         picture = draw_top_view(arena, [victim.at for victim in spec.victims], size)
         try:
-            files.replace(output, png(picture), sync=False)
+            files.write_output(output, png(picture), sync=False)
         except OSError as error:
             print_error(f"{output} cannot be written: {error.strerror}")
             return ExitCode.FAULT

@@ -33,7 +33,7 @@ class RobotFileOutput:
         """Write the file, if there is one; returns whether that is done, else prints an error."""
         if self._path is not None:
             try:
-                files.replace(self._path, text.encode())
+                files.write_output(self._path, text.encode())
             except OSError as fault:
                 print_error(f"{self._path} cannot be written: {fault.strerror}")
                 return False

@@ -96,7 +96,7 @@ class PictureFile(Output):
             PictureFileError: The file cannot be written.
         """
         try:
-            files.replace(self._path, frame.first, sync=False)
+            files.write_output(self._path, frame.first, sync=False)
         except OSError as error:
             why = error.strerror or error
             text = f"{self._path} cannot be written: {why}; choose another place"

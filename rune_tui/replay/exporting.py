@@ -81,7 +81,7 @@ def export(options: Namespace, opened: Callable[[], ReplaySource]) -> list[str]:
 
 def _write(path: Path, text: str) -> None:
     try:
-        files.replace(path, text.encode())
+        files.write_output(path, text.encode())
     except OSError as error:
         reason = f"{path} cannot be written: {error.strerror or error}; choose another place"
         raise PictureFileError(reason) from error
