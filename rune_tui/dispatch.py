@@ -277,8 +277,7 @@ class Dispatch:
 
     def look(self, state: ConsoleState) -> list[Effect]:
         """Release held inputs of robots whose control changed or that stopped."""
-        stopped = self._changes.look(state.robots.values())
-        return self.end_holds(stopped, state) if stopped else []
+        return self.end_holds(self.stopped_robots(state.robots.values()), state)
 
     def stopped_robots(self, robots: Iterable[RobotState]) -> list[str]:
         """Names of robots whose control changed or that stopped since the last call."""

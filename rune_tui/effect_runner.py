@@ -121,7 +121,7 @@ class EffectRunner:
         if self._current.console.limits is not NO_LIMITS:
             effects = within(effects, self._state())
         for effect in effects:
-            try:
+            with self.guard(effect):  # the next effect may be a stop
                 if isinstance(effect, OrderEffect):
                     self._send(effect)
                     if outcome := undelivered(effect, self._links[effect.robot].state):
@@ -131,8 +131,6 @@ class EffectRunner:
                     self._do(effect)
                 elif not confirms(effect, unreached):
                     self._change(effect)
-            except Exception as error:  # noqa: BLE001 - the next effect may be a stop
-                self.guard.note(effect, error)
 
     def notify(self, outcome: Outcome) -> None:
         """Show the operator a notice."""

@@ -31,18 +31,9 @@ class FaultGuard:
         """
         try:
             yield
-        except Exception as error:  # noqa: BLE001 - a fault of a plugin must not stop the rest
-            self.note(what, error)
-
-    def note(self, what: object, error: Exception) -> None:
-        """Log and report a fault, unless one of its kind was reported.
-
-        Args:
-            what: As for a block.
-            error: The fault.
-        """
-        kind = what if isinstance(what, str) else type(what)
-        if kind not in self._failed:
-            self._failed.add(kind)
-            _logger.error("%r was not done", what, exc_info=error)
-            self._notify(Outcome(text=_NOT_DONE, alarm=True))
+        except Exception:  # a fault of a plugin or of one robot must not stop the rest
+            kind = what if isinstance(what, str) else type(what)
+            if kind not in self._failed:
+                self._failed.add(kind)
+                _logger.exception("%r was not done", what)
+                self._notify(Outcome(text=_NOT_DONE, alarm=True))
