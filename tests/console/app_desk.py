@@ -32,6 +32,7 @@ from rune_tui.model.world import WorldPoint
 from rune_tui.raster.canvas import Canvas
 from rune_tui.terminal.questions import Answers
 from rune_tui.terminal.traits import traits_of
+from rune_tui.ui.driver_reports import ReleasesReported
 
 LAYOUT = """<rune>
   <robot name="magellan" hub="{hub}">
@@ -161,6 +162,11 @@ class Desk:
             while self.robot.speeds[-1:] <= [0.0] and time.monotonic() < again:
                 self.robot.client.listen(0.0)
                 await self.pilot.pause(0.02)
+
+    async def report_releases(self, *, reported: bool = True) -> None:
+        """Let the terminal say whether it reports releases of keys."""
+        self.console.post_message(ReleasesReported(reported=reported))
+        await self.until(lambda: self.console.state.releases_reported is reported)
 
     async def commands(self, count: int) -> list[float]:
         """The next so many speeds that are commanded."""

@@ -23,7 +23,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.effects import Notify, SendEffect
 from rune_tui.model.own_records import RUNE_INPUT
 from rune_tui.terminal.input_stream import KeyMove
-from rune_tui.ui.driver_reports import KeyMoved, ReleasesReported
+from rune_tui.ui.driver_reports import KeyMoved
 from rune_tui.ui.live_state import LiveState
 from rune_tui.view import View
 from tests.console.app_desk import Desk, Script
@@ -121,8 +121,7 @@ def test_a_key_drives_on_and_a_button_is_let_go_when_another_size_moves_viewport
 ):
     async def script(desk: Desk) -> None:
         console = desk.console
-        console.post_message(ReleasesReported(reported=True))
-        await desk.until(lambda: console.state.releases_reported)
+        await desk.report_releases()
         console.post_message(KeyMoved("w", "w", KeyMove.PRESS))
         await desk.until(lambda: desk.robot.speeds[-1] > 0.0)
         await desk.pilot.resize_terminal(120, 20)
@@ -149,7 +148,7 @@ def test_a_key_of_another_script_is_the_us_key_or_is_said_to_do_nothing(
         console.post_message(events.Key("ц", "ц"))
         console.post_message(events.Key("ц", "ц"))
         await desk.until(lambda: [text for text in desk.notices if "ц (U+0446) is bound" in text])
-        console.post_message(ReleasesReported(reported=True))
+        await desk.report_releases()
         console.post_message(KeyMoved("ц", "ц", KeyMove.PRESS, base="w"))
         await desk.until(lambda: desk.robot.speeds[-1:] > [0.0])
         console.post_message(KeyMoved("ц", "ц", KeyMove.RELEASE, base="w"))
@@ -164,12 +163,10 @@ def test_what_is_held_is_let_go_when_the_terminal_tells_of_releases_no_longer(
 ):
     async def script(desk: Desk) -> None:
         console = desk.console
-        console.post_message(ReleasesReported(reported=True))
-        await desk.until(lambda: console.state.releases_reported)
+        await desk.report_releases()
         console.post_message(KeyMoved("w", "w", KeyMove.PRESS))
         await desk.until(lambda: "w" in console.state.held)
-        console.post_message(ReleasesReported(reported=False))
-        await desk.until(lambda: not console.state.releases_reported)
+        await desk.report_releases(reported=False)
         assert not console.state.held
 
     play(script)
@@ -197,10 +194,7 @@ def test_keys_of_a_layout_that_the_terminal_does_not_tell_are_named_once(
         path = tmp_path / "layout.xml"
         path.write_text(path.read_text().replace('"w" control', '"kp_8" control'))
         for reported in (True, False, False):
-            desk.console.post_message(ReleasesReported(reported=reported))
-            await desk.until(
-                lambda reported=reported: desk.console.state.releases_reported is reported
-            )
+            await desk.report_releases(reported=reported)
             await desk.console.effects.open_layout(
                 load_layout(path, desk.console.current.layout.vocabulary)
             )
@@ -356,8 +350,7 @@ def test_a_key_that_drives_has_one_state_built_for_it(
 ):
     async def script(desk: Desk) -> None:
         console, built = desk.console, []
-        console.post_message(ReleasesReported(reported=True))
-        await desk.until(lambda: console.state.releases_reported)
+        await desk.report_releases()
         build = vars(LiveState)["now"].fget
         monkeypatch.setattr(LiveState, "now", property(lambda self: built.append(1) or build(self)))
         for move in (KeyMove.PRESS, KeyMove.RELEASE, KeyMove.PRESS):
@@ -375,8 +368,7 @@ def test_a_key_is_handled_between_the_parts_of_a_frame(
 ):
     async def script(desk: Desk) -> None:
         console, held = desk.console, []
-        console.post_message(ReleasesReported(reported=True))
-        await desk.until(lambda: console.state.releases_reported)
+        await desk.report_releases()
         draw, compose = View.draw, View.compose
 
         def draw_late(view: View, state: ConsoleState) -> DrawnLayers | None:

@@ -120,9 +120,9 @@ DECIDING: Final[dict[str, tuple[str, ...]]] = {
     "visualizeSpeed": ("+0.37",),
     "visualizePlot": ("0.37",),
 }
-"""By the visualizer's function, the words of which one must be there."""
+"""Per visualizer function: a pane that has room shows at least one of these texts."""
 ENDED: Final = {"visualizeAutonomy": ("EXPLORING 62 % BLOCKED",)}
-"""The same after the robot's task has ended."""
+"""Texts that replace these after the robot's task has ended."""
 OLD: Final = {
     "visualizeLink": ("LINK LOST 30 s", "30 s old"),
     "visualizeStatus": ("was MOVING", "LINK LOST"),
@@ -130,13 +130,13 @@ OLD: Final = {
     "visualizeAttention": ("LINK LOST 30 s",),
     "visualizeAlarms": ("LINK LOST 30 s", "not known"),
 }
-"""The same of a robot whose link is lost."""
+"""Texts that replace these after the link to the robot is lost."""
 BESIDE: Final = {
     "visualizeEventLog": len("14:06 "),
     "visualizeAttention": len(": … +2"),
     "visualizeStatus": len("…"),
 }
-"""Columns that a pane needs beside these words."""
+"""Room that a pane needs besides its text [cells]."""
 
 
 def _panes(

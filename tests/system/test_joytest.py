@@ -49,11 +49,11 @@ def joytest(bed: VirtualBed, *options: str) -> str:
 
 @pytest.mark.usefixtures("pad")
 def test_what_is_plugged_in_is_listed_with_its_controls(bed: VirtualBed) -> None:
-    (told,) = json.loads(joytest(bed, "--list", "--json"))
-    assert (told["vid"], told["pid"], told["serial"]) == ("046d", "c216", "7")
-    assert told["trouble"] == ""
+    (device,) = json.loads(joytest(bed, "--list", "--json"))
+    assert (device["vid"], device["pid"], device["serial"]) == ("046d", "c216", "7")
+    assert device["trouble"] == ""
     stick = {"type": "axis", "index": 1, "usage": "y", "role": "lefty", "min": 0, "max": 255}
-    assert stick in told["controls"]
+    assert stick in device["controls"]
     assert "12 of type button" in joytest(bed, "--list")
     assert 'KERNELS=="*:046D:C216.*"' in joytest(bed, "--udev")
 
@@ -63,24 +63,28 @@ def test_roles_are_those_of_the_users_own_file(bed: VirtualBed) -> None:
     path = user_file("gamecontrollerdb.txt")
     path.parent.mkdir(parents=True)
     path.write_text("030000006d04000016c2000010010000,mine,rightx:a1,platform:Linux\n")
-    (told,) = json.loads(joytest(bed, "--list", "--json"))
-    assert {each["usage"]: each["role"] for each in told["controls"]}["y"] == "rightx"
+    (device,) = json.loads(joytest(bed, "--list", "--json"))
+    assert {each["usage"]: each["role"] for each in device["controls"]}["y"] == "rightx"
 
 
 @pytest.mark.usefixtures("pad")
-def test_a_file_of_roles_that_cannot_be_read_is_told_of(bed: VirtualBed) -> None:
+def test_a_file_of_roles_that_cannot_be_read_is_an_error_on_the_screen(bed: VirtualBed) -> None:
     user_file("gamecontrollerdb.txt").mkdir(parents=True)
     with closing(ConsoleProcess(["joytest"], environment=bed.environment, columns=200)) as shown:
-        shown.wait(lambda: "it is no regular file" in shown.text, 20.0, "it is not told")
+        shown.wait(lambda: "it is no regular file" in shown.text, 20.0, "no error is shown")
         assert "reports a second" in shown.text
         shown.type("\x03")
         assert shown.wait_ended() == 0
 
 
-def test_nothing_that_is_plugged_in_is_said_to_be_so(bed: VirtualBed) -> None:
+def test_without_a_joystick_it_says_whether_the_system_lists_devices_at_all(
+    bed: VirtualBed,
+) -> None:
     for options in (("--list",), ("--udev",)):
-        told = joytest(bed, *options).removeprefix("# ")
-        assert told.startswith("not known whether a joystick is plugged in: this system lists no")
+        printed = joytest(bed, *options).removeprefix("# ")
+        assert printed.startswith(
+            "not known whether a joystick is plugged in: this system lists no"
+        )
     assert json.loads(joytest(bed, "--json")) is None, "not known is not none"
     bed.plug("ion_icade_bt")  # a keyboard
     assert joytest(bed, "--list") == "no joystick is plugged in\n"
