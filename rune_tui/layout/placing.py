@@ -167,9 +167,12 @@ def _over(place: PlaceSpec, hole: PlaceSpec) -> Iterator[PlaceSpec]:
             yield dataclasses.replace(place, xpos=hole.xpos, xsize=right - hole.xpos)
 
 
-def _meet(*places: PlaceSpec) -> bool:
-    one, other = (Area(x=p.xpos, y=p.ypos, width=p.xsize, height=p.ysize) for p in places)
-    return one.meets(other)
+def _meet(one: PlaceSpec, other: PlaceSpec) -> bool:
+    return _area(one).meets(_area(other))
+
+
+def _area(place: PlaceSpec) -> Area:
+    return Area(x=place.xpos, y=place.ypos, width=place.xsize, height=place.ysize)
 
 
 def _effort(place: PlaceSpec, hole: PlaceSpec, larger: PlaceSpec) -> tuple[int, int]:

@@ -83,11 +83,13 @@ class Attention(PlainVisualizer):
 def _rows(state: ConsoleState, columns: int) -> list[tuple[TextRow, bool]]:
     """Each entry in words, and whether it waits for the operator."""
     cells = list(_cells(state))
+    if not cells:
+        return []
     # Mark and age make room for the words that decide; the robot does not.
-    named = not cells or _ROBOT in kept_columns(cells, _WEIGHTS, columns, _LEAST_WORDS)
+    named = _ROBOT in kept_columns(cells, _WEIGHTS, columns, _LEAST_WORDS)
     least = _LEAST_WORDS if named else LEAST_TEXT
     lines = tabled(cells, _WEIGHTS, columns, least)
-    if cells and [*kept_columns(cells, _WEIGHTS, columns, least)] == [_WORDS]:
+    if [*kept_columns(cells, _WEIGHTS, columns, least)] == [_WORDS]:
         # A part of the word that decides says more than none: "BATTERY CRIT…".
         lines = tuple(cut_anywhere(each[_WORDS], columns) for each in cells)
     return [
