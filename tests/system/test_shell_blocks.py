@@ -1,4 +1,4 @@
-"""Commands in shell blocks of the documentation are understood; those after a $ are run."""
+"""Commands in shell blocks of pages are understood; `test_docs.py` runs those of console blocks."""
 
 from __future__ import annotations
 
