@@ -8,13 +8,10 @@ at once, because the modules that are forked from it share them.
 from __future__ import annotations
 
 import dataclasses
-import operator
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn
 
-__all__ = ["Making", "dataclass", "replaced"]
-
-T = TypeVar("T")
+__all__ = ["Making", "dataclass"]
 
 
 class Making:
@@ -40,37 +37,6 @@ else:
             return dataclasses.dataclass(frozen=frozen, **options)(kind)
 
         return decorate
-
-
-def replaced(value: T, **changes: Any) -> T:  # noqa: ANN401 - the fields have several types
-    """As `dataclasses.replace`, in less than half of its time.
-
-    Args:
-        value: A value of a class with slots, at least two fields and no `__post_init__`.
-        changes: Its other fields.
-    """
-    kind = type(value)
-    read, writers = _ACCESS.get(kind) or _access(kind)
-    copy = object.__new__(kind)
-    for write, each in zip(writers.values(), read(value), strict=True):
-        write(copy, each)
-    for name, each in changes.items():
-        writers[name](copy, each)
-    return copy
-
-
-_Access: TypeAlias = tuple[
-    Callable[[object], tuple[object, ...]], dict[str, Callable[[object, object], None]]
-]
-"""A function that reads all fields of a class, and one for each field that writes it."""
-_ACCESS: dict[type, _Access] = {}
-
-
-def _access(kind: type[Any]) -> _Access:
-    names = [field.name for field in dataclasses.fields(kind)]
-    writers = {name: getattr(kind, name).__set__ for name in names}
-    access = _ACCESS[kind] = operator.attrgetter(*names), writers
-    return access
 
 
 def _is_late(kind: type) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import enum
 import math
 from collections import Counter
@@ -22,7 +23,7 @@ from hub.gcm.vision import CAMERA_STATE, CameraState, ImageCoding
 from hub.ipc.definition import MessageDefinition
 from hub.ipc.roles import Role
 from hub.ipc.security.publish_rights import may_publish
-from hub.values import dataclass, replaced
+from hub.values import dataclass
 
 T = TypeVar("T")
 
@@ -242,7 +243,7 @@ class RobotState:
 
     def with_(self, **changes: Any) -> RobotState:  # noqa: ANN401 - the fields have several types
         """A copy with other values."""
-        return replaced(self, **changes)
+        return dataclasses.replace(self, **changes)
 
 
 def titles(robots: Iterable[RobotState]) -> dict[str, str]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 
-from hub.values import replaced
 from rune_tui.files.recorder import Recorder
 from rune_tui.link.robot_links import RobotLinks
 from rune_tui.model.console_state import ConsoleState
@@ -43,7 +43,7 @@ class LiveState:
     def now(self) -> ConsoleState:
         """The console's state now."""
         view, keyboard = self._current.view, self._inputs.keyboard
-        return replaced(
+        return dataclasses.replace(
             self._current.console,
             now=time.monotonic(),
             places=view.places,

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from hub.values import Making, dataclass, replaced
+from hub.values import Making, dataclass
 from tests.support.cases import for_each
 
 
@@ -103,16 +103,6 @@ class NamedPose(Pose):
 def test_values_are_copied_and_pickled() -> None:
     pose = Pose(1.0, 2.0)
     assert copy.copy(pose) == pickle.loads(pickle.dumps(pose)) == copy.deepcopy(pose) == pose
-
-
-def test_a_replaced_value_differs_in_the_given_fields_only() -> None:
-    pose, named = Pose(1.0, 2.0), NamedPose(1.0, 2.0, "home")
-    for _ in range(2):
-        assert replaced(pose, theta=3.0) == dataclasses.replace(pose, theta=3.0)
-        assert replaced(named, x=0.0, name="away") == NamedPose(0.0, 2.0, "away")
-    assert (pose, named) == (Pose(1.0, 2.0), NamedPose(1.0, 2.0, "home"))
-    with pytest.raises(KeyError, match="other"):
-        replaced(pose, other=1.0)
 
 
 def test_a_subclass_keeps_the_methods_that_it_defines() -> None:
