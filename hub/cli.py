@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import errno
 import functools
 import gc
@@ -23,9 +22,11 @@ from hub.command_line import (
     ExitCode,
     ShowVersion,
     add_completion,
+    leave,
     number_type,
     write_completion,
 )
+from hub.command_output import print_error
 from hub.doors.fleet.options import add_fleet, run_fleet
 from hub.doors.options import add_serve, run_serve
 from hub.errors import (
@@ -78,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return run_command(options)
     except KeyboardInterrupt:
-        leave()
+        _end_interrupted(options.command)
     except BrokenPipeError:
         sys.stderr.close()  # the reader of the output has ended
         return ExitCode.OK
@@ -97,12 +98,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return ExitCode.FAULT
 
 
-def leave() -> NoReturn:
-    """End at once: Ctrl-C can interrupt the making of sockets, and closing them would wait."""
-    for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(OSError, ValueError, AttributeError):
-            stream.flush()
-    os._exit(ExitCode.OK)
+def _end_interrupted(command: str) -> NoReturn:
+    """End after Ctrl-C; a stop of the robot has failed then."""
+    if command != "halt":
+        leave(ExitCode.OK)
+    print_error("interrupted: the robot may still move; use its emergency stop")
+    leave(ExitCode.FAULT)
 
 
 def run_command(options: argparse.Namespace) -> int:
@@ -136,7 +137,7 @@ def _inspect(options: argparse.Namespace, hub: hub_sockets.RunningHub | None = N
         try:
             return _run_inspection(client, options, hub=name)
         except KeyboardInterrupt:
-            leave()
+            _end_interrupted(options.command)
         finally:
             client.close()
 

@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import enum
 import getpass
+import os
 import re
 import signal
 import sys
@@ -46,6 +47,14 @@ class ExitCode(enum.IntEnum):
     USAGE = 2
     NO_HUB = 3
     NOT_KEPT = 4
+
+
+def leave(code: ExitCode) -> NoReturn:
+    """End at once: Ctrl-C can interrupt the making of sockets, and closing them would wait."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError, AttributeError):
+            stream.flush()
+    os._exit(code)
 
 
 class CommandParser(argparse.ArgumentParser):

@@ -56,5 +56,5 @@ def _ended(
     return subprocess.CompletedProcess(arguments, code, said.getvalue(), complained.getvalue())
 
 
-def _interrupted() -> None:
+def _interrupted(_code: int) -> None:
     raise KeyboardInterrupt

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import socket
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
@@ -193,6 +196,19 @@ def test_without_a_hub_json_says_that_the_robot_was_not_stopped() -> None:
     report = json.loads(done.stdout)
     assert report["problem"].startswith("the robot was NOT stopped; use its emergency stop: no hub")
     assert (report["stands"], report["linear"], report["angular"]) == (False, None, None)
+
+
+def test_a_stop_that_is_interrupted_does_not_end_as_one_that_succeeded() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "hub", "halt", "--hub", "tcp://127.0.0.1:1"],
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as halting:
+        assert halting.stderr is not None
+        assert "NOT stopped yet" in halting.stderr.readline()
+        halting.send_signal(signal.SIGINT)
+        assert "may still move; use its emergency stop" in halting.stderr.readline()
+    assert halting.returncode == ExitCode.FAULT
 
 
 def test_who_wants_to_stop_the_robot_by_stop_learns_of_halt() -> None:
