@@ -168,7 +168,7 @@ def _write(path: Path, text: str) -> None:
         RobotFileError: It cannot be written.
     """
     try:
-        files.replace(path, text.encode())
+        files.write_output(path, text.encode())
     except OSError as error:
         raise RobotFileError(str(path), [f"cannot be written: {error.strerror}"]) from error
     _say(f"written: {path}")

@@ -13,6 +13,7 @@ from hub.gcm.ranges import RANGES
 from rune_tui.layout.rules import VisualizerRule
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import LinkPhase, RobotState
+from rune_tui.model.vehicle import hears_problems
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.fitting import write_fitted
@@ -31,7 +32,7 @@ class Alarms(PlainVisualizer):
 
     rule: ClassVar = VisualizerRule(
         meaning="what is wrong now, except what the banner says, the worst first; all well if "
-        "nothing is",
+        "modules report and nothing is",
         message=ROBOT_STATE.name,
         others=(
             "GCM_CameraState",
@@ -94,5 +95,6 @@ def _nothing(robot: RobotState, state: ConsoleState) -> str:
     """The words without further problems; what is wrong with a lost robot is not known."""
     if robot.link.phase is not LinkPhase.CONNECTED:
         return "not known: no link"
-    elsewhere = _alarmed(state) or bool(troubles(robot, state))
-    return "nothing else" if elsewhere else "all well"
+    if _alarmed(state) or troubles(robot, state):
+        return "nothing else"
+    return "all well" if hears_problems(robot, state.now) else "not known yet"

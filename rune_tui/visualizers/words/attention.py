@@ -9,6 +9,7 @@ from rune_tui.layout.rules import Purpose, VisualizerRule
 from rune_tui.model.attention import AttentionEntry, next_robot
 from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.robot_state import RobotState
+from rune_tui.model.vehicle import hears_problems
 from rune_tui.raster.canvas import Canvas
 from rune_tui.raster.shapes import drawing
 from rune_tui.raster.urgency import Urgency
@@ -71,13 +72,18 @@ class Attention(PlainVisualizer):
         if len(rows) > canvas.rows:
             canvas.text(columns - len(more), canvas.rows - 1, more, theme.ink)
         if not rows:
-            several = len(state.robots) > 1
-            words = "no alarms: all well" if several else "no alarms"
-            canvas.text(0, 0, cut(words, canvas.width), theme.faint)
+            canvas.text(0, 0, cut(_no_rows(state), canvas.width), theme.faint)
 
     def source(self, _robot: RobotState, state: ConsoleState) -> Hashable:
         """Changes with any word."""
-        return tuple(_rows(state, 1000)), len(state.robots), state.theme.name
+        return tuple(_rows(state, 1000)), _no_rows(state), state.theme.name
+
+
+def _no_rows(state: ConsoleState) -> str:
+    """The words where nothing waits; of a single robot, its own pane says whether it is well."""
+    robots = state.robots.values()
+    well = len(robots) > 1 and all(hears_problems(each, state.now) for each in robots)
+    return "no alarms: all well" if well else "no alarms"
 
 
 def _rows(state: ConsoleState, columns: int) -> list[tuple[TextRow, bool]]:

@@ -22,7 +22,7 @@ from rune_tui.raster.urgency import Urgency
 from rune_tui.visualizers.parts.rows import GAP, TextRow, cut, flowing, kept_columns
 from rune_tui.visualizers.parts.severity import Severity, ink_of
 from rune_tui.visualizers.visualizer import PlainVisualizer
-from rune_tui.visualizers.words.team_words import TeamRow, team_row
+from rune_tui.visualizers.words.team_words import WELL, TeamRow, team_row
 
 _WEIGHTS: Final = (10, 12, 1, 6, 9, 5, 7, 4, 3, 11)
 """Importance of the cells of a row: with little room, the least important are left out."""
@@ -107,7 +107,8 @@ def _write_row(
 
 def _write_rest(canvas: Canvas, rest: Sequence[TeamRow], theme: Theme) -> None:
     ill = sum(row.rank[0] > 0 for row in rest)
-    more = f"{ill} of them with problems" if ill else "all well"
+    well = "all well" if all(row.rank == WELL for row in rest) else "not known yet"
+    more = f"{ill} of them with problems" if ill else well
     severity = Severity.WARNING if ill else Severity.FAINT
     words = cut(f"{len(rest)} more: {more}", canvas.width)
     canvas.text(0, canvas.rows - 1, words, ink_of(severity, theme))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from hub.gcm.flight import ALTITUDE
 from hub.gcm.navigation import MotionState
@@ -13,7 +14,7 @@ from rune_tui.model.console_state import ConsoleState
 from rune_tui.model.control import Standing, asks, control_of, standing
 from rune_tui.model.robot_state import LinkPhase, RobotState
 from rune_tui.model.robot_task import task_of
-from rune_tui.model.vehicle import vehicle_of
+from rune_tui.model.vehicle import hears_problems, vehicle_of
 from rune_tui.visualizers.parts.severity import Part, Severity
 from rune_tui.visualizers.parts.staleness import Staleness, age_text, staleness
 from rune_tui.visualizers.parts.task_words import duration, head
@@ -43,6 +44,10 @@ _QUIET = frozenset({MotionState.STANDING, MotionState.MOVING})
 _LEAST_WIDTHS = (1, 0, 0, 4, 8, 8, 4, 11, 13, 0)
 """Widths of the cells, so that columns stay where they are while words change [cells]."""
 _SIGNS = {Severity.ALARM: "!! ", Severity.WARNING: "! "}
+
+
+WELL: Final = (0, 0.0)
+"""The rank of a robot without problems, as its modules report; not known is above it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +106,9 @@ def _worst(robot: RobotState, state: ConsoleState) -> tuple[Part, tuple[int, flo
     """The worst problem with the number of the others, and its rank."""
     found = [part for part in troubles(robot, state) if part.cause]
     if not found:
-        return Part("all well", 0, Severity.FAINT), (0, 0.0)
+        if hears_problems(robot, state.now):
+            return Part("all well", 0, Severity.FAINT), WELL
+        return Part("not known yet", 0, Severity.FAINT), (0, 1.0)
     worst = found[0]
     more = f" +{len(found) - 1}" if len(found) > 1 else ""
     text = f"{_SIGNS[worst.severity]}{worst.short or worst.text}{more}"

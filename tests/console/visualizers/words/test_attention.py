@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from rune_tui.layout.rules import Purpose
@@ -88,5 +89,10 @@ def test_entries_without_room_are_counted(draw) -> None:
     assert rows(draw, *QUEUE, size=(40, 4))[1].endswith("+2")
 
 
-def test_an_empty_queue_says_that_all_is_well(draw) -> None:
+def test_an_empty_queue_says_that_all_is_well_once_all_robots_report(draw) -> None:
     assert rows(draw)[0] == "no alarms: all well"
+    shown = state()
+    silent = shown.robots["rov"].with_(diagnostics={})
+    shown = replace(shown, robots={**shown.robots, "rov": silent})
+    drawn = words(draw("visualizeAttention", silent, (70, 12), state=shown))
+    assert drawn[0] == "no alarms"

@@ -228,7 +228,7 @@ def test_a_robot_whose_problems_are_not_reported_is_not_called_well(made, draw) 
     for heard in ({}, {1: made.received(Diagnostics(), GONE_S)}):
         for since, said in (
             (NOW - START_S, "! its problems are not known: no module reports them"),
-            (NOW - 0.9 * START_S, "magellan: all well"),
+            (NOW - 0.9 * START_S, "magellan: not known yet"),
         ):
             robot = made.robot(diagnostics=heard, link=made.link(since=since))
             assert rows(draw("visualizeAlarms", robot, (60, 4))) == [said]

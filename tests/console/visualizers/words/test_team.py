@@ -134,6 +134,13 @@ def test_what_matters_least_goes_first(draw) -> None:
     assert gone == sorted(gone, reverse=True)
 
 
+def test_a_robot_that_has_reported_no_problems_yet_is_not_called_well(draw) -> None:
+    state = team(*(robot(f"r{number}").with_(diagnostics={}) for number in range(1, 6)))
+    lines = rows(draw, state, columns=140, height=6)
+    assert "not known yet" in lines[0]
+    assert lines[2] == "3 more: not known yet"
+
+
 def test_with_few_rows_the_chosen_robot_and_the_worst_are_shown(draw) -> None:
     eight = [robot(f"r{number}") for number in range(1, 9)]
     eight[5] = robot("r6", battery_fraction=0.05)
